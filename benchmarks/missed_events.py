@@ -128,7 +128,7 @@ def sums_agree(count: int, seed: int) -> None:
 
 
 def one_in_each(pairs: Array, found: Array) -> bool:
-    """Return whether there is one phase between each pair, and no other."""
+    """True if there is one phase between each pair, and no other."""
     if len(pairs) != found.size:
         return False
     return all(np.sum((found - low) % TURN < high - low) == 1 for low, high in pairs)

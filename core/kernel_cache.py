@@ -147,7 +147,7 @@ def loop_name(source: str) -> str:
 
 
 def is_on_disk(source: str) -> bool:
-    """Return whether the code of a source text has been compiled before, and kept."""
+    """True if the code of a source text has been compiled before, and kept."""
     path = folder(LOOPS)
     return path is not None and any(path.glob(f"{loop_name(source)}.*"))
 

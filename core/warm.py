@@ -58,7 +58,7 @@ def warm(processes: int) -> Path | None:
 
 
 def is_warm() -> bool:
-    """Return whether every kernel has been compiled for this processor, and kept."""
+    """True if every kernel has been compiled for this processor, and kept."""
     marks = [_mark(package) for package in STUDIES]
     return all(mark is not None and mark.exists() for mark in marks)
 

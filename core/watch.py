@@ -43,7 +43,7 @@ class Watch:
     threads: int | None = None
 
     def stopped(self) -> bool:
-        """Return whether no further cell is to be started, and none gone on with."""
+        """True if no further cell is to be started, and none gone on with."""
         late = self.deadline is not None and time.monotonic() >= self.deadline
         return late or (self.stop is not None and self.stop())
 

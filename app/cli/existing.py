@@ -68,7 +68,7 @@ def refuse_others(
 
 
 def _is_whole(prepared: Prepared, target: str) -> bool:
-    """Return whether no stop left a cell of a result of this study uncomputed or unverified."""
+    """True if no stop left a cell of a result of this study uncomputed or unverified."""
     if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)
     return is_whole(read_result(target))

@@ -95,7 +95,7 @@ def new(
 
 
 def is_terminal() -> bool:
-    """Return whether somebody can answer."""
+    """True if somebody can answer."""
     return sys.stdin.isatty()
 
 

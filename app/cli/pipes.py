@@ -19,7 +19,7 @@ FORM = ".csv"
 
 
 def is_standard(output: str | None) -> bool:
-    """Return whether an output is standard output: ``-``, or ``-`` and a suffix."""
+    """True if an output is standard output: ``-``, or ``-`` and a suffix."""
     return output is not None and (output == "-" or output.startswith("-."))
 
 

@@ -49,7 +49,7 @@ class Question:
     unless: str = ""
 
     def belongs(self, answers: Mapping[str, str]) -> bool:
-        """Return whether it matters, after the earlier answers."""
+        """True if it matters, after the earlier answers."""
         return self.unless not in answers and all(
             answers.get(name) in words.split() for name, words in self.needs.items()
         )

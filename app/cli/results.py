@@ -178,7 +178,7 @@ def _choice(choice: Mapping[str, float], units: ShownUnits) -> str:
 
 
 def is_infeasible(result: Table) -> bool:
-    """Return whether no design of an optimisation has a solution."""
+    """True if no design of an optimisation has a solution."""
     status = result.variables.get("optimum_status")
     return status is not None and bool(
         np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)

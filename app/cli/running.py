@@ -173,7 +173,7 @@ class Running:
 
 
 def _is_streamed(sweep: Prepared, target: str) -> bool:
-    """Return whether a sweep is written tile by tile, in place of being held in memory."""
+    """True if a sweep is written tile by tile, in place of being held in memory."""
     suffix = suffix_of(target)
     return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 

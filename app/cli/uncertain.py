@@ -34,12 +34,12 @@ BESIDE = ("_error", "_distribution")
 
 
 def is_uncertain(result: Table) -> bool:
-    """Return whether a result is that of a study of uncertain parameters."""
+    """True if a result is that of a study of uncertain parameters."""
     return "uncertain_parameters" in result.attributes
 
 
 def is_short(name: str) -> bool:
-    """Return whether a variable stands in the short table of many designs."""
+    """True if a variable stands in the short table of many designs."""
     return not name.endswith(BESIDE)
 
 

@@ -196,11 +196,11 @@ class Admission:
         return None
 
     def may_read(self, key: str, who: Key) -> bool:
-        """Return whether somebody may read a study."""
+        """True if somebody may read a study."""
         return who.sees_all or bool(self.ownership.readable(who.name, key))
 
     def knows_result(self, key: str, who: Key) -> bool:
-        """Return whether somebody may know that the result of a study is there."""
+        """True if somebody may know that the result of a study is there."""
         return who.sees_all or any(one.result for one in self.ownership.readable(who.name, key))
 
     def take_result(self, key: str, needed: int, who: Key) -> None:

@@ -42,7 +42,7 @@ class Blocks(Studies):
     """Keeps studies, and the blocks that are computed of them, in a folder within each."""
 
     def has_block(self, key: str, cells: int, index: int) -> bool:
-        """Return whether a block of a study cut into pieces of so many cells is there."""
+        """True if a block of a study cut into pieces of so many cells is there."""
         return self._block(key, cells, index).exists()
 
     def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
@@ -83,7 +83,7 @@ class Blocks(Studies):
             self._given_up(key, claim).touch()
 
     def is_given_up(self, key: str, claim: str) -> bool:
-        """Return whether workers have been told so."""
+        """True if workers have been told so."""
         return self._given_up(key, claim).exists()
 
     def _given_up(self, key: str, claim: str) -> Path:

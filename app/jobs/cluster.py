@@ -74,7 +74,7 @@ class Cluster:
         return sum(threads.values())
 
     async def has_nanny(self, worker: str) -> bool:
-        """Return whether a worker would be started again if it were killed, or is gone."""
+        """True if a worker would be started again if it were killed, or is gone."""
         client = await self.client()
         # All of them: by default the scheduler tells of a few.
         scheduler: Any = client.scheduler

@@ -36,7 +36,7 @@ SQLITE = {
 
 
 def passes(error: OSError | sqlite3.OperationalError) -> bool:
-    """Return whether what is wrong soon passes by itself."""
+    """True if what is wrong soon passes by itself."""
     return why(error) in PASSING
 
 

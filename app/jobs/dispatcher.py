@@ -151,7 +151,7 @@ class Dispatcher:
             ) from error
 
     async def is_there(self, item: Work) -> bool:
-        """Return whether a result is there; blocks that a late worker left go then."""
+        """True if a result is there; blocks that a late worker left go then."""
         await self._thread_pool(self._store.drop_blocks, item.key)
         if await self._thread_pool(self._store.manifest, item.key) is None:
             return False

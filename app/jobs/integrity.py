@@ -35,7 +35,7 @@ class Integrity:
             lane.shutdown(wait=False, cancel_futures=True)
 
     async def is_sound(self, file: FileIO, digest: str) -> bool:
-        """Return whether an open file has a SHA-256; the event loop does not wait for the disk."""
+        """True if an open file has a SHA-256; the event loop does not wait for the disk."""
         found = os.fstat(file.fileno())
         if self._knows(_mark(found, digest)):
             return True
@@ -47,7 +47,7 @@ class Integrity:
         return await asyncio.wrap_future(looking)
 
     def look(self, file: FileIO, digest: str) -> bool:
-        """Return whether an open file has a SHA-256; read it unless it is known to."""
+        """True if an open file has a SHA-256; read it unless it is known to."""
         mark = _mark(os.fstat(file.fileno()), digest)
         if self._knows(mark):
             return True
@@ -70,7 +70,7 @@ class Integrity:
 
 
 def has_digest(path: Path, digest: str) -> bool:
-    """Return whether a file is there and has a SHA-256; it is read, whatever is known of it.
+    """True if a file is there and has a SHA-256; it is read, whatever is known of it.
 
     One that the disk does not give back is none; what else is wrong raises `OSError`.
     """

@@ -68,7 +68,7 @@ class Key:
     hash: str = ""
 
     def stands(self, now: float) -> bool:
-        """Return whether it is in force."""
+        """True if it is in force."""
         return self.withdrawn is None and (self.ends is None or now < self.ends)
 
     @property

@@ -257,7 +257,7 @@ class Ledger:
         return _work(row, owner)
 
     def holds(self, work: Work) -> bool:
-        """Return whether a claim still stands: not lost, and the work is still wanted."""
+        """True if a claim still stands: not lost, and the work is still wanted."""
         return bool(self._read(select(WORK.c.key).where(_claimed(work))))
 
     def renew(self, work: Work, lease_seconds: float) -> bool:

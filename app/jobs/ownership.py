@@ -93,7 +93,7 @@ class Ownership:
             connection.execute(HOLDINGS.update().where(is_meant).values(shared=int(shared)))
 
     def is_shared(self, owner: str | None, key: str) -> bool:
-        """Return whether an owner, or anybody where it is None, shares a study."""
+        """True if an owner, or anybody where it is None, shares a study."""
         is_meant = (HOLDINGS.c.key == key) & (HOLDINGS.c.shared == 1)
         if owner is not None:
             is_meant &= HOLDINGS.c.owner == owner

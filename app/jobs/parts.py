@@ -42,7 +42,7 @@ def sensible_count(prepared: Prepared) -> int:
 
 
 def is_in_parts(prepared: Prepared, settings: Settings) -> bool:
-    """Return whether a job is carried out in parts: what is reduced, or too large for memory."""
+    """True if a job is carried out in parts: what is reduced, or too large for memory."""
     if prepared.part_of == ANSWERS:
         return True
     large = prepared.cells > settings.max_cells or prepared.bytes > settings.max_bytes

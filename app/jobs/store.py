@@ -212,7 +212,7 @@ class Store(Blocks):
         return self._finish(key, write, making)
 
     def has_group(self, key: str) -> bool:
-        """Return whether the Zarr group of a study has been joined; a torn one is taken away."""
+        """True if the Zarr group of a study has been joined; a torn one is taken away."""
         group = self.folder(key) / ZARR
         if group.exists() and not (group / GROUP).is_file():
             self.take_away(key, group)
@@ -307,7 +307,7 @@ def _known(folder: Path, name: str) -> dict[str, Any]:
 
 
 def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
-    """Return whether a file of a result is there, with its size; of a group, its documents are."""
+    """True if a file of a result is there, with its size; of a group, its documents are."""
     if name == ZARR:
         listed = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
         return listed and (folder / ZARR / GROUP).is_file()

@@ -70,6 +70,6 @@ def _ranges(header: str) -> dict[str, float]:
 
 
 def takes_gzip(accept_encoding: str) -> bool:
-    """Return whether a client takes gzip."""
+    """True if a client takes gzip."""
     ranges = _ranges(accept_encoding)
     return ranges.get("gzip", ranges.get("x-gzip", ranges.get("*", 0.0))) > 0

@@ -187,7 +187,7 @@ def _there() -> Iterator[None]:
 
 
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
-    """Return whether lists of ETags, or ``*``, name one; weak ones do not count as `strong`."""
+    """True if lists of ETags, or ``*``, name one; weak ones do not count as `strong`."""
     if any(header.strip() == "*" for header in headers):
         return True
     found = _TAGS.findall(",".join(headers))

@@ -122,7 +122,7 @@ def read_execution(content: object, kind: str) -> Execution:
 
 
 def _read_wishes(content: Mapping[str, Any]) -> bool:
-    """Return whether the reply is to be a document; raise `StudyError` for other outputs."""
+    """True if the reply is to be a document; raise `StudyError` for other outputs."""
     problems = []
     response = content.get("response", "raw")
     if response not in ("raw", "document"):

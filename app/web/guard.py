@@ -54,7 +54,7 @@ PAGE_POLICY = (
 
 
 def is_loopback(host: str) -> bool:
-    """Return whether only this machine reaches an address; of names, only localhost counts."""
+    """True if only this machine reaches an address; of names, only localhost counts."""
     try:
         address = ipaddress.ip_address(host)
     except ValueError:
@@ -64,17 +64,17 @@ def is_loopback(host: str) -> bool:
 
 
 def is_open(path: str) -> bool:
-    """Return whether a path is answered without a key."""
+    """True if a path is answered without a key."""
     return path in OPEN or is_docs(path) or is_page(path)
 
 
 def is_docs(path: str) -> bool:
-    """Return whether a path belongs to the documentation's page."""
+    """True if a path belongs to the documentation's page."""
     return path in DOCS or path.startswith(tuple(f"{start}/" for start in DOCS))
 
 
 def is_page(path: str) -> bool:
-    """Return whether a path belongs to the page for browsers."""
+    """True if a path belongs to the page for browsers."""
     return path == "/" or path.startswith("/page/")
 
 

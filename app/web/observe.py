@@ -102,7 +102,7 @@ class _Sparing:
         self._second, self._lines, self._untold = 0, 0, 0
 
     def has_room(self) -> bool:
-        """Return whether one more line may be written in this second."""
+        """True if one more line may be written in this second."""
         now = int(time.monotonic())
         if now != self._second:
             if self._untold:

@@ -26,7 +26,7 @@ class Tide:
         self._highest = max(self._highest, now)
 
     def has_fallen(self, now: int, by: int) -> bool:
-        """Return whether it is so much less than once, since this was last true."""
+        """True if it is so much less than once, since this was last true."""
         self.rise(now)
         if self._highest - now < by:
             return False
@@ -64,7 +64,7 @@ class Unsent:
             self._bytes -= size
 
     def has_fallen(self, by: int) -> bool:
-        """Return whether so much less is counted than once, since this was last true."""
+        """True if so much less is counted than once, since this was last true."""
         with self._lock:
             return self._tide.has_fallen(self._bytes, by)
 

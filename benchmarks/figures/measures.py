@@ -32,14 +32,14 @@ def at_largest(values: xr.DataArray) -> dict[str, float]:
 
 
 def is_polynomial(values: xr.DataArray, dim: str, degree: int) -> bool:
-    """Return whether values over an even axis are a polynomial, and of no lower degree."""
+    """True if values over an even axis are a polynomial, and of no lower degree."""
     size = float(abs(values).max())
     rest = float(abs(values.diff(dim, degree + 1)).max())
     return rest <= EXACT * size < float(abs(values.diff(dim, degree)).max())
 
 
 def is_sinusoidal(values: xr.DataArray, dim: str) -> bool:
-    """Return whether values over an angle are a constant, a cosine and a sine of it."""
+    """True if values over an angle are a constant, a cosine and a sine of it."""
     angle = np.deg2rad(values[dim].values)
     shapes = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=1)
     rows = values.transpose(dim, ...).values.reshape(angle.size, -1)
@@ -48,7 +48,7 @@ def is_sinusoidal(values: xr.DataArray, dim: str) -> bool:
 
 
 def rises(values: xr.DataArray, dim: str) -> bool:
-    """Return whether values never fall over an axis."""
+    """True if values never fall over an axis."""
     return bool((values.diff(dim) >= 0).all())
 
 

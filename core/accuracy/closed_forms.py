@@ -167,7 +167,7 @@ def _held(cells: Mapping[str, Array], dtype: Any) -> dict[str, NDArray[Any]]:
 
 
 def _fits(cells: Mapping[str, Array], dtype: Any) -> NDArray[np.bool_]:
-    """Return where a type of float holds every parameter: none overflows, none becomes 0."""
+    """True where a type of float holds every parameter: none overflows, none becomes 0."""
     fits = np.ones(max((values.size for values in cells.values()), default=1), dtype=np.bool_)
     for name, held in _held(cells, dtype).items():
         fits &= np.isfinite(held) & ((held != 0) | (cells[name] == 0))

@@ -68,7 +68,7 @@ class Means:
 
 
 def is_point_part(scene: Scene) -> bool:
-    """Return whether a system has a mean velocity; a tumbling part has none."""
+    """True if a system has a mean velocity; a tumbling part has none."""
     return "conveying_velocity" in scene.outputs(scene.default_variant)
 
 
@@ -203,7 +203,7 @@ def _is_used(scene: Scene, name: str) -> bool:
 
 
 def _first_of_its_kind(cells: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return where a cell has not come before: a small grid has fewer than were drawn."""
+    """True where a cell has not come before: a small grid has fewer than were drawn."""
     rows = np.stack(list(cells.values()), axis=-1)
     first = np.zeros(len(rows), dtype=np.bool_)
     first[np.unique(rows, axis=0, return_index=True)[1]] = True

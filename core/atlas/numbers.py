@@ -107,7 +107,7 @@ def groups_at(numbers: Numbers) -> Groups:
 
 
 def rests(numbers: Numbers) -> Mask:
-    """Return where friction holds the part all the time (theory 13.8 iv).
+    """True where friction holds the part all the time (theory 13.8 iv).
 
     Push and load are linear in sin(tau): the ends, where it is 1 and -1, decide.
     """

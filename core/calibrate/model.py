@@ -180,7 +180,7 @@ class Predicted(NamedTuple):
     rests: Mask
 
     def shows(self, seen: str) -> Mask:
-        """Return where a part does what was seen."""
+        """True where a part does what was seen."""
         return {
             "hops": self.hops,
             "does not hop": ~self.hops & ~np.isnan(self.value),

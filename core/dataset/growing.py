@@ -120,7 +120,7 @@ class GrowingNetcdf:
         self._journal.sync()
 
     def _is_of(self, identity: Mapping[str, str]) -> bool:
-        """Return whether what is there was begun by an equal run, and its start is whole."""
+        """True if what is there was begun by an equal run, and its start is whole."""
         if not self._journal.records:
             return False
         known = dict(self._journal.records[0])

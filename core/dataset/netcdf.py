@@ -97,7 +97,7 @@ def tiles_of(table: Table) -> Tiles:
 
 
 def is_large(tiles: Tiles) -> bool:
-    """Return whether the chunks of a result are written past the libraries.
+    """True if the chunks of a result are written past the libraries.
 
     Small ones do not repay it. It follows from the study alone, as does every byte of its file.
     """

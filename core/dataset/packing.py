@@ -41,7 +41,7 @@ def index_length(layout: Layout) -> int:
 
 
 def is_whole(index: bytes, size: int) -> bool:
-    """Return whether the index of a shard is sound, and tells of all its bytes."""
+    """True if the index of a shard is sound, and tells of all its bytes."""
     if int(crc32c(index[:-4])).to_bytes(4, "little") != index[-4:]:
         return False
     places = np.frombuffer(index[:-4], "<u8").reshape(-1, 2)

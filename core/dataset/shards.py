@@ -218,7 +218,7 @@ class GrowingZarr:
         return documents
 
     def _is_there(self, tile: Tile, there: Mapping[str, int]) -> bool:
-        """Return whether all shards of a tile are whole."""
+        """True if all shards of a tile are whole."""
         length = index_length(tile.field.layout)
         for name in tile.field.names:
             key = f"{name}/{_shard(tile)}"

@@ -99,7 +99,7 @@ def _add_values(book: Any, frame: Frame) -> Iterator[None]:
 
 
 def _is_constant(frame: Frame, column: FrameColumn) -> bool:
-    """Return whether a column is a parameter of one value."""
+    """True if a column is a parameter of one value."""
     return column.name in frame.table.coordinates and not column.variable.dims
 
 

@@ -135,7 +135,7 @@ def _content_of(given: object) -> dict[str, Any]:
 
 
 def _is_key(name: str) -> bool:
-    """Return whether a name is a key of a study, or more like one than like a parameter."""
+    """True if a name is a key of a study, or more like one than like a parameter."""
     if name in KEYS or name in PARAMETERS:
         return name in KEYS
     near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)

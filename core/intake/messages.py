@@ -71,7 +71,7 @@ def problems_of(
 
 
 def _is_outside(error: ErrorDetails) -> bool:
-    """Return whether a parameter stands among the keys of a study."""
+    """True if a parameter stands among the keys of a study."""
     path = error["loc"]
     return error["type"] == "extra_forbidden" and len(path) == 1 and path[0] in PARAMETERS
 

@@ -63,5 +63,5 @@ def not_verified(table: Table) -> int:
 
 
 def is_whole(table: Table) -> bool:
-    """Return whether no stop left a cell of a result without computing or verifying it."""
+    """True if no stop left a cell of a result without computing or verifying it."""
     return not share_left_out(table) and LEFT_OUT not in table.attributes

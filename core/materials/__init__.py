@@ -67,7 +67,7 @@ def _row(row: Mapping[str, Any], values: Iterable[str]) -> dict[str, Any]:
 
 
 def _holds(row: Mapping[str, Any], wanted: Iterable[str]) -> bool:
-    """Return whether each of some words is the beginning of a word of the row."""
+    """True if each of some words is the beginning of a word of the row."""
     text = " ".join(row.get(name, "") for name in WORDS).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")

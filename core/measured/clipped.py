@@ -47,7 +47,7 @@ def clipped(
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
-    """Return whether samples of the highest value stand on crests of many heights.
+    """True if samples of the highest value stand on crests of many heights.
 
     A crest is the parabola through a sample and its neighbours. Rounding moves its height by no
     more than a step or two; a period may have two crests, so that the widest gap between heights

@@ -102,7 +102,7 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
 
 
 def stands_out(line: Line, count: int) -> bool:
-    """Return whether noise of `count` samples, anywhere in its spectrum, hardly has such a line."""
+    """True if noise of `count` samples, anywhere in its spectrum, hardly has such a line."""
     return line.contrast > hurdle(count**2)
 
 

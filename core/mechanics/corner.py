@@ -177,7 +177,7 @@ def holding_tangential_acceleration(
 
 
 def _is_held(normal: Array, tangential: Array, friction_static: Array) -> Mask:
-    """Return where the force that keeps the corner at rest lies in the friction cone."""
+    """True where the force that keeps the corner at rest lies in the friction cone."""
     return (normal >= 0) & (np.abs(tangential) <= friction_static * normal)
 
 
@@ -418,40 +418,40 @@ def least_limiting_pitch(*, inertia_ratio: Array, corner_angle: Array) -> Array:
 
 
 def another_corner_is_lower(*, pitch: Array) -> Mask:
-    """Return where another corner would be in the plane: xi < 0 or xi > 90 degrees."""
+    """True where another corner would be in the plane: xi < 0 or xi > 90 degrees."""
     return (pitch < 0) | (pitch > np.pi / 2)
 
 
 def has_no_solution(*, contact_case: Array) -> Mask:
-    """Return where no force satisfies the contact: Painleve's paradox."""
+    """True where no force satisfies the contact: Painleve's paradox."""
     return contact_case == NO_SOLUTION
 
 
 def has_two_solutions(*, contact_case: Array) -> Mask:
-    """Return where separation and contact both satisfy the equations, or every force does."""
+    """True where separation and contact both satisfy the equations, or every force does."""
     return contact_case == TWO_SOLUTIONS
 
 
 def separates(*, contact_case: Array) -> Mask:
-    """Return where the corner leaves the plane."""
+    """True where the corner leaves the plane."""
     return contact_case == SEPARATION
 
 
 def is_held(*, contact_case: Array) -> Mask:
-    """Return where friction keeps the corner at rest."""
+    """True where friction keeps the corner at rest."""
     return contact_case == STICK
 
 
 def slides(*, contact_case: Array) -> Mask:
-    """Return where the corner slides, or starts to."""
+    """True where the corner slides, or starts to."""
     return contact_case == SLIDING
 
 
 def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
-    """Return where slip to the right has one solution at every friction."""
+    """True where slip to the right has one solution at every friction."""
     return inverse_limiting_friction <= 0
 
 
 def left_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
-    """Return where slip to the left has one solution at every friction."""
+    """True where slip to the left has one solution at every friction."""
     return inverse_limiting_friction >= 0

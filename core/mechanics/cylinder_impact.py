@@ -259,33 +259,33 @@ def spatial_approach(
 
 
 def is_apart(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:
-    """Return where the gap exceeds the tolerance."""
+    """True where the gap exceeds the tolerance."""
     return cylinder_contact.gap > contact_tolerance * cylinder_contact.size
 
 
 def overlaps(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:
-    """Return where a form of contact is proven and overlaps by more than the tolerance."""
+    """True where a form of contact is proven and overlaps by more than the tolerance."""
     at = cylinder_contact
     return (at.form > 0) & (at.gap < -contact_tolerance * at.size)
 
 
 def is_no_single_point(*, cylinder_contact: CylinderContact) -> Mask:
-    """Return where faces or rims meet, or none of the five forms is proven."""
+    """True where faces or rims meet, or none of the five forms is proven."""
     return cylinder_contact.several
 
 
 def is_line(*, contact_frame: ImpactFrame, spatial_impulse: SpatialImpulse) -> Mask:
-    """Return where a line meets and no single impulse tells the result, or the law has none."""
+    """True where a line meets and no single impulse tells the result, or the law has none."""
     return contact_frame.unknown | np.isnan(spatial_impulse.normal)
 
 
 def does_not_approach(*, spatial_approach: Approach) -> Mask:
-    """Return where the bodies separate or slide past each other, u_N >= 0."""
+    """True where the bodies separate or slide past each other, u_N >= 0."""
     return spatial_approach.normal >= 0
 
 
 def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
-    """Return where the contact does not slide at the end of the impact."""
+    """True where the contact does not slide at the end of the impact."""
     return spatial_impulse.sticks
 
 

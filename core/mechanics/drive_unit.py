@@ -140,25 +140,25 @@ def second_harmonic(*, track_harmonic: tuple[Array, Array]) -> Array:
 
 
 def is_at_resonance(*, natural_frequency: Array, frequency: Array, damping_ratio: Array) -> Mask:
-    """Return where the drive is within the damping ratio of the natural frequency."""
+    """True where the drive is within the damping ratio of the natural frequency."""
     return np.abs(natural_frequency / frequency - 1) < damping_ratio
 
 
 def is_tuned_stiff(*, natural_frequency: Array, frequency: Array) -> Mask:
-    """Return where the unit is tuned above its drive."""
+    """True where the unit is tuned above its drive."""
     return natural_frequency > frequency
 
 
 def hits_magnet(*, air_gap_margin: Array) -> Mask:
-    """Return where the stroke closes the air gap."""
+    """True where the stroke closes the air gap."""
     return air_gap_margin <= 0
 
 
 def is_overstressed(*, stress_margin: Array) -> Mask:
-    """Return where the leaves bend by more than they may."""
+    """True where the leaves bend by more than they may."""
     return stress_margin < 0
 
 
 def is_poorly_isolated(*, foot_frequency: Array, frequency: Array) -> Mask:
-    """Return where the unit rocks on its feet at more than a third of the drive's frequency."""
+    """True where the unit rocks on its feet at more than a third of the drive's frequency."""
     return foot_frequency > frequency / 3

@@ -42,7 +42,7 @@ def per_axis_acceleration_y(
 
 
 def is_stuck(*, in_plane_drive: Array, friction_static: Array, floor_acceleration: Array) -> Mask:
-    """Return where static friction holds a part at rest: |D| <= mu_s n, n > 0."""
+    """True where static friction holds a part at rest: |D| <= mu_s n, n > 0."""
     return (in_plane_drive <= friction_static * floor_acceleration) & (floor_acceleration > 0)
 
 
@@ -130,10 +130,10 @@ def pressure_offset_y(
 
 
 def tips_x(*, pressure_offset_x: Array, length: Array) -> Mask:
-    """Return where the floor resultant leaves the base along x: the part tips."""
+    """True where the floor resultant leaves the base along x: the part tips."""
     return np.abs(pressure_offset_x) > length / 2
 
 
 def tips_y(*, pressure_offset_y: Array, width: Array) -> Mask:
-    """Return where the floor resultant leaves the base along y: the part tips."""
+    """True where the floor resultant leaves the base along y: the part tips."""
     return np.abs(pressure_offset_y) > width / 2

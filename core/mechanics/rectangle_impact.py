@@ -270,34 +270,34 @@ def approach_tangential(
 
 
 def is_apart(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
-    """Return where the gap exceeds the tolerance, or the nearest corner lies beside the face."""
+    """True where the gap exceeds the tolerance, or the nearest corner lies beside the face."""
     at = rectangle_contact
     return (at.gap > contact_tolerance * at.size) | (at.beside & (at.gap >= 0))
 
 
 def overlaps(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
-    """Return where the overlap exceeds the tolerance."""
+    """True where the overlap exceeds the tolerance."""
     at = rectangle_contact
     return (at.gap < -contact_tolerance * at.size) | (at.beside & (at.gap < 0))
 
 
 def is_corner_on_corner(*, rectangle_contact: RectangleContact) -> Mask:
-    """Return where a corner meets a corner: the normal is not unique."""
+    """True where a corner meets a corner: the normal is not unique."""
     return rectangle_contact.at_corner
 
 
 def is_edge_on_edge(*, edge_action: EdgeAction) -> Mask:
-    """Return where an edge meets an edge and no single impulse tells the result."""
+    """True where an edge meets an edge and no single impulse tells the result."""
     return edge_action.unknown
 
 
 def does_not_approach(*, approach_normal: Array) -> Mask:
-    """Return where the bodies separate or slide past each other, u_N >= 0."""
+    """True where the bodies separate or slide past each other, u_N >= 0."""
     return approach_normal >= 0
 
 
 def ends_in_stick(*, planar_impulse: Impulse) -> Mask:
-    """Return where the contact does not slide at the end of the impact."""
+    """True where the contact does not slide at the end of the impact."""
     return planar_impulse.sticks
 
 

@@ -39,7 +39,7 @@ def is_rolling(
     friction_static: Array,
     floor_acceleration: Array,
 ) -> Mask:
-    """Return where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0."""
+    """True where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0."""
     held = hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
     return held & (floor_acceleration > 0)
 
@@ -51,7 +51,7 @@ def is_at_rest(
     friction_static: Array,
     floor_acceleration: Array,
 ) -> Mask:
-    """Return where the cylinder stays at rest: no slip, and nothing that makes it roll."""
+    """True where the cylinder stays at rest: no slip, and nothing that makes it roll."""
     held = np.abs(in_plane_drive_x) <= friction_static * floor_acceleration
     return held & (in_plane_drive_y == 0) & (floor_acceleration > 0)
 

@@ -276,7 +276,7 @@ def distance_bound(
 
 
 def does_not_start(*, starting_acceleration: Array, speed: Array) -> Mask:
-    """Return where no forward motion arises: K <= 0 from rest."""
+    """True where no forward motion arises: K <= 0 from rest."""
     return (starting_acceleration <= 0) & (speed == 0)
 
 
@@ -288,7 +288,7 @@ def stops_before_distance(
     distance: Array,
     speed: Array,
 ) -> Mask:
-    """Return where a part in motion stops before, or at, the distance: v^2 <= 0 in (3.18).
+    """True where a part in motion stops before, or at, the distance: v^2 <= 0 in (3.18).
 
     It is the `stopping_distance` compared with the distance, without its logarithm.
     """
@@ -298,27 +298,27 @@ def stops_before_distance(
 
 
 def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:
-    """Return where the part stops before, or at, the time."""
+    """True where the part stops before, or at, the time."""
     return stopping_time <= time
 
 
 def speed_exceeds_track(*, transport_velocity: Array, velocity_bound: Array) -> Mask:
-    """Return where v(x) exceeds the largest speed of the track, which friction cannot do."""
+    """True where v(x) exceeds the largest speed of the track, which friction cannot do."""
     return transport_velocity > velocity_bound
 
 
 def mean_exceeds_track(*, mean_velocity: Array, velocity_bound: Array) -> Mask:
-    """Return where x/t(x) exceeds the largest speed of the track, which friction cannot do."""
+    """True where x/t(x) exceeds the largest speed of the track, which friction cannot do."""
     return mean_velocity > velocity_bound
 
 
 def speed_at_time_exceeds_track(*, velocity_at_time: Array, velocity_bound: Array) -> Mask:
-    """Return where v(t) exceeds the largest speed of the track, which friction cannot do."""
+    """True where v(t) exceeds the largest speed of the track, which friction cannot do."""
     return velocity_at_time > velocity_bound
 
 
 def terminal_exceeds_track(*, terminal_velocity: Array, velocity_bound: Array) -> Mask:
-    """Return where v_inf exceeds the largest speed of the track, which friction cannot do."""
+    """True where v_inf exceeds the largest speed of the track, which friction cannot do."""
     return terminal_velocity > velocity_bound
 
 
@@ -331,20 +331,20 @@ EXCEEDS_TRACK_SPEED: dict[str, Callable[..., Mask]] = {
 
 
 def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Mask:
-    """Return where no terminal velocity exists: drive without friction."""
+    """True where no terminal velocity exists: drive without friction."""
     return (starting_acceleration > 0) & (friction_kinetic == 0)
 
 
 def never_stops(*, stopping_distance: Array) -> Mask:
-    """Return where the part never stops."""
+    """True where the part never stops."""
     return np.isinf(stopping_distance)
 
 
 def never_arrives(*, travel_time: Array) -> Mask:
-    """Return where the part takes longer to cover the distance than a float holds."""
+    """True where the part takes longer to cover the distance than a float holds."""
     return np.isinf(travel_time)
 
 
 def never_reaches_track_speed(*, distance_bound: Array) -> Mask:
-    """Return where (3.18) never reaches the largest speed of the track."""
+    """True where (3.18) never reaches the largest speed of the track."""
     return np.isinf(distance_bound)

@@ -104,7 +104,7 @@ def in_plane_drive(*, in_plane_drive_x: Array, in_plane_drive_y: Array) -> Array
 
 
 def has_left_floor(*, normal_acceleration: Array) -> Mask:
-    """Return where the part has left the floor: n0 <= 0."""
+    """True where the part has left the floor: n0 <= 0."""
     return normal_acceleration <= 0
 
 

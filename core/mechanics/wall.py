@@ -222,38 +222,38 @@ def is_held(
     friction_static: Array,
     speed: Array,
 ) -> Mask:
-    """Return where friction of floor and wall holds a part at rest: |D_x| <= mu_s (n + s)."""
+    """True where friction of floor and wall holds a part at rest: |D_x| <= mu_s (n + s)."""
     load = floor_acceleration + wall_acceleration
     return (speed == 0) & (np.abs(in_plane_drive_x) <= friction_static * load) & (load > 0)
 
 
 def has_left_wall(*, wall_balance: Array) -> Mask:
-    """Return where the part has left the wall: B < 0."""
+    """True where the part has left the wall: B < 0."""
     return wall_balance < 0
 
 
 def has_left_floor_and_wall(*, normal_acceleration: Array, wall_balance: Array) -> Mask:
-    """Return where the part has left floor and wall."""
+    """True where the part has left floor and wall."""
     return (normal_acceleration <= 0) & (wall_balance < 0)
 
 
 def presses_wall(*, wall_balance: Array) -> Mask:
-    """Return where the part presses on the wall, so that the forces of (3.15) leave the cone."""
+    """True where the part presses on the wall, so that the forces of (3.15) leave the cone."""
     return wall_balance > 0
 
 
 def topples_on_wall(*, width: Array, height: Array, friction_static: Array) -> Mask:
-    """Return where (3.16) does not hold: 2b <= mu_s a."""
+    """True where (3.16) does not hold: 2b <= mu_s a."""
     return 2 * height <= friction_static * width
 
 
 def rear_corner_lifts(
     *, width: Array, length: Array, radius: Array, friction_kinetic: Array
 ) -> Mask:
-    """Return where not both corners touch the wall: h <= mu_k a, or h >= 2R."""
+    """True where not both corners touch the wall: h <= mu_k a, or h >= 2R."""
     return (length <= friction_kinetic * width) | (length >= 2 * radius)
 
 
 def is_too_long(*, length: Array, radius: Array) -> Mask:
-    """Return where the part is longer than the bowl is wide: h > 2R."""
+    """True where the part is longer than the bowl is wide: h > 2R."""
     return length > 2 * radius

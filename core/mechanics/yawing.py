@@ -177,7 +177,7 @@ def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
 
 
 def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
-    """Return where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
+    """True where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
     return np.abs(pressure_offset_axial) > length / 2
 
 
@@ -188,7 +188,7 @@ def slips(
     friction_static: Array,
     normal_acceleration: Array,
 ) -> Mask:
-    """Return where rolling asks for more than the cone has: hypot(F_eta, F_sigma) > mu_s lambda_N.
+    """True where rolling asks for more than the cone has: hypot(F_eta, F_sigma) > mu_s lambda_N.
 
     The condition of theory 7.3, with the turning of the velocity in place of a part of the drive.
     """
@@ -201,12 +201,12 @@ def slips(
 
 
 def has_no_printed_yaw_rate(*, printed_yaw_rate: Array) -> Mask:
-    """Return where (4.20) has no value: without spin, or too little for a float."""
+    """True where (4.20) has no value: without spin, or too little for a float."""
     return ~np.isfinite(printed_yaw_rate)
 
 
 def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:
-    """Return where the force system has no axis: it is a pure couple, or nothing."""
+    """True where the force system has no axis: it is a pure couple, or nothing."""
     return np.asarray(force_reduction.kind != ScrewKind.GENERAL)
 
 

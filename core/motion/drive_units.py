@@ -162,12 +162,12 @@ def load_damping(*, part_load: Load) -> Array:
 
 
 def has_several_amplitudes(*, part_load: Load) -> Mask:
-    """Return where drive and parts agree at several amplitudes; the smallest is told."""
+    """True where drive and parts agree at several amplitudes; the smallest is told."""
     return part_load.several
 
 
 def hunts(*, part_load: Load) -> Mask:
-    """Return where the motion of the parts jumps at the amplitude at which both would agree."""
+    """True where the motion of the parts jumps at the amplitude at which both would agree."""
     return part_load.hunts
 
 

@@ -198,7 +198,7 @@ def _derivable(prepared: Simulation) -> Simulation:
 
 
 def _all_exact(prepared: Simulation) -> bool:
-    """Return whether nothing pushes a part of a simulation across, whatever the cell."""
+    """True if nothing pushes a part of a simulation across, whatever the cell."""
     grid, scene = prepared.grid, prepared.plan.scene
     is_sine = all(one.gives != "wave" for one in prepared.plan.equations)
     level = all(

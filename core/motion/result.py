@@ -59,7 +59,7 @@ class Motion(NamedTuple):
     status: NDArray[np.int8]
 
     def only(self, name: str) -> Mask:
-        """Return where the part moves in one way all the time: no other has any share at all."""
+        """True where the part moves in one way all the time: no other has any share at all."""
         others = [getattr(self, other) for other in SHARES if other != name]
         moves = np.asarray(getattr(self, name) > 0)
         return np.logical_and.reduce([moves, *(other == 0 for other in others)])

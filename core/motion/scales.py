@@ -137,7 +137,7 @@ def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
 
 
 def efficiency_is_unbounded(*, efficiency: Array) -> Mask:
-    """Return where the part moves and the drive along the track is 0, or next to nothing."""
+    """True where the part moves and the drive along the track is 0, or next to nothing."""
     return np.isinf(efficiency)
 
 

@@ -87,7 +87,7 @@ def part_impact_work(*, impact_work: Array, mass: Array) -> Array:
 
 
 def work_is_unbounded(*, energy: Energy, motion: Motion) -> Mask:
-    """Return where the drive works on a part that does not travel."""
+    """True where the drive works on a part that does not travel."""
     return np.isinf(_a_metre(energy.drive, motion))
 
 

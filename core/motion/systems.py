@@ -45,32 +45,32 @@ def _has_status(*names: str) -> Callable[..., Mask]:
 
 
 def _is_stuck(*, motion: Motion) -> Mask:
-    """Return where friction holds the part all the time."""
+    """True where friction holds the part all the time."""
     return motion.only("stick")
 
 
 def _is_period_doubled(*, motion: Motion) -> Mask:
-    """Return where the motion repeats after two periods of the drive or more."""
+    """True where the motion repeats after two periods of the drive or more."""
     return motion.multiple > 1
 
 
 def _hops_on(*, motion: Motion) -> Mask:
-    """Return where the part is in the air all the time but for impacts."""
+    """True where the part is in the air all the time but for impacts."""
     return motion.only("flight")
 
 
 def _hops(*, motion: Motion) -> Mask:
-    """Return where the part is in the air for a part of the period."""
+    """True where the part is in the air for a part of the period."""
     return motion.flight > 0
 
 
 def _sticks(*, motion: Motion) -> Mask:
-    """Return where friction holds the part for a part of the period."""
+    """True where friction holds the part for a part of the period."""
     return motion.stick > 0
 
 
 def _leaves_the_wall(*, motion: Motion, drive_number: Array) -> Mask:
-    """Return where the part moves away from the wall in every cycle, and never comes back."""
+    """True where the part moves away from the wall in every cycle, and never comes back."""
     return motion.across > RESOLVED * np.asarray(drive_number)
 
 

@@ -97,7 +97,7 @@ def answered(problem: OptimisationProblem) -> Answered | None:
 
 
 def _within_reach(problem: OptimisationProblem) -> bool:
-    """Return whether the bounds are within half a turn of alpha, and beta within a right angle."""
+    """True if the bounds are within half a turn of alpha, and beta within a right angle."""
     for variable in problem.variables:
         if variable.name == "alpha" and variable.upper - variable.lower > np.pi:
             return False
@@ -110,7 +110,7 @@ def _within_reach(problem: OptimisationProblem) -> bool:
 
 
 def is_closed(problem: OptimisationProblem) -> bool:
-    """Return whether there is a closed form: both angles from 0 to 90 degrees."""
+    """True if there is a closed form: both angles from 0 to 90 degrees."""
     which = answered(problem)
     whole = (
         set(problem.names) == set(ANGLES)
@@ -121,14 +121,14 @@ def is_closed(problem: OptimisationProblem) -> bool:
 
 
 def is_compiled(problem: OptimisationProblem) -> bool:
-    """Return whether the batch solver has the answer, or that of each point of a front."""
+    """True if the batch solver has the answer, or that of each point of a front."""
     which = answered(problem)
     criterion = problem.limited().criterion if is_front(problem) else problem.criterion
     return which is not None and isinstance(criterion, COMPILED[which.family])
 
 
 def is_front(problem: OptimisationProblem) -> bool:
-    """Return whether a whole front is asked for."""
+    """True if a whole front is asked for."""
     return isinstance(problem.criterion, Pareto)
 
 

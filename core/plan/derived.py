@@ -138,7 +138,7 @@ def status_name(parameter: str) -> str:
 
 
 def is_status(name: str) -> bool:
-    """Return whether a variable tells how derivatives were found."""
+    """True if a variable tells how derivatives were found."""
     return name.startswith("derivative_status_")
 
 

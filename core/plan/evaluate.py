@@ -90,7 +90,7 @@ def _fused(plan: Plan, grid: Grid) -> Fused | None:
 
 
 def _repays(missing: Iterable[str], seconds: float) -> bool:
-    """Return whether loops are worth being compiled where numpy takes so many seconds.
+    """True if loops are worth being compiled where numpy takes so many seconds.
 
     They are once numpy has spent as long on the same work as compiling takes: whatever comes after
     that, nobody has waited more than twice as long as with the better way.

@@ -108,7 +108,7 @@ class Parts(ABC):
             self.records.remove(self.name(part))
 
     def is_there(self, part: int) -> bool:
-        """Return whether a part has left a sound record."""
+        """True if a part has left a sound record."""
         return self._is_ours(self.records.read(self.name(part)), part)
 
     def compute(self, part: int, watch: Watch | None = None) -> bytes:

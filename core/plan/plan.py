@@ -224,7 +224,7 @@ class _Walk:
         return equation
 
     def _tells(self, names: Collection[str]) -> bool:
-        """Return whether the study gives one of some parameters by what it follows from."""
+        """True if the study gives one of some parameters by what it follows from."""
         given = set(self.given)
         followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
         return any(one is not None and set(one.inputs) <= given for one in followed)

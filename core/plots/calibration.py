@@ -30,7 +30,7 @@ SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
 
 
 def is_calibration(dataset: xarray.Dataset) -> bool:
-    """Return whether a dataset is the result of a calibration."""
+    """True if a dataset is the result of a calibration."""
     return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 

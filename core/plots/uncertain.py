@@ -98,7 +98,7 @@ class UncertainOutput:
         return np.asarray(self.design[f"{self.output}_{part}"].values, dtype=np.float64)
 
     def has(self, part: str) -> bool:
-        """Return whether something is told under a name."""
+        """True if something is told under a name."""
         return f"{self.output}_{part}" in self.design
 
     def end_in_words(self, name: str, end: str) -> str:

@@ -69,7 +69,7 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
 
 
 def has_invalid(plan: Plan, asked: Reduction) -> bool:
-    """Return whether a regime of the plan can keep a cell from counting."""
+    """True if a regime of the plan can keep a cell from counting."""
     return asked.cells == "valid" and not all(REGIMES[name].valid for name in plan.regimes)
 
 

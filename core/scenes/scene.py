@@ -20,6 +20,7 @@ from core.scenes.graph import CycleError, behind
 Function = Callable[..., Any]
 
 _UNIT = re.compile(r" \[[A-Za-z0-9 -]+\](?=[.,;:]|$)")
+_VERB = re.compile(r"^(?:Return|True) ")
 
 
 def _inputs(function: Function) -> tuple[str, ...]:
@@ -31,11 +32,11 @@ def _inputs(function: Function) -> tuple[str, ...]:
 def _summary(function: Function) -> str:
     """Return what users read of a function: the first paragraph of its docstring as a description.
 
-    Its first word "Return", its units, which the catalogue has beside it, and its marks of code
-    are left out.
+    Its first word ("Return", "True"), its units, which the catalogue has beside it, and its marks
+    of code are left out.
     """
     paragraph = (inspect.getdoc(function) or "").split("\n\n")[0]
-    text = _UNIT.sub("", " ".join(paragraph.split()).removeprefix("Return ").replace("`", ""))
+    text = _VERB.sub("", _UNIT.sub("", " ".join(paragraph.split()).replace("`", "")))
     return text[:1].upper() + text[1:]
 
 

@@ -201,7 +201,7 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
 
 
 def _met(demand: Demand, values: SampledOutputs) -> Mask:
-    """Return where a demand is met, shape (designs, replicates, count)."""
+    """True where a demand is met, shape (designs, replicates, count)."""
     if demand.regime is not None:
         return np.asarray(values.regime[:, 0] == REGIMES[demand.regime].value)
     output = values.outputs[str(demand.output)][:, 0]

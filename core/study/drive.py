@@ -95,7 +95,7 @@ def only_the_plain_sine(fix: str) -> Problem:
 
 
 def names_recording(content: object) -> bool:
-    """Return whether the content of a study names a recording that is yet to be fitted."""
+    """True if the content of a study names a recording that is yet to be fitted."""
     drive = content.get("drive") if isinstance(content, Mapping) else None
     return isinstance(drive, Mapping) and "sha256" not in drive
 

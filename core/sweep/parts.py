@@ -89,7 +89,7 @@ class Shards(Parts):
 
 
 def _is_there(growing: GrowingZarr, record: Record) -> bool:
-    """Return whether the shards of a part have the digests that its record tells."""
+    """True if the shards of a part have the digests that its record tells."""
     shards: Mapping[str, str] = record.told["shards"]
     return all(growing.digest(key) == digest for key, digest in shards.items())
 

@@ -18,7 +18,7 @@ from core.plan.tiles import Tiled
 
 
 def is_zarr(where: str) -> bool:
-    """Return whether a name is that of a Zarr group: a URL, or a path that ends in ``.zarr``."""
+    """True if a name is that of a Zarr group: a URL, or a path that ends in ``.zarr``."""
     return "://" in where or where.lower().endswith(".zarr")
 
 
@@ -30,7 +30,7 @@ def attributes_there(where: str) -> Mapping[str, object]:
 
 
 def is_complete(where: str, prepared: Prepared) -> bool:
-    """Return whether the result of a study stands there already; one of a sweep is whole then."""
+    """True if the result of a study stands there already; one of a sweep is whole then."""
     attributes = attributes_there(where)
     made = str(attributes.get("source")).partition(",")[0]
     return (

@@ -59,7 +59,7 @@ class ViewStore(Store):
         return [await self.get(key, prototype, part) for key, part in key_ranges]
 
     async def exists(self, key: str) -> bool:
-        """Return whether the group has a key."""
+        """True if the group has a key."""
         try:
             self._view.length(key)
         except KeyError:

@@ -141,7 +141,7 @@ class KnownProblem:
         return abs(off)
 
     def holds(self, found: float) -> bool:
-        """Return whether an answer is right; one that is only shown always is."""
+        """True if an answer is right; one that is only shown always is."""
         return self.relation == "shown" or self.miss(found) <= self.tolerance
 
     def document(self) -> dict[str, Any]:

@@ -159,7 +159,7 @@ def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepar
 
 
 def is_small(prepared: Prepared, settings: Settings) -> bool:
-    """Return whether a study is replied to at once: it is short, and so is its result."""
+    """True if a study is replied to at once: it is short, and so is its result."""
     return (
         prepared.seconds <= settings.max_synchronous_seconds
         and prepared.stored * len(prepared.dims) <= MOST_JSON_VALUES

@@ -63,7 +63,7 @@ def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
 
 
 def all_finite(*parts: Array) -> Mask:
-    """Return where every argument is a finite number."""
+    """True where every argument is a finite number."""
     return np.asarray(np.all([np.isfinite(part) for part in parts], axis=0))
 
 

@@ -51,7 +51,7 @@ class Order:
         return max((k + 1 for k, name in enumerate(self.outer) if name in node.axes), default=0)
 
     def is_row(self, node: Node) -> bool:
-        """Return whether a node has a value for each cell of a row."""
+        """True if a node has a value for each cell of a row."""
         return any(name in node.axes for name in self.inner)
 
     def kept(self, node: Node) -> tuple[str, ...]:

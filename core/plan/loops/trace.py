@@ -193,7 +193,7 @@ def _simplified(function: Function, given: tuple[Any, ...]) -> tuple[Any] | None
 
 
 def _is(one: Any, value: float) -> bool:
-    """Return whether something is a number of a value; a zero, one without a sign."""
+    """True if something is a number of a value; a zero, one without a sign."""
     return not isinstance(one, Node) and bool(one == value) and not np.signbit(one)
 
 

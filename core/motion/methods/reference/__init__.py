@@ -144,7 +144,7 @@ def reference_motion(
 
 
 def _is_finite(groups: Groups) -> bool:
-    """Return whether every number of a part is one, those of its drive included."""
+    """True if every number of a part is one, those of its drive included."""
     return all(np.isfinite(part).all() for part in _numbers(groups))
 
 
@@ -242,7 +242,7 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _slides_away(part: Groups, contacts: Contacts) -> bool:
-    """Return whether no friction of the floor could balance gravity (theory 13.8)."""
+    """True if no friction of the floor could balance gravity (theory 13.8)."""
     held = part.friction_static * part.gravity_number_normal
     return not contacts.wall and abs(part.gravity_number_along) > held
 

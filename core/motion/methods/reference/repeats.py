@@ -162,7 +162,7 @@ class ReferenceRun:
         return found if self.at_large(multiple) and self.nearing(multiple) <= 0.0 else [*found, Y]
 
     def at_large(self, multiple: int) -> bool:
-        """Return whether the last cycle did not touch the wall."""
+        """True if the last cycle did not touch the wall."""
         return not any(tally.at_wall for tally in self.tallies[-multiple:])
 
     def nearing(self, multiple: int) -> float:
@@ -171,7 +171,7 @@ class ReferenceRun:
         return change if change > SAME * self.scale else 0.0
 
     def drifts(self, periods: int) -> bool:
-        """Return whether the part has been on its way to the wall for so many periods."""
+        """True if the part has been on its way to the wall for so many periods."""
         return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
 
     def compared(self, state: Array) -> Array:
@@ -199,7 +199,7 @@ class ReferenceRun:
         return self.distance(multiple, self.places(multiple))
 
     def touches_alike(self, multiple: int) -> bool:
-        """Return whether the same contacts touch at both ends of the last cycle."""
+        """True if the same contacts touch at both ends of the last cycle."""
         return (self.part.on_floor, self.part.on_wall) == self.flags[-multiple]
 
     def cycle(self) -> int:
@@ -259,7 +259,7 @@ class ReferenceRun:
                 return
 
     def same_events(self, multiple: int) -> bool:
-        """Return whether the last two cycles had the same events."""
+        """True if the last two cycles had the same events."""
         events = [tally.events for tally in self.tallies]
         return events[-multiple:] == events[-2 * multiple : -multiple]
 
@@ -290,7 +290,7 @@ class ReferenceRun:
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
-        """Return whether looking at a cycle is worth its while; note it if it is."""
+        """True if looking at a cycle is worth its while; note it if it is."""
         takes = multiple * (len(self.places(multiple)) + 1)
         if self.looked + takes > len(self.after) + LOOKS:
             return False
@@ -298,7 +298,7 @@ class ReferenceRun:
         return True
 
     def comes_back(self, state: Array, multiple: int, places: list[int], within: Array) -> bool:
-        """Return whether a state is possible, and a cycle from it ends so near to it."""
+        """True if a state is possible, and a cycle from it ends so near to it."""
         if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
             return False
         try:

@@ -172,7 +172,7 @@ def orbit_of(run: RegularisedRun, state: Array, most_periods: int, closeness: fl
         return float(np.max(np.abs(states[place] - states[place - multiple])))
 
     def repeats(multiple: int) -> bool:
-        """Return whether the gaps still to come are small, or nothing but the integrator's noise.
+        """True if the gaps still to come are small, or nothing but the integrator's noise.
 
         They are a geometric series of the rate at which they shrink. Noise does not add up over
         cycles as a drift does that hardly shrinks. Where friction changes less in a period than
