@@ -21,6 +21,7 @@ SweptScene: TypeAlias = (
         "cylinder-rolling",
         "linear-drive-unit",
         "bowl-drive-unit",
+        "resting-part",
     ]
     | str
 )
@@ -199,6 +200,32 @@ SweptOutput: TypeAlias = (
         "air_gap_margin",
         "foot_force",
         "drive_unit_power",
+        "mass_height",
+        "gyration",
+        "resting_share_upright",
+        "resting_share_inverted",
+        "second_share_flat",
+        "share_error_flat",
+        "second_share_on_side",
+        "share_error_on_side",
+        "second_share_on_end",
+        "share_error_on_end",
+        "second_share_upright",
+        "share_error_upright",
+        "second_share_inverted",
+        "share_error_inverted",
+        "side_foot",
+        "long_side_share",
+        "standing_base",
+        "standing_centre",
+        "edge_distance",
+        "topple_slope",
+        "rocking_friction",
+        "rocking_rate",
+        "topple_speed",
+        "pulse_angle",
+        "topple_acceleration",
+        "topple_margin",
     ]
     | str
 )

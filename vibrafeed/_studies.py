@@ -151,6 +151,10 @@ def study(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    small_diameter: Values | None = None,
+    centre_of_mass: Values | None = None,
+    radius_of_gyration: Values | None = None,
+    sides: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -317,6 +321,10 @@ def sweep(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    small_diameter: Values | None = None,
+    centre_of_mass: Values | None = None,
+    radius_of_gyration: Values | None = None,
+    sides: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -565,6 +573,17 @@ def sweep(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    small_diameter : values, optional
+        Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
+        example "12 mm".
+    centre_of_mass : values, optional
+        Distance of the centre of mass from the end of diameter. In m, above 0, for example "8 mm".
+    radius_of_gyration : values, optional
+        Root of moment of inertia over mass, about a line across the part through its centre. In m,
+        above 0, for example "7 mm".
+    sides : values, optional
+        Sides of a regular prism; diameter is that of the circle through its corners. 3 or more, for
+        example 6.
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1059,6 +1078,10 @@ def optimise(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    small_diameter: Values | None = None,
+    centre_of_mass: Values | None = None,
+    radius_of_gyration: Values | None = None,
+    sides: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -1347,6 +1370,17 @@ def optimise(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    small_diameter : values, optional
+        Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
+        example "12 mm".
+    centre_of_mass : values, optional
+        Distance of the centre of mass from the end of diameter. In m, above 0, for example "8 mm".
+    radius_of_gyration : values, optional
+        Root of moment of inertia over mass, about a line across the part through its centre. In m,
+        above 0, for example "7 mm".
+    sides : values, optional
+        Sides of a regular prism; diameter is that of the circle through its corners. 3 or more, for
+        example 6.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -1549,6 +1583,10 @@ def sensitivity(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    small_diameter: Values | None = None,
+    centre_of_mass: Values | None = None,
+    radius_of_gyration: Values | None = None,
+    sides: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -1829,6 +1867,17 @@ def sensitivity(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    small_diameter : values, optional
+        Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
+        example "12 mm".
+    centre_of_mass : values, optional
+        Distance of the centre of mass from the end of diameter. In m, above 0, for example "8 mm".
+    radius_of_gyration : values, optional
+        Root of moment of inertia over mass, about a line across the part through its centre. In m,
+        above 0, for example "7 mm".
+    sides : values, optional
+        Sides of a regular prism; diameter is that of the circle through its corners. 3 or more, for
+        example 6.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -2381,6 +2430,10 @@ def open_lazily(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    small_diameter: Values | None = None,
+    centre_of_mass: Values | None = None,
+    radius_of_gyration: Values | None = None,
+    sides: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,

@@ -49,6 +49,8 @@ TYPICAL: dict[str, Any] = {
     "ring_down_frequency": 53.0, "damping_ratio": 0.02, "drive_force": 60.0, "air_gap": 0.003,
     "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
     "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
+    # parts that come to rest
+    "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
     # two bodies that touch, nearly, and approach
     "position_x_1": 0.005, "position_y_1": 0.02097, "angle_1": 30.0, "velocity_x_1": 0.1,
     "velocity_y_1": -0.2, "spin_1": 3.0, "length_1": 0.05, "width_1": 0.008, "mass_1": 0.01,

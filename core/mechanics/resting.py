@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, hypot
+from core.mechanics.angles import cosine
+from core.mechanics.arrays import Array, Mask, hypot
 
 
 def share_of_faces(along: Array, across: Array, apart: Array) -> Array:
@@ -31,3 +32,151 @@ def share_of_ends(length: Array, diameter: Array) -> Array:
     """Return the share of both ends of a cylinder, 1 - l/sqrt(l^2 + d^2) [1]."""
     through = hypot(length, diameter)
     return (diameter / through) * (diameter / (through + length))
+
+
+Shares = tuple[Array, ...]
+"""A number for each aspect of a part, in the order of its shape."""
+
+
+def box_shares(*, length: Array, width: Array, height: Array) -> Shares:
+    """Return the shares of a box: flat, on its side, on its end [1]."""
+    return (
+        share_of_faces(length, width, height),
+        share_of_faces(length, height, width),
+        share_of_faces(width, height, length),
+    )
+
+
+def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
+    """Return how high the centre of a box lies: flat, on its side, on its end [m]."""
+    return height / 2, width / 2, length / 2
+
+
+def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
+    """Return the shares of a cylinder: on its side, on either end [1]."""
+    return share_of_mantle(length, diameter), share_of_ends(length, diameter)
+
+
+def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
+    """Return how high the centre of a cylinder lies: on its side, on an end [m]."""
+    return diameter / 2, length / 2
+
+
+def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
+    """Return the shares of a prism: on a side, on either end [1].
+
+    Of n sides, with k = L/sqrt(L^2 + d^2) and d the circle through the corners: both ends have
+    (n/pi) (pi/n - atan(k tan(pi/n))), the sides the rest.
+    """
+    through = hypot(length, diameter)
+    k = length / through
+    less = (diameter / through) * (diameter / (through + length))  # 1 - k
+    t = np.tan(np.pi / sides)
+    ends = np.arctan2(t * less, 1 + t * t * k)
+    return sides / np.pi * np.arctan2(t * length, through), sides / np.pi * ends
+
+
+def prism_centres(*, sides: Array, length: Array, diameter: Array) -> Shares:
+    """Return how high the centre of a prism lies: on a side, on an end [m]."""
+    return diameter / 2 * cosine(np.pi / sides), length / 2
+
+
+# --- bodies of revolution between two ends of different size
+
+
+def cone_centre(*, diameter: Array, small_diameter: Array, height: Array) -> Array:
+    """Return the height of a truncated cone's centre above the end of `diameter` [m].
+
+    H (R1^2 + 2 R1 R2 + 3 R2^2)/(4 (R1^2 + R1 R2 + R2^2)).
+    """
+    r = small_diameter / diameter
+    return height * (1 + r * (2 + 3 * r)) / (4 * (1 + r * (1 + r)))
+
+
+def turned_centre(*, centre_of_mass: Array) -> Array:
+    """Return the height of a turned part's centre above the end of `diameter`, as measured [m]."""
+    return centre_of_mass
+
+
+def side_foot(
+    *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
+) -> Array:
+    """Return where the foot of the centre lies on the side, over its length [1].
+
+    s/L_g = (z_c H + R1 (R1 - R2))/L_g^2, from the end of `diameter`, L_g = hypot(R1 - R2, H). The
+    part lies on its side only where this is between 0 and 1.
+    """
+    apart = (diameter - small_diameter) / 2
+    generator = hypot(apart, height)
+    along = (mass_height / generator) * (height / generator)
+    return along + (diameter / 2 / generator) * (apart / generator)
+
+
+def is_side_unstable(*, side_foot: Array) -> Mask:
+    """Return where a part does not lie on its side, but rolls on over a rim."""
+    return (side_foot <= 0) | (side_foot >= 1)
+
+
+def has_centre_outside(*, height: Array, mass_height: Array) -> Mask:
+    """Return where the centre of mass is not between both ends."""
+    return mass_height >= height
+
+
+def end_share(centre: Array, radius: Array) -> Array:
+    """Return the share of an end whose rim the centre sees, (1 - z/sqrt(z^2 + r^2))/2 [1]."""
+    through = hypot(centre, radius)
+    return (radius / through) * (radius / (through + centre)) / 2
+
+
+def turned_shares(
+    *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array,
+    side_foot: Array,
+) -> Shares:  # fmt: skip
+    """Return the shares of a turned part: upright, on its side, inverted [1].
+
+    Upright it stands on the end of `diameter`. An unstable side hands its share on to the end that
+    the part rolls onto: to the small one where the foot of the centre is beyond the side's end.
+    """
+    low, high = mass_height, height - mass_height
+    upright, inverted = end_share(low, diameter / 2), end_share(high, small_diameter / 2)
+    # 1 less both ends, without the difference of what is nearly 1.
+    side = low / hypot(low, diameter / 2) / 2 + high / hypot(high, small_diameter / 2) / 2
+    stays = (side_foot > 0) & (side_foot < 1)
+    return (
+        upright + np.where(side_foot <= 0, side, 0.0),
+        np.where(stays, side, 0.0),
+        inverted + np.where(side_foot >= 1, side, 0.0),
+    )
+
+
+def turned_centres(
+    *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
+) -> Shares:
+    """Return how high the centre of a turned part lies: upright, on its side, inverted [m]."""
+    apart = (diameter - small_diameter) / 2
+    across = (diameter / 2 * height - mass_height * apart) / hypot(apart, height)
+    return mass_height, across, height - mass_height
+
+
+# --- the second estimate
+
+
+def second_shares(*, resting_shares: Shares, centre_heights: Shares) -> Shares:
+    """Return the shares by solid angle over height of the centre (Ngoi et al. 1995) [1]."""
+    weights = [share / height for share, height in zip(resting_shares, centre_heights, strict=True)]
+    total = sum(weights[1:], weights[0])
+    return tuple(weight / total for weight in weights)
+
+
+def share_errors(*, resting_shares: Shares, second_shares: Shares) -> Shares:
+    """Return how far apart both estimates of the shares are [1]."""
+    both = zip(resting_shares, second_shares, strict=True)
+    return tuple(np.abs(first - second) for first, second in both)
+
+
+def long_side_share(*, length: Array, width: Array) -> Array:
+    """Return the share of rectangles that turn their long side to a wall [1].
+
+    Pushed against it without friction: (2/pi) atan(long/short).
+    """
+    return 2 / np.pi * np.arctan2(np.maximum(length, width), np.minimum(length, width))

@@ -78,6 +78,11 @@ LOOKS = {
         ("isolation_poor", "\\", 1.8),
         ("several_amplitudes", "", 1.8),
         ("hunting", "x", 1.8),
+        # --- which way up
+        ("unstable_side", "/", 1.8),
+        ("stands", "", 1.8),
+        ("may_topple", "..", 0.9),
+        ("no_pass", "xxx", 1.3),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)

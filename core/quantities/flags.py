@@ -83,6 +83,11 @@ REGIMES: dict[str, Flag] = {
     "hunting": Flag(
         43, "where drive and parts would agree their motion changes: the amplitude is known to 3 %"
     ),
+    # --- which way up
+    "unstable_side": Flag(44, "the part does not lie on its side: it rolls on over a rim"),
+    "stands": Flag(45, "the drive is too slow by half, and more, to topple the standing part"),
+    "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
+    "no_pass": Flag(47, "the devices let no part pass: all return to the bowl"),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -50,6 +50,10 @@ INKS = {
     "isolation_poor": "#b3560f",
     "several_amplitudes": "#4a4a4a",
     "hunting": "#4a4a4a",
+    "unstable_side": "#8a7a1f",
+    "stands": "#2166ac",
+    "may_topple": "#b3560f",
+    "no_pass": "#8b1a1a",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -85,6 +89,10 @@ FILLS = {
     "isolation_poor": "#c66a2c",
     "several_amplitudes": "#ffffff",
     "hunting": "#d6d6d6",
+    "unstable_side": "#ffd98f",
+    "stands": "#9ccbff",
+    "may_topple": "#c66a2c",
+    "no_pass": "#d6d6d6",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

@@ -11,6 +11,7 @@ from core.scenes import (
     rectangle_on_plane,
     rectangle_on_track,
     rectangle_pair_impact,
+    resting_part,
 )
 from core.scenes.scene import ALIASES, EXACT, Condition, Constraint, Equation, Scene
 
@@ -25,6 +26,7 @@ SCENES: dict[str, Scene] = {
     "cylinder-rolling": cylinder_rolling.SCENE,
     "linear-drive-unit": linear_drive_unit.SCENE,
     "bowl-drive-unit": bowl_drive_unit.SCENE,
+    "resting-part": resting_part.SCENE,
 }
 
 __all__ = ["ALIASES", "EXACT", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

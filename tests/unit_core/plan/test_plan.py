@@ -55,6 +55,8 @@ VALUES = {
     "ring_down_frequency": 53.0, "damping_ratio": 0.02, "drive_force": 60.0, "air_gap": 0.003,
     "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
     "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
+    # parts that come to rest
+    "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
 }  # fmt: skip
 
 

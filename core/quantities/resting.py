@@ -1,0 +1,117 @@
+"""Parts that come to rest and stand: shares of their aspects, and what makes them topple."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, length, number
+
+ASPECTS = {
+    "flat": ("flat", "on a face of length by width"),
+    "on_side": ("on a side", "on its side"),
+    "on_end": ("on an end", "on an end"),
+    "upright": ("upright", "on the end of `diameter`"),
+    "inverted": ("inverted", "on the end of `small_diameter`"),
+}
+"""How parts lie; those of one shape are numbered in the order in which its scene lists them."""
+
+
+def _estimates() -> dict[str, Quantity]:
+    """Return the second estimate of each share, and how far apart both are."""
+    found = {}
+    for name, (words, where) in ASPECTS.items():
+        place = where.replace("`", "")
+        found[f"second_share_{name}"] = number(
+            f"p2_{name}", f"Second estimate, {words}",
+            f"Share of parts that come to rest {place}, by solid angle over height of the centre.",
+        )  # fmt: skip
+        found[f"share_error_{name}"] = Quantity(
+            "1", f"e_{name}", f"Error of the share, {words}",
+            f"Difference of both estimates of the share that comes to rest {place}.",
+            error_of=f"resting_share_{name}",
+        )  # fmt: skip
+    return found
+
+
+RESTING: dict[str, Quantity] = {
+    "small_diameter": Quantity(
+        "m", "d_2", "Diameter of the other end",
+        "Diameter of the end opposite to that of diameter; 0 of a full cone.", 0.0, parameter=True,
+        examples=("12 mm",), usual=(1e-5, 5.0),
+    ),
+    "centre_of_mass": length(
+        "z_c", "Height of the centre of mass",
+        "Distance of the centre of mass from the end of diameter.", "8 mm",
+    ),
+    "radius_of_gyration": length(
+        "k", "Radius of gyration",
+        "Root of moment of inertia over mass, about a line across the part through its centre.",
+        "7 mm",
+    ),
+    "mass_height": Quantity(
+        "m", "z_c", "Height of the centre", "Of the centre of mass above the end of diameter."
+    ),
+    "gyration": Quantity(
+        "m", "k", "Gyration", "Radius of gyration of the standing part across the push."
+    ),
+    "sides": Quantity(
+        "1", "n", "Sides of the prism",
+        "Sides of a regular prism; diameter is that of the circle through its corners.", 3.0,
+        parameter=True, examples=("6",), usual=(3.0, 100.0),
+    ),
+    "resting_shares": Quantity("1", "p", "Shares", "Resting share of each aspect.", bundle=True),
+    "centre_heights": Quantity(
+        "m", "z", "Heights of the centre", "Height of the centre in each aspect.", bundle=True
+    ),
+    "second_shares": Quantity("1", "p2", "Second estimates", "One an aspect.", bundle=True),
+    "share_errors": Quantity("1", "e", "Errors of the shares", "One an aspect.", bundle=True),
+    "resting_share_upright": number(
+        "p_1", "Share that rests upright",
+        "Share of parts that come to rest on the end of diameter, let down in any orientation with "
+        "negligible momentum.",
+    ),
+    "resting_share_inverted": number(
+        "p_3", "Share that rests inverted", "The same on the opposite end."
+    ),
+    **_estimates(),
+    "side_foot": number(
+        "s/L_g", "Foot of the centre on the side",
+        "Place of the centre's foot along the side, from the end of diameter; outside of 0 to 1 "
+        "the part does not lie on its side.",
+    ),
+    "long_side_share": number(
+        "p_w", "Share with the long side along the wall",
+        "Of flat parts that are pushed against a wall without friction.",
+    ),
+    "standing_base": Quantity(
+        "m", "b", "Half base", "Half of the base of the standing part, along the push."
+    ),
+    "standing_centre": Quantity(
+        "m", "z_c", "Height of the standing part's centre", "Height of its centre of mass."
+    ),
+    "edge_distance": Quantity("m", "R", "Edge to centre", "Distance of the centre from the edge."),
+    "topple_slope": Quantity(
+        "degree", "alpha_c", "Toppling slope",
+        "Slope on which the standing part topples, unless it slides before.",
+    ),
+    "rocking_friction": number(
+        "b/z_c", "Least friction of rocking",
+        "Friction below which the standing part slides and never rocks.",
+    ),
+    "rocking_rate": Quantity(
+        "s-1", "p", "Rocking rate", "Rate at which the part falls from its edge."
+    ),
+    "topple_speed": Quantity(
+        "m s-1", "V", "Toppling speed",
+        "Speed from which the standing part topples if its foot stops at once.",
+    ),
+    "pulse_angle": Quantity(
+        "rad", "psi", "Start of rocking", "Phase of the half sine at which rocking starts."
+    ),
+    "topple_acceleration": Quantity(
+        "m s-2", "a", "Toppling acceleration",
+        "Peak of a half-sine pulse of the frequency that topples the standing part.",
+    ),
+    "topple_margin": Quantity(
+        "m s-1", "", "Margin of toppling",
+        "Half of the toppling speed less the largest speed of the track along the floor.",
+    ),
+}  # fmt: skip
