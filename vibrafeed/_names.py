@@ -22,6 +22,7 @@ SweptScene: TypeAlias = (
         "linear-drive-unit",
         "bowl-drive-unit",
         "resting-part",
+        "orienting-line",
     ]
     | str
 )
@@ -226,6 +227,31 @@ SweptOutput: TypeAlias = (
         "pulse_angle",
         "topple_acceleration",
         "topple_margin",
+        "drop_count",
+        "yield",
+        "passing_share_flat",
+        "leaving_share_flat",
+        "passing_share_on_side",
+        "leaving_share_on_side",
+        "passing_share_on_end",
+        "leaving_share_on_end",
+        "passing_share_upright",
+        "leaving_share_upright",
+        "passing_share_inverted",
+        "leaving_share_inverted",
+        "leaving_wanted",
+        "purity",
+        "laps",
+        "laps_variance",
+        "laps_99",
+        "oriented_feed_rate",
+        "wanted_feed_rate",
+        "return_rate",
+        "yield_deviation",
+        "yield_lower",
+        "yield_upper",
+        "oriented_feed_rate_lower",
+        "oriented_feed_rate_upper",
     ]
     | str
 )

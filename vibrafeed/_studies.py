@@ -155,6 +155,57 @@ def study(
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
     sides: Values | None = None,
+    arrival_rate: Values | None = None,
+    arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
+    wanted_aspect: Values | None = None,
+    shank_diameter: Values | None = None,
+    device_order: Values | None = None,
+    drop_count_1: Values | None = None,
+    drop_count_2: Values | None = None,
+    drop_count_3: Values | None = None,
+    wiper_height_1: Values | None = None,
+    ledge_width_1: Values | None = None,
+    gap_length_1: Values | None = None,
+    rail_width_1: Values | None = None,
+    outlet_capacity_1: Values | None = None,
+    turned_share_1: Values | None = None,
+    turn_1: Values | None = None,
+    wiper_height_2: Values | None = None,
+    ledge_width_2: Values | None = None,
+    gap_length_2: Values | None = None,
+    rail_width_2: Values | None = None,
+    outlet_capacity_2: Values | None = None,
+    turned_share_2: Values | None = None,
+    turn_2: Values | None = None,
+    wiper_height_3: Values | None = None,
+    ledge_width_3: Values | None = None,
+    gap_length_3: Values | None = None,
+    rail_width_3: Values | None = None,
+    outlet_capacity_3: Values | None = None,
+    turned_share_3: Values | None = None,
+    turn_3: Values | None = None,
+    wiper_height_4: Values | None = None,
+    ledge_width_4: Values | None = None,
+    gap_length_4: Values | None = None,
+    rail_width_4: Values | None = None,
+    outlet_capacity_4: Values | None = None,
+    turned_share_4: Values | None = None,
+    turn_4: Values | None = None,
+    wiper_height_5: Values | None = None,
+    ledge_width_5: Values | None = None,
+    gap_length_5: Values | None = None,
+    rail_width_5: Values | None = None,
+    outlet_capacity_5: Values | None = None,
+    turned_share_5: Values | None = None,
+    turn_5: Values | None = None,
+    wiper_height_6: Values | None = None,
+    ledge_width_6: Values | None = None,
+    gap_length_6: Values | None = None,
+    rail_width_6: Values | None = None,
+    outlet_capacity_6: Values | None = None,
+    turned_share_6: Values | None = None,
+    turn_6: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -325,6 +376,57 @@ def sweep(
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
     sides: Values | None = None,
+    arrival_rate: Values | None = None,
+    arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
+    wanted_aspect: Values | None = None,
+    shank_diameter: Values | None = None,
+    device_order: Values | None = None,
+    drop_count_1: Values | None = None,
+    drop_count_2: Values | None = None,
+    drop_count_3: Values | None = None,
+    wiper_height_1: Values | None = None,
+    ledge_width_1: Values | None = None,
+    gap_length_1: Values | None = None,
+    rail_width_1: Values | None = None,
+    outlet_capacity_1: Values | None = None,
+    turned_share_1: Values | None = None,
+    turn_1: Values | None = None,
+    wiper_height_2: Values | None = None,
+    ledge_width_2: Values | None = None,
+    gap_length_2: Values | None = None,
+    rail_width_2: Values | None = None,
+    outlet_capacity_2: Values | None = None,
+    turned_share_2: Values | None = None,
+    turn_2: Values | None = None,
+    wiper_height_3: Values | None = None,
+    ledge_width_3: Values | None = None,
+    gap_length_3: Values | None = None,
+    rail_width_3: Values | None = None,
+    outlet_capacity_3: Values | None = None,
+    turned_share_3: Values | None = None,
+    turn_3: Values | None = None,
+    wiper_height_4: Values | None = None,
+    ledge_width_4: Values | None = None,
+    gap_length_4: Values | None = None,
+    rail_width_4: Values | None = None,
+    outlet_capacity_4: Values | None = None,
+    turned_share_4: Values | None = None,
+    turn_4: Values | None = None,
+    wiper_height_5: Values | None = None,
+    ledge_width_5: Values | None = None,
+    gap_length_5: Values | None = None,
+    rail_width_5: Values | None = None,
+    outlet_capacity_5: Values | None = None,
+    turned_share_5: Values | None = None,
+    turn_5: Values | None = None,
+    wiper_height_6: Values | None = None,
+    ledge_width_6: Values | None = None,
+    gap_length_6: Values | None = None,
+    rail_width_6: Values | None = None,
+    outlet_capacity_6: Values | None = None,
+    turned_share_6: Values | None = None,
+    turn_6: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -584,6 +686,146 @@ def sweep(
     sides : values, optional
         Sides of a regular prism; diameter is that of the circle through its corners. 3 or more, for
         example 6.
+    arrival_rate : values, optional
+        Parts a minute that arrive at the first device. In min-1, above 0, for example "300 1/min".
+    arrival_speed : values, optional
+        Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
+        mm/s".
+    part_pitch : values, optional
+        From part to part in their row. In m, above 0, for example "22 mm".
+    wanted_aspect : values, optional
+        Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
+    shank_diameter : values, optional
+        Of a part with a head, which has the diameter. In m, above 0, for example "4 mm".
+    device_order : values, optional
+        Which of the orders of all devices, as in a dictionary: 1 is the order of their places, the
+        last one is backwards. From 1 to 720, for example 1.
+    drop_count_1 : values, optional
+        Parts of a drop test that came to rest in aspect 1. 0 or more, for example 129.
+    drop_count_2 : values, optional
+        Parts of a drop test that came to rest in aspect 2. 0 or more, for example 129.
+    drop_count_3 : values, optional
+        Parts of a drop test that came to rest in aspect 3. 0 or more, for example 129.
+    wiper_height_1 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_1 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_1 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_1 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_1 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_1 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_1 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_2 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_2 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_2 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_2 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_2 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_2 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_2 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_3 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_3 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_3 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_3 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_3 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_3 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_3 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_4 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_4 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_4 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_4 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_4 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_4 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_4 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_5 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_5 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_5 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_5 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_5 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_5 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_5 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_6 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_6 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_6 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_6 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_6 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_6 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_6 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1082,6 +1324,57 @@ def optimise(
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
     sides: Values | None = None,
+    arrival_rate: Values | None = None,
+    arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
+    wanted_aspect: Values | None = None,
+    shank_diameter: Values | None = None,
+    device_order: Values | None = None,
+    drop_count_1: Values | None = None,
+    drop_count_2: Values | None = None,
+    drop_count_3: Values | None = None,
+    wiper_height_1: Values | None = None,
+    ledge_width_1: Values | None = None,
+    gap_length_1: Values | None = None,
+    rail_width_1: Values | None = None,
+    outlet_capacity_1: Values | None = None,
+    turned_share_1: Values | None = None,
+    turn_1: Values | None = None,
+    wiper_height_2: Values | None = None,
+    ledge_width_2: Values | None = None,
+    gap_length_2: Values | None = None,
+    rail_width_2: Values | None = None,
+    outlet_capacity_2: Values | None = None,
+    turned_share_2: Values | None = None,
+    turn_2: Values | None = None,
+    wiper_height_3: Values | None = None,
+    ledge_width_3: Values | None = None,
+    gap_length_3: Values | None = None,
+    rail_width_3: Values | None = None,
+    outlet_capacity_3: Values | None = None,
+    turned_share_3: Values | None = None,
+    turn_3: Values | None = None,
+    wiper_height_4: Values | None = None,
+    ledge_width_4: Values | None = None,
+    gap_length_4: Values | None = None,
+    rail_width_4: Values | None = None,
+    outlet_capacity_4: Values | None = None,
+    turned_share_4: Values | None = None,
+    turn_4: Values | None = None,
+    wiper_height_5: Values | None = None,
+    ledge_width_5: Values | None = None,
+    gap_length_5: Values | None = None,
+    rail_width_5: Values | None = None,
+    outlet_capacity_5: Values | None = None,
+    turned_share_5: Values | None = None,
+    turn_5: Values | None = None,
+    wiper_height_6: Values | None = None,
+    ledge_width_6: Values | None = None,
+    gap_length_6: Values | None = None,
+    rail_width_6: Values | None = None,
+    outlet_capacity_6: Values | None = None,
+    turned_share_6: Values | None = None,
+    turn_6: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -1381,6 +1674,146 @@ def optimise(
     sides : values, optional
         Sides of a regular prism; diameter is that of the circle through its corners. 3 or more, for
         example 6.
+    arrival_rate : values, optional
+        Parts a minute that arrive at the first device. In min-1, above 0, for example "300 1/min".
+    arrival_speed : values, optional
+        Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
+        mm/s".
+    part_pitch : values, optional
+        From part to part in their row. In m, above 0, for example "22 mm".
+    wanted_aspect : values, optional
+        Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
+    shank_diameter : values, optional
+        Of a part with a head, which has the diameter. In m, above 0, for example "4 mm".
+    device_order : values, optional
+        Which of the orders of all devices, as in a dictionary: 1 is the order of their places, the
+        last one is backwards. From 1 to 720, for example 1.
+    drop_count_1 : values, optional
+        Parts of a drop test that came to rest in aspect 1. 0 or more, for example 129.
+    drop_count_2 : values, optional
+        Parts of a drop test that came to rest in aspect 2. 0 or more, for example 129.
+    drop_count_3 : values, optional
+        Parts of a drop test that came to rest in aspect 3. 0 or more, for example 129.
+    wiper_height_1 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_1 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_1 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_1 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_1 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_1 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_1 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_2 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_2 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_2 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_2 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_2 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_2 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_2 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_3 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_3 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_3 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_3 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_3 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_3 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_3 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_4 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_4 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_4 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_4 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_4 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_4 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_4 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_5 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_5 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_5 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_5 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_5 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_5 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_5 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_6 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_6 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_6 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_6 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_6 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_6 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_6 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -1587,6 +2020,57 @@ def sensitivity(
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
     sides: Values | None = None,
+    arrival_rate: Values | None = None,
+    arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
+    wanted_aspect: Values | None = None,
+    shank_diameter: Values | None = None,
+    device_order: Values | None = None,
+    drop_count_1: Values | None = None,
+    drop_count_2: Values | None = None,
+    drop_count_3: Values | None = None,
+    wiper_height_1: Values | None = None,
+    ledge_width_1: Values | None = None,
+    gap_length_1: Values | None = None,
+    rail_width_1: Values | None = None,
+    outlet_capacity_1: Values | None = None,
+    turned_share_1: Values | None = None,
+    turn_1: Values | None = None,
+    wiper_height_2: Values | None = None,
+    ledge_width_2: Values | None = None,
+    gap_length_2: Values | None = None,
+    rail_width_2: Values | None = None,
+    outlet_capacity_2: Values | None = None,
+    turned_share_2: Values | None = None,
+    turn_2: Values | None = None,
+    wiper_height_3: Values | None = None,
+    ledge_width_3: Values | None = None,
+    gap_length_3: Values | None = None,
+    rail_width_3: Values | None = None,
+    outlet_capacity_3: Values | None = None,
+    turned_share_3: Values | None = None,
+    turn_3: Values | None = None,
+    wiper_height_4: Values | None = None,
+    ledge_width_4: Values | None = None,
+    gap_length_4: Values | None = None,
+    rail_width_4: Values | None = None,
+    outlet_capacity_4: Values | None = None,
+    turned_share_4: Values | None = None,
+    turn_4: Values | None = None,
+    wiper_height_5: Values | None = None,
+    ledge_width_5: Values | None = None,
+    gap_length_5: Values | None = None,
+    rail_width_5: Values | None = None,
+    outlet_capacity_5: Values | None = None,
+    turned_share_5: Values | None = None,
+    turn_5: Values | None = None,
+    wiper_height_6: Values | None = None,
+    ledge_width_6: Values | None = None,
+    gap_length_6: Values | None = None,
+    rail_width_6: Values | None = None,
+    outlet_capacity_6: Values | None = None,
+    turned_share_6: Values | None = None,
+    turn_6: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -1878,6 +2362,146 @@ def sensitivity(
     sides : values, optional
         Sides of a regular prism; diameter is that of the circle through its corners. 3 or more, for
         example 6.
+    arrival_rate : values, optional
+        Parts a minute that arrive at the first device. In min-1, above 0, for example "300 1/min".
+    arrival_speed : values, optional
+        Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
+        mm/s".
+    part_pitch : values, optional
+        From part to part in their row. In m, above 0, for example "22 mm".
+    wanted_aspect : values, optional
+        Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
+    shank_diameter : values, optional
+        Of a part with a head, which has the diameter. In m, above 0, for example "4 mm".
+    device_order : values, optional
+        Which of the orders of all devices, as in a dictionary: 1 is the order of their places, the
+        last one is backwards. From 1 to 720, for example 1.
+    drop_count_1 : values, optional
+        Parts of a drop test that came to rest in aspect 1. 0 or more, for example 129.
+    drop_count_2 : values, optional
+        Parts of a drop test that came to rest in aspect 2. 0 or more, for example 129.
+    drop_count_3 : values, optional
+        Parts of a drop test that came to rest in aspect 3. 0 or more, for example 129.
+    wiper_height_1 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_1 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_1 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_1 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_1 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_1 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_1 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_2 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_2 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_2 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_2 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_2 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_2 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_2 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_3 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_3 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_3 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_3 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_3 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_3 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_3 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_4 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_4 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_4 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_4 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_4 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_4 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_4 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_5 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_5 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_5 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_5 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_5 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_5 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_5 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    wiper_height_6 : values, optional
+        Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
+        mm".
+    ledge_width_6 : values, optional
+        Width of a narrow track along the wall: passes parts whose centre is above it. In m, above
+        0, for example "9 mm".
+    gap_length_6 : values, optional
+        Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
+        example "8 mm".
+    rail_width_6 : values, optional
+        Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
+        example "5 mm".
+    outlet_capacity_6 : values, optional
+        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
+        "120 1/min".
+    turned_share_6 : values, optional
+        Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
+        for example 0.6.
+    turn_6 : values, optional
+        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -2434,6 +3058,57 @@ def open_lazily(
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
     sides: Values | None = None,
+    arrival_rate: Values | None = None,
+    arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
+    wanted_aspect: Values | None = None,
+    shank_diameter: Values | None = None,
+    device_order: Values | None = None,
+    drop_count_1: Values | None = None,
+    drop_count_2: Values | None = None,
+    drop_count_3: Values | None = None,
+    wiper_height_1: Values | None = None,
+    ledge_width_1: Values | None = None,
+    gap_length_1: Values | None = None,
+    rail_width_1: Values | None = None,
+    outlet_capacity_1: Values | None = None,
+    turned_share_1: Values | None = None,
+    turn_1: Values | None = None,
+    wiper_height_2: Values | None = None,
+    ledge_width_2: Values | None = None,
+    gap_length_2: Values | None = None,
+    rail_width_2: Values | None = None,
+    outlet_capacity_2: Values | None = None,
+    turned_share_2: Values | None = None,
+    turn_2: Values | None = None,
+    wiper_height_3: Values | None = None,
+    ledge_width_3: Values | None = None,
+    gap_length_3: Values | None = None,
+    rail_width_3: Values | None = None,
+    outlet_capacity_3: Values | None = None,
+    turned_share_3: Values | None = None,
+    turn_3: Values | None = None,
+    wiper_height_4: Values | None = None,
+    ledge_width_4: Values | None = None,
+    gap_length_4: Values | None = None,
+    rail_width_4: Values | None = None,
+    outlet_capacity_4: Values | None = None,
+    turned_share_4: Values | None = None,
+    turn_4: Values | None = None,
+    wiper_height_5: Values | None = None,
+    ledge_width_5: Values | None = None,
+    gap_length_5: Values | None = None,
+    rail_width_5: Values | None = None,
+    outlet_capacity_5: Values | None = None,
+    turned_share_5: Values | None = None,
+    turn_5: Values | None = None,
+    wiper_height_6: Values | None = None,
+    ledge_width_6: Values | None = None,
+    gap_length_6: Values | None = None,
+    rail_width_6: Values | None = None,
+    outlet_capacity_6: Values | None = None,
+    turned_share_6: Values | None = None,
+    turn_6: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,

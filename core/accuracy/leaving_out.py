@@ -51,6 +51,18 @@ TYPICAL: dict[str, Any] = {
     "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
     # parts that come to rest
     "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
+    # lines of devices; an order counts from 1
+    "arrival_rate": 300.0, "wanted_aspect": 1.0, "shank_diameter": 0.004, "device_order": 2.0,
+    "drop_count_1": 129.0, "drop_count_2": 49.0, "drop_count_3": 22.0,
+    **{
+        f"{name}_{place}": value
+        for place in range(1, 7)
+        for name, value in (
+            ("wiper_height", 0.1), ("ledge_width", 0.1), ("gap_length", 1e-4),
+            ("rail_width", 0.006), ("outlet_capacity", 250.0), ("turned_share", 0.6),
+            ("turn", 21.0),
+        )
+    },
     # two bodies that touch, nearly, and approach
     "position_x_1": 0.005, "position_y_1": 0.02097, "angle_1": 30.0, "velocity_x_1": 0.1,
     "velocity_y_1": -0.2, "spin_1": 3.0, "length_1": 0.05, "width_1": 0.008, "mass_1": 0.01,

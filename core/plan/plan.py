@@ -142,6 +142,7 @@ def plan_scene(
     scene: Scene, variant: str, outputs: Collection[str], given: Collection[str]
 ) -> Plan:
     """Return the plan of the outputs of a scene, as `make_plan` does."""
+    scene = scene.fitted(given)
     gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
         *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),

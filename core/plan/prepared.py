@@ -263,6 +263,7 @@ def plan_study(
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
     scene, variant, problems = chosen
+    scene = scene.fitted(values)
     problems += broken_constraints(scene, variant, grid)
     try:
         plan = plan_scene(scene, variant, tuple(outputs), values)

@@ -83,6 +83,7 @@ LOOKS = {
         ("stands", "", 1.8),
         ("may_topple", "..", 0.9),
         ("no_pass", "xxx", 1.3),
+        ("passes", "", 1.8),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)

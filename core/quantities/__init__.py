@@ -23,6 +23,7 @@ from core.quantities.impacts import IMPACTS
 from core.quantities.isolated import ISOLATED
 from core.quantities.motion import MOTION
 from core.quantities.optimum import OPTIMUM
+from core.quantities.orienting import ORIENTING
 from core.quantities.quantity import Quantity
 from core.quantities.resting import RESTING
 from core.quantities.rolling import ROLLING
@@ -42,7 +43,18 @@ __all__ = [
 ]
 
 # In the order in which documents list them; those of one study share axes in this order.
-FAMILIES = (TRACK, DRIVE, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM, DRIVE_UNIT, RESTING)
+FAMILIES = (
+    TRACK,
+    DRIVE,
+    ROLLING,
+    ISOLATED,
+    IMPACTS,
+    MOTION,
+    OPTIMUM,
+    DRIVE_UNIT,
+    RESTING,
+    ORIENTING,
+)
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()
 }

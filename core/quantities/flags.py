@@ -88,6 +88,7 @@ REGIMES: dict[str, Flag] = {
     "stands": Flag(45, "the drive is too slow by half, and more, to topple the standing part"),
     "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
     "no_pass": Flag(47, "the devices let no part pass: all return to the bowl"),
+    "passes": Flag(48, "the devices let parts pass"),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -54,6 +54,7 @@ INKS = {
     "stands": "#2166ac",
     "may_topple": "#b3560f",
     "no_pass": "#8b1a1a",
+    "passes": "#2166ac",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -93,6 +94,7 @@ FILLS = {
     "stands": "#9ccbff",
     "may_topple": "#c66a2c",
     "no_pass": "#d6d6d6",
+    "passes": "#9ccbff",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

@@ -7,13 +7,15 @@ from core.scenes import (
     cylinder_pair_impact,
     cylinder_rolling,
     linear_drive_unit,
+    orienting_line,
     rectangle_isolated,
     rectangle_on_plane,
     rectangle_on_track,
     rectangle_pair_impact,
     resting_part,
 )
-from core.scenes.scene import ALIASES, EXACT, Condition, Constraint, Equation, Scene
+from core.scenes.aliases import ALIASES
+from core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
 
 SCENES: dict[str, Scene] = {
     "rectangle-isolated": rectangle_isolated.SCENE,
@@ -27,6 +29,7 @@ SCENES: dict[str, Scene] = {
     "linear-drive-unit": linear_drive_unit.SCENE,
     "bowl-drive-unit": bowl_drive_unit.SCENE,
     "resting-part": resting_part.SCENE,
+    "orienting-line": orienting_line.SCENE,
 }
 
 __all__ = ["ALIASES", "EXACT", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

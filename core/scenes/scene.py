@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
 from core.errors import SceneError
-from core.mechanics.drive_unit import magnet_force, unbalance_force
-from core.mechanics.friction import friction_kinetic, friction_static
-from core.mechanics.vibration import amplitude
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes.graph import CycleError, behind
 
@@ -159,15 +156,6 @@ class Condition:
         return _summary(self.function)
 
 
-# Other ways of giving a parameter. They serve only where the parameter itself is not given.
-ALIASES = (
-    Equation("amplitude", amplitude, "theory 0.2"),
-    Equation("friction_static", friction_static, "theory 11.2"),
-    Equation("friction_kinetic", friction_kinetic, "theory 11.2"),
-    Equation("drive_force", magnet_force, "theory 15.1"),
-    Equation("drive_force", unbalance_force, "theory 15.1"),
-)
-
 STANDARD_GRAVITY = 9.80665
 EXACT = ("throw_number",)
 """Outputs of which conditions are assessed, and that hold whatever these say."""
@@ -234,6 +222,9 @@ class Scene:
     rounding_bound : int or None
         Largest error of an output in ulps over its condition number, if one is known; the tests
         hold every output to it, at random, extreme and threshold points.
+    fit : callable, optional
+        Of a scene whose parts are listed in the study, such as the devices of a line: takes it and
+        the names of the given parameters, and returns it with those parts.
     """
 
     name: str
@@ -252,6 +243,11 @@ class Scene:
     seconds_a_cell: float = 1e-7
     seconds_a_verified_cell: float = 0.01
     rounding_bound: int | None = None
+    fit: Callable[[Scene, Collection[str]], Scene] | None = None
+
+    def fitted(self, given: Collection[str]) -> Scene:
+        """Return the scene of a study that gives some parameters: itself, unless they shape it."""
+        return self if self.fit is None else self.fit(self, given)
 
     def defaults_of(self, variant: str) -> dict[str, float]:
         """Return the defaults that are in force with a variant."""

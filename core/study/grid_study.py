@@ -28,11 +28,28 @@ from core.study.values import Between, Values, read_between, read_values
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 
 
+def _without_echoes(schema: dict[str, Any]) -> None:
+    """Take out of a schema what says nothing, a thousand times.
+
+    Those are titles that repeat their key, and null for what may be left out.
+    """
+    required = schema.get("required", ())
+    for name, field in schema.get("properties", {}).items():
+        if field.get("title", "").lower() == name.replace("_", " "):
+            del field["title"]
+        if name not in required and field.get("default", 0) is None:
+            del field["default"]
+
+
 class Frozen(BaseModel):
     """A model that cannot be changed and knows all its keys."""
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True
+        frozen=True,
+        extra="forbid",
+        defer_build=True,
+        arbitrary_types_allowed=True,
+        json_schema_extra=_without_echoes,
     )
 
 

@@ -1,0 +1,256 @@
+"""Devices on a track that let parts pass by the way they lie, one after another (theory 16.3).
+
+A device is a matrix D of one row an aspect: the share of parts that arrive in it and go on in each.
+What a row lacks of 1 falls back into the bowl and comes again, in any orientation. Matrices are
+tuples of rows of arrays that broadcast, 0.0 and 1.0 where nothing else can stand there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics.angles import cosine
+from core.mechanics.arrays import Array, Mask, hypot, ratio
+
+Matrix = Sequence[Sequence[Array]]
+
+CERTAIN = 0.01
+"""Share of the parts that may need more laps than `laps_99`."""
+
+
+class Aspect(NamedTuple):
+    """The size of a part as it lies: across and along the track, lengthwise along it [m]."""
+
+    height: Array
+    across: Array
+    along: Array
+
+
+class Passed(NamedTuple):
+    """What a line lets pass.
+
+    Attributes
+    ----------
+    leaving : tuple of ndarray
+        Shares of all arriving parts that leave in each aspect.
+    passing : tuple of ndarray
+        Share of those that arrive in each aspect that leave in any.
+    total : ndarray
+        Share of all arriving parts that leave.
+    """
+
+    leaving: tuple[Array, ...]
+    passing: tuple[Array, ...]
+    total: Array
+
+
+# --- sizes of parts as they lie, the longer side along the wall
+
+
+def box_aspects(*, length: Array, width: Array, height: Array) -> tuple[Aspect, ...]:
+    """Return the sizes of a box: flat, on its side, on its end [m]."""
+    sides = ((height, length, width), (width, length, height), (length, width, height))
+    return tuple(Aspect(up, np.minimum(a, b), np.maximum(a, b)) for up, a, b in sides)
+
+
+def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
+    """Return the sizes of a cylinder: on its side, on an end [m]."""
+    return Aspect(diameter, diameter, length), Aspect(length, diameter, diameter)
+
+
+def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspect, ...]:
+    """Return the sizes of a prism: on a side, on an end [m].
+
+    Above the side that it lies on is another one, or a corner where their number is odd.
+    """
+    inner = diameter / 2 * cosine(np.pi / sides)
+    even = np.rint(sides / 2) * 2 == sides
+    lying = Aspect(inner + np.where(even, inner, diameter / 2), diameter, length)
+    return lying, Aspect(length, diameter, diameter)
+
+
+def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> tuple[Aspect, ...]:
+    """Return the sizes of a turned part: upright, on its side, inverted [m].
+
+    On its side the rim of the large end is d cos(th) high, th half the angle of the cone, and the
+    other rim reaches out by d_2 sin(th) over the side.
+    """
+    apart = np.abs(diameter - small_diameter) / 2
+    side = hypot(apart, height)
+    large, small = np.maximum(diameter, small_diameter), np.minimum(diameter, small_diameter)
+    lying = Aspect(large * (height / side), large, side + small * (apart / side))
+    return Aspect(height, large, large), lying, Aspect(height, large, large)
+
+
+# --- what devices let pass, of one aspect
+
+
+def passes_wiper(aspect: Aspect, wiper_height: Array) -> Array:
+    """Return 1 where a part is no higher than the edge of a wiper, else 0."""
+    return np.where(aspect.height <= wiper_height, 1.0, 0.0)
+
+
+def passes_ledge(aspect: Aspect, centre: Array, ledge_width: Array, delta: Array) -> Array:
+    """Return 1 where the centre of a part is above a ledge along the wall, else 0.
+
+    (w - a/2) + z tan(delta) > 0: a track that leans by delta holds it on the wall.
+    """
+    over = ledge_width - aspect.across / 2 + centre * np.tan(delta)
+    return np.where(over > 0, 1.0, 0.0)
+
+
+def passes_gap(aspect: Aspect, gap_length: Array) -> Array:
+    """Return 1 where a part is longer than twice a gap in the track, else 0.
+
+    Its centre is carried until its front has landed.
+    """
+    return np.where(aspect.along / 2 > gap_length, 1.0, 0.0)
+
+
+def hangs_on_rail(rail_width: Array, shank_diameter: Array, diameter: Array) -> Array:
+    """Return 1 where a shank falls between two rails and the head of `diameter` does not."""
+    return np.where((shank_diameter < rail_width) & (rail_width < diameter), 1.0, 0.0)
+
+
+# --- matrices
+
+
+def unchanged(aspects: int) -> Matrix:
+    """Return the matrix that changes nothing."""
+    return [[np.asarray(float(i == j)) for j in range(aspects)] for i in range(aspects)]
+
+
+def test_of(kept: Sequence[Array]) -> Matrix:
+    """Return the matrix of a test: what each aspect keeps, and none changes."""
+    zero = np.zeros(())
+    return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(kept)]
+
+
+def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
+    """Return a device that turns a share of the parts of one aspect into another.
+
+    `turn` 21 turns from aspect 2 to 1. With `failed` those that fail its test are turned, and the
+    others of these fall; else that share of all, and the others stay as they are.
+    """
+    places = range(len(matrix))
+    rows = [[*row] for row in matrix]
+    for i in places:
+        for j in places:
+            if i == j:
+                continue
+            share = np.where(turn == 10 * (i + 1) + (j + 1), turned_share, 0.0)
+            rows[i][j] = rows[i][j] + share * ((1 - matrix[i][i]) if failed else matrix[i][i])
+            if not failed:
+                rows[i][i] = rows[i][i] - share * matrix[i][i]
+    return rows
+
+
+def product(first: Matrix, second: Matrix) -> Matrix:
+    """Return what two devices do, one after the other."""
+    places = range(len(first))
+    return [[_sum([row[k] * second[k][j] for k in places]) for j in places] for row in first]
+
+
+def _sum(terms: Sequence[Array]) -> Array:
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total
+
+
+def passed(shares: Sequence[Array], matrix: Matrix) -> Passed:
+    """Return what passes of parts that arrive with some shares."""
+    places = range(len(shares))
+    leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
+    return Passed(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
+
+
+def outlet_share(
+    shares: Sequence[Array], matrix: Matrix, arrival_rate: Array, capacity: Array
+) -> Array:
+    """Return the share of a flow that an outlet of some capacity takes, min(1, c/q) [1]."""
+    return np.minimum(1.0, ratio(capacity, arrival_rate * passed(shares, matrix).total, np.inf))
+
+
+# --- orders
+
+
+def place_in_order(order: Array, count: int) -> list[Array]:
+    """Return which device stands at each place, from 0, in one of the count! orders.
+
+    Orders count from 1 as in a dictionary: 1 is 1, 2, 3, ...; the last one goes backwards. The
+    digits of order - 1 in the base of factorials say how many of the devices left come before.
+    """
+    digits, left = [], order - 1
+    for place in range(count - 1):
+        block = float(np.prod(range(1, count - place)))
+        digit = np.rint((left + 0.5) / block - 0.5)  # the whole part of left/block
+        digits.append(digit)
+        left = left - digit * block
+    digits.append(0 * left)
+    for place in reversed(range(count - 1)):
+        for later in range(place + 1, count):
+            digits[later] = digits[later] + np.where(digits[place] <= digits[later], 1.0, 0.0)
+    return digits
+
+
+# --- what comes of it
+
+
+def laps(*, line: Passed) -> Array:
+    """Return how often a part arrives until it passes, in the mean, 1/eta [1]."""
+    return ratio(np.ones(()), line.total, np.inf)
+
+
+def laps_variance(*, line: Passed) -> Array:
+    """Return the variance of the laps that a part needs, (1 - eta)/eta^2 [1]."""
+    return ratio(1 - line.total, line.total * line.total, np.inf)
+
+
+def laps_99(*, line: Passed) -> Array:
+    """Return within how many laps 99 of 100 parts pass, ln 0.01/ln(1 - eta), at least 1 [1]."""
+    lost = np.minimum(np.maximum(1 - line.total, 0.0), 1.0)
+    some = (lost > 0) & (lost < 1)
+    laps = np.log(CERTAIN) / np.log(np.where(some, lost, 0.5))
+    return np.where(some, np.maximum(laps, 1.0), np.where(lost > 0, np.inf, 1.0))
+
+
+def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:
+    """Return how many parts a minute arrive in one row, 60 v/pitch [min-1]."""
+    return 60 * arrival_speed / part_pitch
+
+
+def oriented_feed_rate(*, arrival_rate: Array, line: Passed) -> Array:
+    """Return how many parts a minute leave the line, q eta [min-1]."""
+    return arrival_rate * line.total
+
+
+def return_rate(*, arrival_rate: Array, line: Passed) -> Array:
+    """Return how many parts a minute fall back into the bowl, q (1 - eta) [min-1]."""
+    return arrival_rate * (1 - line.total)
+
+
+def leaving_wanted(*, line: Passed, wanted_aspect: Array) -> Array:
+    """Return the share of the arriving parts that leave in the wanted aspect [1]."""
+    found = line.leaving[0]
+    for place, share in enumerate(line.leaving[1:], 2):
+        found = np.where(wanted_aspect == place, share, found)
+    return found
+
+
+def purity(*, leaving_wanted: Array, line: Passed) -> Array:
+    """Return the share of the leaving parts that lie in the wanted aspect [1]."""
+    return ratio(leaving_wanted, line.total, np.nan)
+
+
+def wanted_feed_rate(*, arrival_rate: Array, leaving_wanted: Array) -> Array:
+    """Return how many parts a minute leave in the wanted aspect [min-1]."""
+    return arrival_rate * leaving_wanted
+
+
+def lets_none_pass(*, line: Passed) -> Mask:
+    """Return where no part passes."""
+    return line.total <= 0

@@ -1,0 +1,159 @@
+"""Lines of devices that orient parts: what a study gives of them, and what passes."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, length, number
+from core.quantities.resting import ASPECTS
+
+MOST_DEVICES = 6
+"""Places of a line."""
+
+PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if i != j}
+"""What `turn` may be: from one aspect to another."""
+
+
+def _device(place: int) -> dict[str, Quantity]:
+    """Return what a study may give of the device at a place."""
+    at = f", place {place}"
+
+    def size(symbol: str, label: str, says: str, example: str) -> Quantity:
+        return length(f"{symbol}{place}", label + at, says, example)
+
+    return {
+        "wiper_height": size(
+            "h", "Height of the wiper", "Height of a wiper's edge over the track: passes lower "
+            "parts.", "12 mm",
+        ),
+        "ledge_width": size(
+            "w", "Width of the ledge", "Width of a narrow track along the wall: passes parts whose "
+            "centre is above it.", "9 mm",
+        ),
+        "gap_length": size(
+            "s", "Length of the gap", "Length of a gap in the track: passes parts longer than "
+            "twice that.", "8 mm",
+        ),
+        "rail_width": size(
+            "r", "Width of the rails", "Distance of two rails: parts with a head hang in it by "
+            "their shank.", "5 mm",
+        ),
+        "outlet_capacity": Quantity(
+            "min-1", f"c{place}", f"Capacity{at}",
+            "Most parts a minute that pass a pressure break or outlet.", 0.0, strict=True,
+            parameter=True, examples=("120 1/min",),
+        ),
+        "turned_share": Quantity(
+            "1", f"t{place}", f"Share turned{at}",
+            "Share of the parts of an aspect that a riser, step or wiper turns into another.",
+            0.0, 1.0, parameter=True, examples=("0.6",),
+        ),
+        "turn": Quantity(
+            "1", f"o{place}", f"Turn{at}",
+            "From which aspect to which: 21 from aspect 2 to aspect 1.", 12.0, 32.0,
+            parameter=True, examples=("21",), words=PAIRS,
+        ),
+    }  # fmt: skip
+
+
+DEVICES = tuple(_device(1))
+"""What a study may give of a device, without its place."""
+
+
+def _shares() -> dict[str, Quantity]:
+    """Return what passes and leaves of each aspect."""
+    found = {}
+    for name, (words, _) in ASPECTS.items():
+        found[f"passing_share_{name}"] = number(
+            f"v_{name}", f"Share that passes, {words}",
+            "Share of the parts that arrive in this aspect that leave the line in any.",
+        )  # fmt: skip
+        found[f"leaving_share_{name}"] = number(
+            f"e_{name}", f"Share that leaves, {words}",
+            "Share of all arriving parts that leave the line in this aspect.",
+        )  # fmt: skip
+    return found
+
+
+def _rate(symbol: str, label: str, says: str) -> Quantity:
+    return Quantity("min-1", symbol, label, says)
+
+
+ORIENTING: dict[str, Quantity] = {
+    "arrival_rate": Quantity(
+        "min-1", "q", "Arriving parts", "Parts a minute that arrive at the first device.", 0.0,
+        strict=True, parameter=True, examples=("300 1/min",),
+    ),
+    "arrival_speed": Quantity(
+        "m s-1", "v", "Arriving speed", "Conveying velocity of the parts before the first device.",
+        0.0, strict=True, parameter=True, examples=("60 mm/s",), usual=(1e-4, 2.0),
+    ),
+    "part_pitch": length("l_p", "Pitch of the parts", "From part to part in their row.", "22 mm"),
+    "wanted_aspect": Quantity(
+        "1", "o*", "Wanted aspect", "Number of the aspect in which parts are to leave.", 1.0, 3.0,
+        parameter=True, examples=("1",),
+    ),
+    "shank_diameter": length(
+        "d_s", "Diameter of the shank", "Of a part with a head, which has the diameter.", "4 mm"
+    ),
+    "device_order": Quantity(
+        "1", "m", "Order of the devices",
+        "Which of the orders of all devices, as in a dictionary: 1 is the order of their places, "
+        "the last one is backwards.", 1.0, 720.0, parameter=True, examples=("1",),
+    ),
+    **{
+        f"drop_count_{k}": Quantity(
+            "1", f"n{k}", f"Count of aspect {k}",
+            f"Parts of a drop test that came to rest in aspect {k}.", 0.0, parameter=True,
+            examples=("129",),
+        )
+        for k in range(1, 4)
+    },
+    **{
+        f"{name}_{place}": quantity
+        for place in range(1, MOST_DEVICES + 1)
+        for name, quantity in _device(place).items()
+    },
+    "aspect_sizes": Quantity("m", "", "Sizes", "Sizes of a part in each aspect.", bundle=True),
+    "devices": Quantity("1", "D", "Devices", "The devices of a line.", bundle=True),
+    "line": Quantity("1", "e", "Line", "What passes the devices of a line.", bundle=True),
+    "tested_shares": Quantity("1", "p", "Shares by a test", "One an aspect.", bundle=True),
+    "tested_line": Quantity("1", "e", "Line by a test", "What passes it.", bundle=True),
+    "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
+    "yield": number("eta", "Yield", "Share of the arriving parts that leave the line."),
+    **_shares(),
+    "leaving_wanted": number(
+        "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
+    ),
+    "purity": number("e*/eta", "Purity", "Share of the leaving parts that lie as wanted."),
+    "laps": number("1/eta", "Laps", "How often a part arrives until it passes, in the mean."),
+    "laps_variance": number("var", "Variance of the laps", "Of the laps that a part needs."),
+    "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts pass."),
+    "oriented_feed_rate": _rate(
+        "q eta", "Oriented feed rate", "Parts a minute that leave the line, in any aspect."
+    ),
+    "wanted_feed_rate": _rate(
+        "q e*", "Feed rate as wanted", "Parts a minute that leave the line in the wanted aspect."
+    ),
+    "return_rate": _rate(
+        "q (1 - eta)", "Return rate", "Parts a minute that fall back into the bowl."
+    ),
+    "yield_deviation": Quantity(
+        "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
+        error_of="yield",
+    ),
+    "yield_lower": Quantity(
+        "1", "eta-", "Least yield", "Lower end of an interval of 95 % by a drop test.",
+        error_of="yield",
+    ),
+    "yield_upper": Quantity(
+        "1", "eta+", "Largest yield", "Upper end of an interval of 95 % by a drop test.",
+        error_of="yield",
+    ),
+    "oriented_feed_rate_lower": Quantity(
+        "min-1", "q eta-", "Least oriented feed rate",
+        "Lower end of an interval of 95 % by a drop test.", error_of="oriented_feed_rate",
+    ),
+    "oriented_feed_rate_upper": Quantity(
+        "min-1", "q eta+", "Largest oriented feed rate",
+        "Upper end of an interval of 95 % by a drop test.", error_of="oriented_feed_rate",
+    ),
+}  # fmt: skip

@@ -1,0 +1,204 @@
+"""The devices of a line, by the names of the numbers that a study gives of them."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.mechanics import orienting
+from core.mechanics.arrays import Array
+from core.mechanics.orienting import Matrix, Passed
+
+
+def _takes(names: Sequence[str]) -> inspect.Signature:
+    """Return the signature of a function that takes some quantities by keyword."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Signature([inspect.Parameter(name, keyword) for name in dict.fromkeys(names)])
+
+
+@dataclass(frozen=True)
+class Device:
+    """The device at a place: what parts have to pass there, by the names of its numbers."""
+
+    place: int
+    numbers: tuple[str, ...]
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that it needs besides the shares."""
+        needs = {
+            "wiper_height": ("aspect_sizes",), "gap_length": ("aspect_sizes",),
+            "ledge_width": ("aspect_sizes", "centre_heights", "delta"),
+            "rail_width": ("shank_diameter", "diameter"), "outlet_capacity": ("arrival_rate",),
+        }  # fmt: skip
+        more = [name for number in self.numbers for name in needs.get(number, ())]
+        turns = ("turned_share", "turn") if self.turns else ()
+        own = dict.fromkeys((*self.numbers, *turns))
+        return (*(f"{number}_{self.place}" for number in own), *more)
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns parts."""
+        return bool({"turned_share", "turn"} & set(self.numbers))
+
+    def number(self, name: str, given: dict[str, Any]) -> Array:
+        """Return one of its numbers."""
+        value: Array = given[f"{name}_{self.place}"]
+        return value
+
+    def matrix(self, aspects: int, given: dict[str, Any]) -> Matrix:
+        """Return its matrix."""
+        tests = [self._kept(number, aspects, given) for number in self.numbers]
+        tests = [kept for kept in tests if kept]
+        matrix = orienting.unchanged(aspects)
+        for kept in tests:
+            matrix = orienting.product(matrix, orienting.test_of(kept))
+        if "rail_width" in self.numbers:
+            matrix = orienting.product(matrix, self._rail(given))
+        if self.turns:
+            share, turn = self.number("turned_share", given), self.number("turn", given)
+            matrix = orienting.turning(matrix, share, turn, failed=bool(tests))
+        return matrix
+
+    def _kept(self, number: str, aspects: int, given: dict[str, Any]) -> list[Array]:
+        """Return what each aspect keeps at one of its tests; nothing of what is no test."""
+        sizes: Sequence[orienting.Aspect] = given.get("aspect_sizes", ())
+        if number == "wiper_height":
+            height = self.number(number, given)
+            return [orienting.passes_wiper(one, height) for one in sizes]
+        if number == "gap_length":
+            gap = self.number(number, given)
+            return [orienting.passes_gap(one, gap) for one in sizes]
+        if number == "ledge_width":
+            width, delta = self.number(number, given), given["delta"]
+            both = zip(sizes, given["centre_heights"], strict=True)
+            return [orienting.passes_ledge(one, centre, width, delta) for one, centre in both]
+        return []
+
+    def _rail(self, given: dict[str, Any]) -> Matrix:
+        """Return the matrix of two rails: what does not stand on its head hangs by it."""
+        width = self.number("rail_width", given)
+        hangs = orienting.hangs_on_rail(width, given["shank_diameter"], given["diameter"])
+        zero = np.zeros(())
+        return [[zero, zero, zero], [zero, zero, hangs], [zero, zero, hangs]]
+
+
+@dataclass(frozen=True)
+class Line:
+    """The function that gives what passes a line of devices; its arguments are theirs.
+
+    Attributes
+    ----------
+    devices : tuple of Device
+        In the order of their places.
+    aspects : int
+        How many aspects parts have.
+    ordered : bool
+        Whether the study says in which order they stand.
+    shares : str
+        The shares in which parts arrive.
+    """
+
+    devices: tuple[Device, ...]
+    aspects: int
+    ordered: bool
+    shares: str = "resting_shares"
+
+    def __post_init__(self) -> None:
+        says = "Return what passes the devices of a line, one after another [1]."
+        object.__setattr__(self, "__doc__", says)
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """The shares, and what its devices need."""
+        own = [name for device in self.devices for name in device.inputs]
+        return _takes((self.shares, *own, *(["device_order"] * self.ordered)))
+
+    def __call__(self, **given: Any) -> Passed:
+        """Return what passes."""
+        matrices = [device.matrix(self.aspects, given) for device in self.devices]
+        outlets = [
+            device.number("outlet_capacity", given) if "outlet_capacity" in device.numbers else None
+            for device in self.devices
+        ]
+        shares, passed = given[self.shares], orienting.unchanged(self.aspects)
+        if self.ordered:
+            matrices, outlets = self._in_order(matrices, outlets, given["device_order"])
+        for matrix, outlet in zip(matrices, outlets, strict=True):
+            passed = orienting.product(passed, matrix)
+            if outlet is not None:
+                taken = orienting.outlet_share(shares, passed, given["arrival_rate"], outlet)
+                passed = [[one * taken for one in row] for row in passed]
+        return orienting.passed(shares, passed)
+
+    def _in_order(
+        self, matrices: list[Matrix], outlets: list[Array | None], order: Array
+    ) -> tuple[list[Matrix], list[Array | None]]:
+        """Return matrices and outlets in one of their orders, cell by cell."""
+        capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
+        chosen: list[Matrix] = []
+        at: list[Array | None] = []
+        places = range(self.aspects)
+        for device in orienting.place_in_order(order, len(matrices)):
+            pick = [device == k for k in range(len(matrices))]
+            chosen.append(
+                [[_picked(pick, [m[i][j] for m in matrices]) for j in places] for i in places]
+            )
+            at.append(
+                None if all(o is None for o in outlets) else _picked(pick, capacities)
+            )  # fmt: skip
+        return chosen, at
+
+
+def _picked(pick: list[Any], values: list[Array]) -> Array:
+    """Return the value of the one that is picked."""
+    found = values[0]
+    for mask, value in zip(pick[1:], values[1:], strict=True):
+        found = np.where(mask, value, found)
+    return found
+
+
+@dataclass(frozen=True)
+class Counts:
+    """A function of the counts of a drop test, one an aspect."""
+
+    function: Callable[[Sequence[Array]], Any]
+    aspects: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", self.function.__doc__)
+
+    @property
+    def names(self) -> list[str]:
+        """The counts."""
+        return [f"drop_count_{k}" for k in range(1, self.aspects + 1)]
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return _takes(self.names)
+
+    def __call__(self, **given: Any) -> Any:
+        """Return what it gives of the counts."""
+        return self.function([given[name] for name in self.names])
+
+
+@dataclass(frozen=True)
+class AnyOf:
+    """The place of a line's devices in a scene that is not fitted to a study: it names them all."""
+
+    names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", "Return the devices of a line [1].")
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return _takes(self.names)
+
+    def __call__(self, **given: Any) -> Any:
+        """Fail: no study is computed by a scene that is not fitted to it."""
+        raise NotImplementedError

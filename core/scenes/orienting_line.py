@@ -1,0 +1,182 @@
+"""A line of devices that let parts pass by the way they lie: how many, and which.
+
+Its devices are those whose numbers a study gives: `wiper_height_1` is a wiper at the first place.
+The scene is fitted to a study before that is planned: a line of two devices knows no others.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+from core.mechanics import drop_test, orienting
+from core.quantities.orienting import DEVICES, MOST_DEVICES, PAIRS
+from core.scenes.devices import AnyOf, Counts, Device, Line
+from core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
+from core.scenes.shapes import ASPECTS, SHAPES, WORDS
+
+LINE, TEST = "theory 16.3", "theory 16.4"
+SIZES: dict[str, Function] = {
+    "box": orienting.box_aspects,
+    "cylinder": orienting.cylinder_aspects,
+    "prism": orienting.prism_aspects,
+    "truncated_cone": orienting.turned_aspects,
+    "turned": orienting.turned_aspects,
+}
+_NUMBER = re.compile(rf"({'|'.join(DEVICES)})_(\d)")
+PLACES = range(1, MOST_DEVICES + 1)
+
+RESULTS = (
+    Equation("laps", orienting.laps, LINE),
+    Equation("laps_variance", orienting.laps_variance, LINE),
+    Equation("laps_99", orienting.laps_99, LINE),
+    Equation("oriented_feed_rate", orienting.oriented_feed_rate, LINE),
+    Equation("return_rate", orienting.return_rate, LINE),
+    Equation("leaving_wanted", orienting.leaving_wanted, LINE),
+    Equation("purity", orienting.purity, LINE),
+    Equation("wanted_feed_rate", orienting.wanted_feed_rate, LINE),
+    Equation("yield_deviation", drop_test.yield_deviation, TEST),
+    Equation("yield_lower", drop_test.yield_lower, TEST),
+    Equation("yield_upper", drop_test.yield_upper, TEST),
+    Equation("oriented_feed_rate_lower", drop_test.rate_lower, TEST),
+    Equation("oriented_feed_rate_upper", drop_test.rate_upper, TEST),
+)
+OF_LINE = frozenset(("yield", *(one.gives for one in RESULTS if one.source == LINE)))
+
+
+def numbers_of(shape: str) -> tuple[str, ...]:
+    """Return the numbers of devices that a shape can meet: rails hold parts with a head."""
+    return tuple(n for n in DEVICES if n != "rail_width" or ASPECTS[shape][0] == "upright")
+
+
+def shares_of(shape: str) -> tuple[Equation, ...]:
+    """Return the shares of each aspect that rests, passes and leaves."""
+    rows: list[tuple[str, tuple[Any, ...], str, str]] = [
+        ("yield", ("total",), "line", "the share of the arriving parts that leave [1]")
+    ]
+    for place, name in enumerate(ASPECTS[shape]):
+        words = WORDS[name]
+        rows += [
+            (f"resting_share_{name}", (place,), "resting_shares", f"the share {words} [1]"),
+            (f"passing_share_{name}", ("passing", place), "line",
+             f"the share that passes of those that arrive {words} [1]"),
+            (f"leaving_share_{name}", ("leaving", place), "line",
+             f"the share of all arriving parts that leaves {words} [1]"),
+        ]  # fmt: skip
+    return tuple(
+        Equation(gives, Field(bundle, path, f"Return {says}."), LINE)
+        for gives, path, bundle, says in rows
+    )
+
+
+def equations(shape: str) -> tuple[Equation, ...]:
+    """Return the equations of a shape that hold whatever the devices are."""
+    count, posterior = (
+        Counts(function, len(ASPECTS[shape]))
+        for function in (drop_test.posterior_count, drop_test.posterior_shares)
+    )
+    return (
+        *SHAPES[shape],
+        Equation("aspect_sizes", SIZES[shape], LINE),
+        *shares_of(shape),
+        Equation("drop_count", count, TEST),
+        Equation("tested_shares", posterior, TEST),
+        *RESULTS,
+    )
+
+
+def any_line(shape: str) -> tuple[Equation, ...]:
+    """Return the equations of a shape and of any devices, for lists of what a study may give."""
+    every = tuple(Device(place, numbers_of(shape)) for place in PLACES)
+    names = (name for device in every for name in device.inputs)
+    return (
+        *equations(shape),
+        Equation("devices", AnyOf((*names, "device_order")), LINE),
+        Equation("line", AnyOf(("resting_shares", "devices")), LINE),
+        Equation("tested_line", AnyOf(("tested_shares", "devices")), TEST),
+    )
+
+
+def fitted(scene: Scene, given: Collection[str]) -> Scene:
+    """Return the scene of a study: with the devices and the drop test of which it gives numbers."""
+    names = {*given}
+    numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
+    tested = any(name.startswith("drop_count_") for name in names)
+    return _fitted(scene.name, numbers, "device_order" in names, tested)
+
+
+@lru_cache(maxsize=64)
+def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
+    found: dict[int, list[str]] = {}
+    for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
+        found.setdefault(int(place), []).append(number)
+    order = Constraint(
+        ("device_order",),
+        lambda least, largest: 1 <= least <= largest <= math.factorial(len(found)),
+        f"{len(found)} devices stand in {math.factorial(len(found))} orders",
+        f"Give 1 to {math.factorial(len(found))}",
+    )
+    return replace(
+        SCENE,
+        variants={shape: _with(shape, found, ordered, tested) for shape in SHAPES},
+        defaults={name: value for name, value in SCENE.defaults.items() if name != "devices"},
+        constraints=(*SCENE.constraints, order),
+    )
+
+
+def _with(
+    shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
+) -> tuple[Equation, ...]:
+    """Return the equations of a shape with some devices; of a drop test, if there is one."""
+    known, aspects = numbers_of(shape), len(ASPECTS[shape])
+    devices = [
+        Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
+    ]
+    own = equations(shape)
+    if tested:
+        shares = Equation("resting_shares", Counts(drop_test.posterior_shares, aspects), TEST)
+        own = tuple(shares if one.gives == "resting_shares" else one for one in own)
+    line = Line(tuple(d for d in devices if d.numbers), aspects, ordered)
+    tried = replace(line, shares="tested_shares")
+    return (*own, Equation("line", line, LINE), Equation("tested_line", tried, TEST))
+
+
+def _turns(least: float, largest: float) -> bool:
+    return least in PAIRS and largest in PAIRS
+
+
+SCENE = Scene(
+    name="orienting-line",
+    title="A line of devices that orient parts",
+    source="",
+    validity="Parts arrive one by one in the shares in which they come to rest, and each device "
+    "sees only how they lie. What falls back into the bowl comes again in any orientation: it does "
+    "not remember how it lay. A vibrating track may lay parts down by itself.",
+    variants={shape: any_line(shape) for shape in SHAPES},
+    default_variant="box",
+    conditions={
+        shape: (Condition("no_pass", orienting.lets_none_pass, OF_LINE, otherwise="passes"),)
+        for shape in SHAPES
+    },
+    defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in PLACES}},
+    constraints=(
+        *(
+            Constraint(
+                (f"turn_{place}",), _turns, "it names no two aspects", "Give 21, 32, 31, 12, 23, 13"
+            )
+            for place in PLACES
+        ),
+        *(
+            Constraint(
+                ("wanted_aspect",), lambda _, largest: largest <= 2,
+                f"a {shape} has the aspects 1, on its side, and 2, on an end", "Give 1 or 2", shape,
+            )
+            for shape in ("cylinder", "prism")
+        ),
+    ),
+    fit=fitted,
+)  # fmt: skip

@@ -1,0 +1,260 @@
+"""Lines of devices: worked values, parts that go round one by one, laws, drop tests."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import vibrafeed
+from core.errors import StudyError
+from core.intake import prepare_content
+from core.mechanics import orienting
+from core.plan.loops.trace import traced
+from core.plan.plan import make_plan
+from core.quantities import REGIMES
+from night import count
+
+BOX = {"length": "30 mm", "width": "20 mm", "height": "10 mm"}
+FLAT_ONLY = {"wiper_height_2": "12 mm"}
+RISER = {"turned_share_1": 0.6}
+COUNTS = {"drop_count_1": 129, "drop_count_2": 49, "drop_count_3": 22}
+ROUNDING = 1e-13
+
+
+def line(*outputs, **given):
+    found = vibrafeed.sweep(scene="orienting-line", outputs=outputs, **given)
+    values = [found[name].values for name in outputs]
+    return values[0] if len(values) == 1 else values
+
+
+def refused(**given):
+    content = {"kind": "sweep", "scene": "orienting-line", "outputs": ["yield"]}
+    variant = {"variant": given.pop("variant")} if "variant" in given else {}
+    with pytest.raises(StudyError) as caught:
+        prepare_content({**content, **variant, "parameters": given})
+    return str(caught.value)
+
+
+# --- worked values, of the problem's own statement
+
+
+def test_a_filter_for_the_flat():
+    eta, laps, variance, most = line(
+        "yield", "laps", "laps_variance", "laps_99", **BOX, **FLAT_ONLY
+    )
+    assert eta == pytest.approx(0.6450216, abs=5e-8)
+    assert laps == pytest.approx(1.5503358, abs=5e-8)
+    assert variance == pytest.approx(0.8532052, abs=5e-8)
+    assert most == pytest.approx(4.446, abs=5e-4)
+
+
+def test_a_riser_before_it():
+    eta, laps, rate, back, pure, wanted = line(
+        "yield", "laps", "oriented_feed_rate", "return_rate", "purity", "wanted_feed_rate",
+        **BOX, **RISER, **FLAT_ONLY, arrival_rate="300 1/min", wanted_aspect=1,
+    )  # fmt: skip
+    assert eta == pytest.approx(0.7906578795, abs=5e-11)
+    assert laps == pytest.approx(1.2647695, abs=5e-8)
+    assert rate == pytest.approx(237.197, abs=5e-4)
+    assert rate + back == pytest.approx(300, rel=ROUNDING)
+    assert pure == pytest.approx(1, abs=ROUNDING)
+    assert wanted == pytest.approx(rate, rel=ROUNDING)
+    by_pitch = line("oriented_feed_rate", **BOX, **RISER, **FLAT_ONLY, arrival_speed="100 mm/s",
+                    part_pitch="20 mm")  # fmt: skip
+    assert by_pitch == pytest.approx(rate, rel=ROUNDING)
+
+
+# --- each device
+
+
+def test_each_test_alone():
+    shares = line(*(f"resting_share_{name}" for name in ("flat", "on_side", "on_end")), **BOX)
+    for device, kept in (
+        ({"wiper_height_1": "20 mm"}, (0, 1)),
+        ({"wiper_height_1": "9.9 mm"}, ()),
+        ({"gap_length_3": "12 mm"}, (0, 1)),  # 30 mm long, 30 mm long, 20 mm long
+        ({"ledge_width_1": "6 mm"}, (1, 2)),  # 20 mm, 10 mm, 10 mm across
+        ({"ledge_width_1": "4.9 mm", "delta": "1 deg"}, (1, 2)),  # centres 10, 15 mm high
+    ):
+        eta = line("yield", **BOX, **device)
+        assert eta == pytest.approx(sum(shares[k] for k in kept), abs=ROUNDING)
+    none = vibrafeed.sweep(
+        scene="orienting-line", outputs=["laps", "yield"], wiper_height_1=["9 mm", "12 mm"], **BOX
+    )
+    assert none.regime.values.tolist() == [REGIMES[name].value for name in ("no_pass", "passes")]
+    assert none.laps.values[0] == np.inf
+
+
+def test_a_headed_pin_hangs_between_rails():
+    pin = {"variant": "turned", "diameter": "8 mm", "small_diameter": "4 mm", "height": "20 mm",
+           "centre_of_mass": "8 mm", "shank_diameter": "4 mm"}  # fmt: skip
+    outputs = ("yield", "leaving_share_inverted", "resting_share_upright")
+    eta, hanging, upright = line(*outputs, **pin, rail_width_1=["3 mm", "5 mm", "9 mm"])
+    assert eta == pytest.approx([0, 1 - upright, 0], abs=ROUNDING)
+    assert hanging == pytest.approx(eta, abs=ROUNDING)
+    assert "rail_width_1 is not used" in refused(**BOX, rail_width_1="5 mm")
+
+
+def test_a_wiper_that_lays_down_what_it_stops():
+    falls, laid = (
+        line("yield", **BOX, wiper_height_1="12 mm", **more) for more in ({}, {"turned_share_1": 1})
+    )
+    side = line("resting_share_on_side", **BOX)
+    assert laid - falls == pytest.approx(side, abs=ROUNDING)
+
+
+def test_an_outlet_takes_what_it_can():
+    rate = line("oriented_feed_rate", **BOX, arrival_rate=[100, 300], wiper_height_1="12 mm",
+                outlet_capacity_2="120 1/min")  # fmt: skip
+    assert rate == pytest.approx([64.50215618741105, 120], rel=ROUNDING)
+
+
+# --- orders
+
+
+@pytest.mark.parametrize("devices", range(1, 7))
+def test_orders_are_those_of_a_dictionary(devices):
+    every = np.array([*itertools.permutations(range(devices))])
+    found = orienting.place_in_order(np.arange(1.0, len(every) + 1), devices)
+    assert np.array_equal(np.stack(found, axis=1), every)
+
+
+def test_tests_commute_and_a_riser_does_not():
+    tests = {"wiper_height_1": "22 mm", "gap_length_2": "12 mm", "ledge_width_4": "6 mm"}
+    every = {"start": 1, "stop": 6, "step": 1}
+    assert np.ptp(line("yield", **BOX, **tests, device_order=every)) < ROUNDING
+    both = line("yield", **BOX, **RISER, **FLAT_ONLY, device_order=[1, 2])
+    assert both == pytest.approx([0.7906578795, 0.6450215619], abs=5e-11)
+
+
+def test_orders_are_the_line_written_in_that_order():
+    sizes = {"wiper_height": "22 mm", "turned_share": 0.5, "gap_length": "12 mm"}
+    turns = {"turn": 31}
+    for order, places in enumerate(itertools.permutations(sizes), 1):
+        at = {name: place for place, name in enumerate(places, 1)}
+        given = {f"{name}_{at[name]}": sizes[name] for name in sizes}
+        by_hand = line("yield", **BOX, **given, **{f"turn_{at['turned_share']}": turns["turn"]})
+        told = {f"{name}_{place}": sizes[name] for place, name in enumerate(sizes, 1)}
+        found = line("yield", **BOX, **told, turn_2=31, device_order=order)
+        assert found == pytest.approx(by_hand, abs=ROUNDING)
+
+
+def test_all_orders_of_six_devices_in_one_study():
+    devices = {"wiper_height_1": "12 mm", "turned_share_2": 0.5, "turned_share_3": 0.4,
+               "turn_3": 32, "gap_length_4": "11 mm", "ledge_width_5": "11 mm",
+               "outlet_capacity_6": 290}  # fmt: skip
+    best = vibrafeed.sweep(
+        scene="orienting-line", outputs=["oriented_feed_rate"], **BOX, **devices,
+        arrival_rate=300, device_order={"start": 1, "stop": 720, "step": 1},
+        reduce={"over": ["device_order"], "statistics": ["max", "argmax"]},
+    )  # fmt: skip
+    order = int(best.oriented_feed_rate_argmax_device_order)
+    places = [*itertools.permutations(range(1, 7))][order - 1]
+    assert places.index(3) < places.index(2) < places.index(1)  # 3 to 2, 2 to 1, then the wiper
+
+
+# --- laws
+
+
+def random_line(random):
+    kinds = {"wiper_height": (0.005, 0.04), "ledge_width": (0.003, 0.02),
+             "gap_length": (0.004, 0.02), "turned_share": (0, 1)}  # fmt: skip
+    names = random.choice([*kinds], size=random.integers(1, 7))
+    return {
+        f"{name}_{place}": float(random.uniform(*kinds[name]))
+        for place, name in enumerate(names, 1)
+    }
+
+
+def test_each_further_test_lets_fewer_pass():
+    random = np.random.default_rng(8)
+    for _ in range(count(20, 300)):
+        given = {k: v for k, v in random_line(random).items() if not k.startswith("turned")}
+        known = 1.0
+        for last in range(len(given) + 1):
+            some = dict([*given.items()][:last])
+            eta = float(line("yield", **BOX, **some))
+            assert 0 <= eta <= known + ROUNDING
+            known = eta
+
+
+def test_parts_that_go_round_one_by_one():
+    random, parts = np.random.default_rng(9), count(20_000, 200_000)
+    shares = [0.6450215619, 0.2427271960, 0.1122512421]
+    for _ in range(4):
+        share, turned = random.uniform(0.1, 0.9, 2)
+        eta, laps, variance = line(
+            "yield", "laps", "laps_variance", **BOX, turned_share_1=share, turn_1=32,
+            turned_share_2=turned, wiper_height_3="12 mm",
+        )  # fmt: skip
+        needed, waiting = np.zeros(parts, int), np.arange(parts)
+        while waiting.size:
+            needed[waiting] += 1
+            lies = random.choice(3, p=shares / np.sum(shares), size=waiting.size)
+            lies[(lies == 2) & (random.random(waiting.size) < share)] = 1
+            lies[(lies == 1) & (random.random(waiting.size) < turned)] = 0
+            waiting = waiting[lies != 0]
+        scatter = 5 * np.sqrt(variance / parts)
+        assert needed.mean() == pytest.approx(laps, abs=scatter + 1e-9)
+        # The variance of a geometric sample scatters by less than its kurtosis of 9 allows.
+        assert needed.var() == pytest.approx(variance, abs=15 * variance / np.sqrt(parts) + 0.01)
+        assert eta * laps == pytest.approx(1, rel=ROUNDING)
+
+
+# --- drop tests
+
+
+def test_an_interval_of_the_rate_by_two_hundred_counts():
+    for devices in ({"wiper_height_1": "12 mm"}, {**RISER, **FLAT_ONLY}):
+        names = ("yield", "yield_deviation", "yield_lower", "yield_upper", "passing_share_flat",
+                 "passing_share_on_side", "passing_share_on_end")  # fmt: skip
+        eta, deviation, lower, upper, *passing = line(*names, **BOX, **devices, **COUNTS)
+        draws = np.random.default_rng(4).dirichlet(np.array([129, 49, 22]) + 0.5, 400_000) @ passing
+        assert eta == pytest.approx(draws.mean(), abs=5 * draws.std() / 632)
+        assert deviation == pytest.approx(draws.std(), rel=0.01)
+        # Quantiles of 400 000 draws scatter by 0.01 deviations; the beta distribution of equal
+        # moments is off by less where a riser makes the yield a sum of two shares.
+        ends = np.quantile(draws, [0.025, 0.975])
+        assert [lower, upper] == pytest.approx(ends, abs=0.05 * deviation)
+        assert lower < eta < upper
+    rates = ("oriented_feed_rate", "oriented_feed_rate_lower", "oriented_feed_rate_upper")
+    rate, least, most = line(*rates, **BOX, **RISER, **FLAT_ONLY, **COUNTS, arrival_rate=300)
+    assert [rate, least, most] == pytest.approx([300 * eta, 300 * lower, 300 * upper], rel=ROUNDING)
+
+
+def test_many_counts_know_the_shares():
+    shares = np.array([0.645, 0.243, 0.112])
+    counts = {f"drop_count_{k}": 1e8 * share for k, share in enumerate(shares, 1)}
+    eta, deviation = line("yield", "yield_deviation", wiper_height_1="12 mm", **BOX, **counts)
+    assert eta == pytest.approx(0.645, abs=1e-8)
+    assert deviation == pytest.approx(np.sqrt(0.645 * 0.355 / 1e8), rel=1e-6)
+
+
+# --- what a study may say
+
+
+def test_what_is_wrong_is_said():
+    assert "it names no two aspects" in refused(**BOX, turned_share_1=0.5, turn_1=22)
+    assert "turned_share_2: it is missing" in refused(**BOX, turn_2=21)
+    order = refused(**BOX, **RISER, **FLAT_ONLY, device_order=3)
+    assert "2 devices stand in 2 orders. Give 1 to 2" in order
+    assert "gap_width_1" in refused(**BOX, gap_width_1="3 mm")
+
+
+def test_a_line_knows_its_own_devices_and_is_compiled():
+    given = [
+        *BOX,
+        "wiper_height_1",
+        "turned_share_4",
+        "turn_4",
+        "outlet_capacity_5",
+        "arrival_rate",
+    ]
+    outputs = ["oriented_feed_rate", "laps_99", "passing_share_on_end"]
+    plan = make_plan("orienting-line", None, outputs, given)
+    assert {*plan.parameters} == {*given}
+    assert not plan.defaults
+    assert traced(plan, given) is not None
+    assert traced(make_plan("orienting-line", None, outputs, [*given, "device_order"]), given)
