@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy
 
 from core.mechanics.arrays import Array
 from core.mechanics.orienting import Passed
@@ -13,8 +12,8 @@ from core.mechanics.orienting import Passed
 PRIOR = 0.5
 """Counts before the test, of each aspect (Jeffreys)."""
 
-SURE = 0.95
-"""Probability that the yield lies within its interval."""
+DEVIATIONS = 1.959963984540054
+"""Of a normal distribution that 95 % lie within."""
 
 
 def posterior_shares(counts: Sequence[Array]) -> tuple[Array, ...]:
@@ -49,19 +48,39 @@ def yield_lower(*, tested_line: Passed, yield_deviation: Array) -> Array:
     That of a beta distribution of the yield's mean and deviation: the yield's own where each aspect
     passes as a whole or not at all.
     """
-    return _quantile(tested_line.total, yield_deviation, (1 - SURE) / 2)
+    return _quantile(tested_line.total, yield_deviation, -1)
 
 
 def yield_upper(*, tested_line: Passed, yield_deviation: Array) -> Array:
     """Return the upper end of the yield's interval of 95 % [1]."""
-    return _quantile(tested_line.total, yield_deviation, (1 + SURE) / 2)
+    return _quantile(tested_line.total, yield_deviation, 1)
 
 
-def _quantile(mean: Array, deviation: Array, share: float) -> Array:
-    open_ = (deviation > 0) & (mean > 0) & (mean < 1)
-    m, s = np.where(open_, mean, 0.5), np.where(open_, deviation, 0.1)
+def _quantile(mean: Array, deviation: Array, side: int) -> Array:
+    """Return the end of the interval of 95 % of a beta distribution by its mean and deviation [1].
+
+    With F = b x/(a (1 - x)), F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) over its deviation
+    sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly normal (Paulson 1942): the ends are right to 0.02
+    deviations for a, b >= 1, and to 0.07 where nothing was counted.
+    """
+    spread = (deviation > 0) & (mean > 0) & (mean < 1)
+    m, s = np.where(spread, mean, 0.5), np.where(spread, deviation, 0.1)
     count = m * (1 - m) / np.square(s) - 1
-    return np.where(open_, scipy.special.betaincinv(m * count, (1 - m) * count, share), mean)
+    a, b = m * count, (1 - m) * count
+    above, below = 1 / (9 * a), 1 / (9 * b)
+    z = DEVIATIONS * DEVIATIONS
+    lead = np.square(1 - below) - z * below
+    middle = (1 - below) * (1 - above)
+    rest = np.square(1 - above) - z * above
+    # The ends are roots of lead t^2 - 2 middle t + rest, t = F^(1/3), or an end of the range.
+    root = middle + np.sqrt(np.square(middle) - lead * rest)
+    turned = np.maximum(
+        (lead if side > 0 else rest) / root, 0.0
+    )  # 1/t of the upper, t of the lower
+    first, second = (b, a) if side > 0 else (a, b)
+    cube = first * (turned * turned * turned)
+    low = cube / (cube + second)
+    return np.where(spread, 1 - low if side > 0 else low, mean)
 
 
 def rate_lower(*, arrival_rate: Array, yield_lower: Array) -> Array:

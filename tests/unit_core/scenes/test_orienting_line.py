@@ -6,11 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
+import scipy
 
 import vibrafeed
 from core.errors import StudyError
 from core.intake import prepare_content
-from core.mechanics import orienting
+from core.mechanics import drop_test, orienting
 from core.plan.loops.trace import traced
 from core.plan.plan import make_plan
 from core.quantities import REGIMES
@@ -258,3 +259,19 @@ def test_a_line_knows_its_own_devices_and_is_compiled():
     assert not plan.defaults
     assert traced(plan, given) is not None
     assert traced(make_plan("orienting-line", None, outputs, [*given, "device_order"]), given)
+
+
+def test_the_ends_of_a_beta_distribution():
+    a, b = np.meshgrid(np.geomspace(0.5, 1e5, 60), np.geomspace(0.5, 1e5, 60))
+    mean, deviation = a / (a + b), np.sqrt(a * b / (a + b + 1)) / (a + b)
+    known = orienting.Passed((), (), mean)
+    for end, share in ((drop_test.yield_lower, 0.025), (drop_test.yield_upper, 0.975)):
+        found = end(tested_line=known, yield_deviation=deviation)
+        error = np.abs(found - scipy.special.betaincinv(a, b, share)) / deviation
+        counted = (a >= 1) & (b >= 1) & (a + b > 5)  # of both that pass and that do not
+        assert error[counted].max() < 0.022
+        assert error.max() < 0.07
+    nothing = drop_test.yield_upper(
+        tested_line=orienting.Passed((), (), np.array([0.0, 1.0])), yield_deviation=np.zeros(2)
+    )
+    assert nothing.tolist() == [0, 1]
