@@ -225,6 +225,7 @@ def grid_of(plan: Plan, cells: int, seed: int) -> Grid:
             found = {0.0, *(typical * pick.lognormal(0, 0.7, each + 3))}
         found = {v for v in found if quantity.lower <= v <= quantity.upper}
         found -= {0.0} if quantity.strict else set()
+        found = found or {typical}
         chosen = sorted(pick.permutation(sorted(found))[: each if total < cells else 1])
         total *= len(chosen)
         values[name] = Points(tuple(chosen)) if len(chosen) > 1 else Fixed(chosen[0])

@@ -49,7 +49,7 @@ def _device(place: int) -> dict[str, Quantity]:
         "turn": Quantity(
             "1", f"o{place}", f"Turn{at}",
             "From which aspect to which: 21 from aspect 2 to aspect 1.", 12.0, 32.0,
-            parameter=True, examples=("21",), words=PAIRS,
+            parameter=True, examples=("21",), words=PAIRS, other_words="{}",
         ),
     }  # fmt: skip
 
@@ -140,20 +140,16 @@ ORIENTING: dict[str, Quantity] = {
         "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
         error_of="yield",
     ),
-    "yield_lower": Quantity(
-        "1", "eta-", "Least yield", "Lower end of an interval of 95 % by a drop test.",
-        error_of="yield",
+    "yield_lower": number(
+        "eta-", "Least yield", "Lower end of an interval of 95 % by a drop test."
     ),
-    "yield_upper": Quantity(
-        "1", "eta+", "Largest yield", "Upper end of an interval of 95 % by a drop test.",
-        error_of="yield",
+    "yield_upper": number(
+        "eta+", "Largest yield", "Upper end of an interval of 95 % by a drop test."
     ),
-    "oriented_feed_rate_lower": Quantity(
-        "min-1", "q eta-", "Least oriented feed rate",
-        "Lower end of an interval of 95 % by a drop test.", error_of="oriented_feed_rate",
+    "oriented_feed_rate_lower": _rate(
+        "q eta-", "Least oriented feed rate", "Lower end of an interval of 95 % by a drop test."
     ),
-    "oriented_feed_rate_upper": Quantity(
-        "min-1", "q eta+", "Largest oriented feed rate",
-        "Upper end of an interval of 95 % by a drop test.", error_of="oriented_feed_rate",
+    "oriented_feed_rate_upper": _rate(
+        "q eta+", "Largest oriented feed rate", "Upper end of an interval of 95 % by a drop test."
     ),
 }  # fmt: skip

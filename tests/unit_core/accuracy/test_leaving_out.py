@@ -49,6 +49,7 @@ def expected_calls(scene, variant, outputs, parameters):
         everything = inspect.signature(function).parameters.values()
         return [p.name for p in everything if p.default is inspect.Parameter.empty]
 
+    scene = scene.fitted(parameters)
     givers = {e.gives: e.function for e in scene.variants[variant]}
     other = {a.gives: a.function for a in ALIASES if set(arguments(a.function)) <= set(parameters)}
     conditions = [c for c in scene.conditions[variant] if c.outputs & set(outputs)]
