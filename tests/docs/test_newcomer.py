@@ -14,7 +14,10 @@ from app.cli import app
 from newcomer import WIDTH, Differs, look, play, steady, unprinted
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["docs/my-bowl.md", "docs/measuring.md", "docs/friction.md", "docs/tuning.md", "README.md"]
+PAGES = [
+    *(f"docs/{page}.md" for page in ("my-bowl", "measuring", "friction", "tuning", "which-way-up")),
+    "README.md",
+]
 
 
 def command(text: str, folder: Path) -> str:
