@@ -66,6 +66,9 @@ def new(
     height: Annotated[Answer, _option("height")] = None,
     diameter: Annotated[Answer, _option("diameter")] = None,
     mass: Annotated[Answer, _option("mass")] = None,
+    width: Annotated[Answer, _option("width")] = None,
+    wiper: Annotated[Answer, _option("wiper")] = None,
+    arrivals: Annotated[Answer, _option("arrivals")] = None,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Ask nothing: what no option gives has its default.")
     ] = False,

@@ -91,6 +91,8 @@ def typed(answer: str) -> float | int | str:
 
 _IN_TIME = "speed drive springs"
 _OF_SPRINGS: Final = {"question": "springs"}
+_DRIVEN: Final = {"question": "speed drive forces springs"}
+_OF_LINE: Final = {"question": "which-way"}
 
 QUESTIONS: Final = (
     Question(
@@ -100,6 +102,7 @@ QUESTIONS: Final = (
             "drive": "which angle of the drive makes it fastest",
             "forces": "forces and accelerations at the drive's peak",
             "springs": "what amplitude my springs give, and how many parts a minute",
+            "which-way": "how many parts lie the right way up after a wiper",
         },
     ),
     Question(
@@ -126,6 +129,7 @@ QUESTIONS: Final = (
             "rectangle": "a block, a plate or a nut, lying flat",
             "cylinder": "round, lying along the track",
         },
+        needs=_DRIVEN,
     ),
     Question(
         "track", "What does it lie on?", "straight",
@@ -143,11 +147,11 @@ QUESTIONS: Final = (
     ),
     Question(
         "climb", "Climb of the track", "2 deg", parameter="gamma",
-        says="Climb of the track; 0 if it is level, negative if it descends.",
+        says="Climb of the track; 0 if it is level, negative if it descends.", needs=_DRIVEN,
     ),
     Question(
         "frequency", "Frequency of the drive", "50 Hz", parameter="frequency",
-        says='Frequency of the drive; "3000 rpm" is 50 Hz, too.',
+        says='Frequency of the drive; "3000 rpm" is 50 Hz, too.', needs=_DRIVEN,
     ),
     Question(
         "peak_to_peak", "", "", parameter="peak_to_peak",
@@ -206,6 +210,7 @@ QUESTIONS: Final = (
     Question(
         "friction", "Friction between part and track", "0.3", parameter="friction",
         says="Coefficient of friction between part and track; `vibrafeed friction` lists some.",
+        needs=_DRIVEN,
     ),
     Question(
         "length", "Length of the part, along the track", "20 mm", parameter="length",
@@ -229,6 +234,28 @@ QUESTIONS: Final = (
     Question(
         "mass", "Mass of the part", "5 g", parameter="mass", says="Mass of the part.",
         needs={"question": "forces"},
+    ),
+    Question(
+        "length", "Length of the part", "30 mm", parameter="length",
+        says="Length of the part.", needs=_OF_LINE,
+    ),
+    Question(
+        "width", "Width of the part", "20 mm", parameter="width",
+        says="Width of the part.", needs=_OF_LINE,
+    ),
+    Question(
+        "height", "Height of the part as it lies flat", "10 mm", parameter="height",
+        says="Height of the part as it lies flat.", needs=_OF_LINE,
+    ),
+    Question(
+        "wiper", "Height of the wiper over the track", "12 mm", parameter="wiper_height_1",
+        says="A wiper at the first place: passes parts that are no higher. More devices, such as\n"
+        "turned_share_1, gap_length_2 or outlet_capacity_3: docs/which-way-up.md.", needs=_OF_LINE,
+    ),
+    Question(
+        "arrivals", "Parts a minute that reach the wiper", "300 1/min", parameter="arrival_rate",
+        says="Parts a minute that arrive: the feed_rate of a study of their motion.",
+        needs=_OF_LINE,
     ),
 )  # fmt: skip
 """In the order in which they are asked; of two with one name, no more than one belongs."""

@@ -23,6 +23,7 @@ SCENES: Final[Mapping[str, str]] = {
 }
 """The scene of a track; of a round part, `ROUND`."""
 ROUND: Final = "cylinder-on-plane"
+LINE: Final = "orienting-line"
 WIDTH: Final = 96
 
 
@@ -94,6 +95,15 @@ STARTERS: Final[Mapping[str, Starter]] = {
             "throw_number",
         ),
     ),
+    "which-way": Starter(
+        (
+            "How many parts a minute leave the bowl flat, and how often does a part go round?",
+            "Shares of the ways in which parts lie follow from their size: docs/which-way-up.md.",
+        ),
+        "sweep",
+        "closed forms, over any ranges of parameters",
+        ("oriented_feed_rate", "return_rate", "yield", "laps", "leaving_share_flat"),
+    ),
     "forces": Starter(
         (
             "Which forces and accelerations act on the part?",
@@ -121,6 +131,8 @@ amplitude = { start = "0.1 mm", stop = "0.5 mm", num = 41 }. `vibrafeed plot` dr
 
 def scene_of(answers: Mapping[str, str]) -> str:
     """Return the scene of the part and the track that were named."""
+    if answers["question"] == "which-way":
+        return LINE
     return ROUND if answers["part"] == "cylinder" else SCENES[answers.get("track", "straight")]
 
 
