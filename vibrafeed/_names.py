@@ -23,6 +23,7 @@ SweptScene: TypeAlias = (
         "bowl-drive-unit",
         "resting-part",
         "orienting-line",
+        "row-on-plane",
     ]
     | str
 )
@@ -227,6 +228,7 @@ SweptOutput: TypeAlias = (
         "pulse_angle",
         "topple_acceleration",
         "topple_margin",
+        "part_pitch",
         "drop_count",
         "yield",
         "passing_share_flat",
@@ -252,6 +254,21 @@ SweptOutput: TypeAlias = (
         "yield_upper",
         "oriented_feed_rate_lower",
         "oriented_feed_rate_upper",
+        "throughput_limit",
+        "throughput",
+        "part_spacing",
+        "queue_velocity",
+        "fill_time",
+        "clear_time",
+        "escapement_rate",
+        "bend_pitch",
+        "held_line_force",
+        "sliding_line_force",
+        "row_weight",
+        "stop_force",
+        "least_stop_force",
+        "stop_contact_fraction",
+        "stop_impact_share",
     ]
     | str
 )
@@ -262,6 +279,7 @@ SimulatedScene: TypeAlias = (
         "rectangle-on-track",
         "rectangle-isolated",
         "cylinder-isolated",
+        "row-on-plane",
     ]
     | str
 )
@@ -331,6 +349,11 @@ SimulatedOutput: TypeAlias = (
         "drift_velocity",
         "specific_energy_lost",
         "part_energy_lost",
+        "platoons",
+        "slowest_velocity",
+        "fastest_part_velocity",
+        "contact_fraction",
+        "collisions_per_period",
     ]
     | str
 )

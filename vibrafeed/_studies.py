@@ -157,7 +157,6 @@ def study(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
-    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -206,6 +205,20 @@ def study(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    parts: Values | None = None,
+    part_restitution: Values | None = None,
+    row_velocity: Values | None = None,
+    inflow: Values | None = None,
+    lane_length: Values | None = None,
+    closed_time: Values | None = None,
+    open_time: Values | None = None,
+    part_width: Values | None = None,
+    bend_radius: Values | None = None,
+    bend_length: Values | None = None,
+    bend_friction: Values | None = None,
+    line_push: Values | None = None,
+    forward_acceleration: Values | None = None,
+    return_acceleration: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -342,6 +355,7 @@ def sweep(
     width_2: Values | None = None,
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
+    part_gap: Values | None = None,
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
@@ -378,7 +392,6 @@ def sweep(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
-    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -427,6 +440,19 @@ def sweep(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    parts: Values | None = None,
+    row_velocity: Values | None = None,
+    inflow: Values | None = None,
+    lane_length: Values | None = None,
+    closed_time: Values | None = None,
+    open_time: Values | None = None,
+    part_width: Values | None = None,
+    bend_radius: Values | None = None,
+    bend_length: Values | None = None,
+    bend_friction: Values | None = None,
+    line_push: Values | None = None,
+    forward_acceleration: Values | None = None,
+    return_acceleration: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -567,7 +593,7 @@ def sweep(
     width_1 : values, optional
         Width of body 1. In m, above 0, for example "10 mm".
     mass_1 : values, optional
-        Mass of body 1. In kg, above 0, for example "5 g".
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
     position_x_2 : values, optional
         Centre of body 2, x. In m, for example "5 mm".
     position_y_2 : values, optional
@@ -603,11 +629,13 @@ def sweep(
     width_2 : values, optional
         Width of body 2. In m, above 0, for example "10 mm".
     mass_2 : values, optional
-        Mass of body 2. In kg, above 0, for example "5 g".
+        Mass of part 2 of a row. In kg, above 0, for example "4 g".
     contact_tolerance : values, optional
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
         example "1e-6".
+    part_gap : values, optional
+        Free length between two parts on the track. In m, 0 or more, for example "5 mm".
     moving_mass : values, optional
         Mass of trough or bowl, with what is fixed to it. In kg, above 0, for example "10 kg".
     base_mass : values, optional
@@ -691,8 +719,6 @@ def sweep(
     arrival_speed : values, optional
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
-    part_pitch : values, optional
-        From part to part in their row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
@@ -826,6 +852,36 @@ def sweep(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    parts : values, optional
+        Parts of the row. From 2 to 64, for example 8.
+    row_velocity : values, optional
+        Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
+        s-1, above 0, for example "80 mm/s".
+    inflow : values, optional
+        Parts a minute that come onto the lane. In min-1, 0 or more, for example "120 1/min".
+    lane_length : values, optional
+        Length of the lane. In m, above 0, for example "500 mm".
+    closed_time : values, optional
+        Time for which the escapement holds. In s, 0 or more, for example "200 ms".
+    open_time : values, optional
+        Least time for which it lets go. In s, 0 or more, for example "100 ms".
+    part_width : values, optional
+        Width of a part, across the lane. In m, above 0, for example "10 mm".
+    bend_radius : values, optional
+        Radius of the outer wall. In m, above 0, for example "200 mm".
+    bend_length : values, optional
+        Length of the row in the bend. In m, above 0, for example "200 mm".
+    bend_friction : values, optional
+        Coefficient of friction at the wall of the bend. Above 0, for example 0.3.
+    line_push : values, optional
+        Force per length with which the track pushes the row. In N m-1, above 0, for example "1
+        N/m".
+    forward_acceleration : values, optional
+        Acceleration of the track forwards, which carries parts. In m s-2, above 0, for example "2
+        m/s^2".
+    return_acceleration : values, optional
+        Acceleration of the track backwards, under the parts. In m s-2, above 0, for example "2
+        m/s^2".
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -938,6 +994,8 @@ def simulate(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    parts: Values | None = None,
+    part_restitution: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
@@ -1114,6 +1172,11 @@ def simulate(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    parts : values, optional
+        Parts of the row. From 2 to 64, for example 8.
+    part_restitution : values, optional
+        Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
+        example 0.3.
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1326,7 +1389,6 @@ def optimise(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
-    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -1375,6 +1437,20 @@ def optimise(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    parts: Values | None = None,
+    part_restitution: Values | None = None,
+    row_velocity: Values | None = None,
+    inflow: Values | None = None,
+    lane_length: Values | None = None,
+    closed_time: Values | None = None,
+    open_time: Values | None = None,
+    part_width: Values | None = None,
+    bend_radius: Values | None = None,
+    bend_length: Values | None = None,
+    bend_friction: Values | None = None,
+    line_push: Values | None = None,
+    forward_acceleration: Values | None = None,
+    return_acceleration: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -1536,7 +1612,7 @@ def optimise(
     width_1 : values, optional
         Width of body 1. In m, above 0, for example "10 mm".
     mass_1 : values, optional
-        Mass of body 1. In kg, above 0, for example "5 g".
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
     position_x_2 : values, optional
         Centre of body 2, x. In m, for example "5 mm".
     position_y_2 : values, optional
@@ -1572,7 +1648,7 @@ def optimise(
     width_2 : values, optional
         Width of body 2. In m, above 0, for example "10 mm".
     mass_2 : values, optional
-        Mass of body 2. In kg, above 0, for example "5 g".
+        Mass of part 2 of a row. In kg, above 0, for example "4 g".
     contact_tolerance : values, optional
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
@@ -1679,8 +1755,6 @@ def optimise(
     arrival_speed : values, optional
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
-    part_pitch : values, optional
-        From part to part in their row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
@@ -1814,6 +1888,39 @@ def optimise(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    parts : values, optional
+        Parts of the row. From 2 to 64, for example 8.
+    part_restitution : values, optional
+        Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
+        example 0.3.
+    row_velocity : values, optional
+        Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
+        s-1, above 0, for example "80 mm/s".
+    inflow : values, optional
+        Parts a minute that come onto the lane. In min-1, 0 or more, for example "120 1/min".
+    lane_length : values, optional
+        Length of the lane. In m, above 0, for example "500 mm".
+    closed_time : values, optional
+        Time for which the escapement holds. In s, 0 or more, for example "200 ms".
+    open_time : values, optional
+        Least time for which it lets go. In s, 0 or more, for example "100 ms".
+    part_width : values, optional
+        Width of a part, across the lane. In m, above 0, for example "10 mm".
+    bend_radius : values, optional
+        Radius of the outer wall. In m, above 0, for example "200 mm".
+    bend_length : values, optional
+        Length of the row in the bend. In m, above 0, for example "200 mm".
+    bend_friction : values, optional
+        Coefficient of friction at the wall of the bend. Above 0, for example 0.3.
+    line_push : values, optional
+        Force per length with which the track pushes the row. In N m-1, above 0, for example "1
+        N/m".
+    forward_acceleration : values, optional
+        Acceleration of the track forwards, which carries parts. In m s-2, above 0, for example "2
+        m/s^2".
+    return_acceleration : values, optional
+        Acceleration of the track backwards, under the parts. In m s-2, above 0, for example "2
+        m/s^2".
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -2022,7 +2129,6 @@ def sensitivity(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
-    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -2071,6 +2177,20 @@ def sensitivity(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    parts: Values | None = None,
+    part_restitution: Values | None = None,
+    row_velocity: Values | None = None,
+    inflow: Values | None = None,
+    lane_length: Values | None = None,
+    closed_time: Values | None = None,
+    open_time: Values | None = None,
+    part_width: Values | None = None,
+    bend_radius: Values | None = None,
+    bend_length: Values | None = None,
+    bend_friction: Values | None = None,
+    line_push: Values | None = None,
+    forward_acceleration: Values | None = None,
+    return_acceleration: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -2224,7 +2344,7 @@ def sensitivity(
     width_1 : values, optional
         Width of body 1. In m, above 0, for example "10 mm".
     mass_1 : values, optional
-        Mass of body 1. In kg, above 0, for example "5 g".
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
     position_x_2 : values, optional
         Centre of body 2, x. In m, for example "5 mm".
     position_y_2 : values, optional
@@ -2260,7 +2380,7 @@ def sensitivity(
     width_2 : values, optional
         Width of body 2. In m, above 0, for example "10 mm".
     mass_2 : values, optional
-        Mass of body 2. In kg, above 0, for example "5 g".
+        Mass of part 2 of a row. In kg, above 0, for example "4 g".
     contact_tolerance : values, optional
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
@@ -2367,8 +2487,6 @@ def sensitivity(
     arrival_speed : values, optional
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
-    part_pitch : values, optional
-        From part to part in their row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
@@ -2502,6 +2620,39 @@ def sensitivity(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    parts : values, optional
+        Parts of the row. From 2 to 64, for example 8.
+    part_restitution : values, optional
+        Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
+        example 0.3.
+    row_velocity : values, optional
+        Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
+        s-1, above 0, for example "80 mm/s".
+    inflow : values, optional
+        Parts a minute that come onto the lane. In min-1, 0 or more, for example "120 1/min".
+    lane_length : values, optional
+        Length of the lane. In m, above 0, for example "500 mm".
+    closed_time : values, optional
+        Time for which the escapement holds. In s, 0 or more, for example "200 ms".
+    open_time : values, optional
+        Least time for which it lets go. In s, 0 or more, for example "100 ms".
+    part_width : values, optional
+        Width of a part, across the lane. In m, above 0, for example "10 mm".
+    bend_radius : values, optional
+        Radius of the outer wall. In m, above 0, for example "200 mm".
+    bend_length : values, optional
+        Length of the row in the bend. In m, above 0, for example "200 mm".
+    bend_friction : values, optional
+        Coefficient of friction at the wall of the bend. Above 0, for example 0.3.
+    line_push : values, optional
+        Force per length with which the track pushes the row. In N m-1, above 0, for example "1
+        N/m".
+    forward_acceleration : values, optional
+        Acceleration of the track forwards, which carries parts. In m s-2, above 0, for example "2
+        m/s^2".
+    return_acceleration : values, optional
+        Acceleration of the track backwards, under the parts. In m s-2, above 0, for example "2
+        m/s^2".
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -2662,6 +2813,8 @@ def calibrate(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    parts: Values | None = None,
+    part_restitution: Values | None = None,
     offsets: Mapping[str, Mapping[str, Any]] | None = None,
     factors: Mapping[str, Mapping[str, Any]] | None = None,
     candidates: Mapping[str, Values] | None = None,
@@ -2848,6 +3001,11 @@ def calibrate(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    parts : values, optional
+        Parts of the row. From 2 to 64, for example 8.
+    part_restitution : values, optional
+        Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
+        example 0.3.
     offsets : mapping of str to mapping, optional
         Unknown offsets of parameters, such as the mounting error of an angle.
     factors : mapping of str to mapping, optional
@@ -3024,6 +3182,7 @@ def open_lazily(
     width_2: Values | None = None,
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
+    part_gap: Values | None = None,
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
@@ -3060,7 +3219,6 @@ def open_lazily(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
-    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -3109,6 +3267,19 @@ def open_lazily(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    parts: Values | None = None,
+    row_velocity: Values | None = None,
+    inflow: Values | None = None,
+    lane_length: Values | None = None,
+    closed_time: Values | None = None,
+    open_time: Values | None = None,
+    part_width: Values | None = None,
+    bend_radius: Values | None = None,
+    bend_length: Values | None = None,
+    bend_friction: Values | None = None,
+    line_push: Values | None = None,
+    forward_acceleration: Values | None = None,
+    return_acceleration: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -3225,6 +3396,8 @@ def drive_error(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    parts: Values | None = None,
+    part_restitution: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,

@@ -15,6 +15,7 @@ __all__ = [
     "cells",
     "derive",
     "flow",
+    "rows",
     "solve",
     "stepping",
     "track",
@@ -24,10 +25,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.motion.kernels import cells, stepping, track, tumbling
+    from core.motion.kernels import cells, rows, stepping, track, tumbling
     from core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
 else:
-    _ONE_PACKAGE = ("cells", "stepping", "track", "tumbling")
+    _ONE_PACKAGE = ("cells", "rows", "stepping", "track", "tumbling")
     _PLANAR = ("again", "derive", "flow", "solve", "unrepeated", "wave")
     __getattr__ = lazily(
         f"{__package__}.kernels",

@@ -30,6 +30,16 @@ _PIN: Final = {
 }  # fmt: skip
 
 
+_ROW: Final = {
+    "kind": "simulate",
+    "scene": "row-on-plane",
+    "outputs": ["conveying_velocity"],
+    "parameters": {
+        "frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction_1": 0.3, "friction_2": 0.4,
+    },
+}  # fmt: skip
+
+
 def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any) -> dict[str, Any]:
     track = {"radius": "0.2 m"} if scene == _TRACK else {}
     return {
@@ -81,6 +91,7 @@ KIND: Final = Kind(
                 {**_PIN, "method": "events", "trajectory": 10},
                 {**_PIN, "method": "time-stepping"},
             ),
+            "motion-rows": ({**_ROW, "trajectory": 10}, _ROW),
             "motion-stepping": tuple(
                 study
                 for scene in (_PLANE, _TRACK, _ROLLING)

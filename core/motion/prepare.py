@@ -14,6 +14,8 @@ from core.motion.groups import Contacts
 from core.motion.method import Method
 from core.motion.part_load import price_of_load
 from core.motion.price import seconds_of, some_cells
+from core.motion.row_scene import NAME as ROW
+from core.motion.row_scene import choose_row
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.derived import Asked, asked_of
 from core.plan.grid import Grid
@@ -126,9 +128,13 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
         If there is no such system, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
+    names = tuple(given)
+    if name == ROW:
+        scene, wrong = choose_row(scene, names)
+        if wrong:
+            raise StudyError([*problems, *wrong])
     if name not in CONTACTS:
         return scene, method, problems
-    names = tuple(given)
     unit, wrong = unit_of(names)
     shape, more = shape_of(names) if unit is None else (None, [])
     if wrong or more:  # of which drive the others are missing, or too many, nobody knows
@@ -229,7 +235,7 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
-        fix = f"Set method to {' or '.join(followed)}"
+        fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
         message = f"the method {method} of {scene.name} gives means only"
         problems.append(Problem("trajectory", message, fix))
     return problems

@@ -21,6 +21,8 @@ from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
 from core.motion.result import STATUS, Motion
+from core.motion.row_scene import NAME as ROW
+from core.motion.row_scene import row_scene
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
 from core.quantities import QUANTITIES
 from core.scenes.scene import (
@@ -281,10 +283,13 @@ SYSTEMS: dict[str, Scene] = {
     "cylinder-isolated": tumbling_scene(
         "cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder
     ),
+    ROW: row_scene(ON_FLOOR, DRIVEN),
 }
 """Every system that can be simulated, by the name of its scene."""
 
 
 def methods_of(scene: str) -> Mapping[str, Method]:
     """Return the methods that a system has, and others of its sort, by name."""
+    if scene == ROW:
+        return METHODS["row"]
     return METHODS["conveying" if scene in CONTACTS else "tumbling"]

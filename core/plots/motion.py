@@ -22,10 +22,10 @@ TIMES = 400
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
     """True of one simulated part, and of a motion over a cycle, if no output is asked for."""
     asked = (options.variable, options.axes) != (None, None)
-    return not asked and (TIME in dataset.dims or _followed(dataset) is not None)
+    return not asked and (TIME in dataset.dims or followed(dataset) is not None)
 
 
-def _followed(dataset: xarray.Dataset) -> Prepared | None:
+def followed(dataset: xarray.Dataset) -> Prepared | None:
     """Return the simulation of the one part of a dataset, with its motion over a cycle.
 
     None where there are several parts, or where the method does not follow it.
@@ -52,7 +52,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     check_result(dataset)
     style = options.style
-    if TIME not in dataset.dims and options.is_natural and (one := _followed(dataset)) is not None:
+    if TIME not in dataset.dims and options.is_natural and (one := followed(dataset)) is not None:
         dataset = tabulate(one).to_xarray()
     figure = style.sheet()
     check_trajectory(dataset, options.variable, options.axes, options.at)

@@ -57,6 +57,7 @@ PICTURES = {
         Picture("effects", "effects of parameters after Morris", "uncertain"),
         Picture("tornado", "what each tolerance does by itself", "uncertain"),
         Picture("front", "a trade-off of two outputs", "front"),
+        Picture("positions", "where the parts of a row are over time", "positions"),
         Picture("trajectory", "the motion of one part", "motion"),
         Picture("animation", "the same, moving; a GIF or MP4 file", "movie"),
         Picture("landscape", "the objective of an optimisation over its variables", "landscape"),

@@ -27,6 +27,7 @@ from core.quantities.orienting import ORIENTING
 from core.quantities.quantity import Quantity
 from core.quantities.resting import RESTING
 from core.quantities.rolling import ROLLING
+from core.quantities.row import ROW
 from core.quantities.track import TRACK
 
 __all__ = [
@@ -54,6 +55,7 @@ FAMILIES = (
     DRIVE_UNIT,
     RESTING,
     ORIENTING,
+    ROW,
 )
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()

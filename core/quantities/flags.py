@@ -89,6 +89,15 @@ REGIMES: dict[str, Flag] = {
     "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
     "no_pass": Flag(47, "the devices let no part pass: all return to the bowl"),
     "passes": Flag(48, "the devices let parts pass"),
+    # --- rows of parts
+    "crowded": Flag(49, "more parts come than the lane can take: the rest is turned away"),
+    "indeterminate_force": Flag(
+        50, "the force on the stop lies between bounds: at least what is given"
+    ),
+    "out_of_phase_possible": Flag(
+        51, "above a throw number of 3.724 parts may hop in turn; here all hop at once"
+    ),
+    "separating": Flag(52, "the row breaks up: platoons leave each other for ever"),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -55,6 +55,10 @@ INKS = {
     "may_topple": "#b3560f",
     "no_pass": "#8b1a1a",
     "passes": "#2166ac",
+    "crowded": "#b3560f",
+    "indeterminate_force": "#4a4a4a",
+    "out_of_phase_possible": "#5a4580",
+    "separating": "#2166ac",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -95,6 +99,10 @@ FILLS = {
     "may_topple": "#c66a2c",
     "no_pass": "#d6d6d6",
     "passes": "#9ccbff",
+    "crowded": "#c66a2c",
+    "indeterminate_force": "#d6d6d6",
+    "out_of_phase_possible": "#c66a2c",
+    "separating": "#9ccbff",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

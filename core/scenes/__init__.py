@@ -13,6 +13,7 @@ from core.scenes import (
     rectangle_on_track,
     rectangle_pair_impact,
     resting_part,
+    row_on_plane,
 )
 from core.scenes.aliases import ALIASES
 from core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
@@ -30,6 +31,7 @@ SCENES: dict[str, Scene] = {
     "bowl-drive-unit": bowl_drive_unit.SCENE,
     "resting-part": resting_part.SCENE,
     "orienting-line": orienting_line.SCENE,
+    "row-on-plane": row_on_plane.SCENE,
 }
 
 __all__ = ["ALIASES", "EXACT", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

@@ -1,7 +1,7 @@
 """Every method of motion: one file each, and one line here."""
 
 from core.motion.method import Method
-from core.motion.methods import tumbling
+from core.motion.methods import rows, tumbling
 from core.motion.methods.events import EVENTS
 from core.motion.methods.reference import REFERENCE
 from core.motion.methods.regularised import BDF, LSODA, RADAU
@@ -20,5 +20,6 @@ METHODS: dict[str, dict[str, Method]] = {
         "events": tumbling.EVENTS,
         "time-stepping": tumbling.TIME_STEPPING,
     },
+    "row": {"events": rows.EVENTS},
 }
-"""The methods by what they follow, a part that is conveyed or one that tumbles, and by name."""
+"""The methods by what they follow, a part that is conveyed, one that tumbles, a row; by name."""

@@ -1,0 +1,248 @@
+"""Rows of parts in one lane: flow, what fills and clears it, and the force on what holds it.
+
+Closed forms (theory 17.5). Parts are equal, their faces smooth; a row moves with the velocity v of
+one part. Arrays broadcast; SI units, rates in 1/s but where a unit is given.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.angles import cosine, sine
+from core.mechanics.arrays import Array, Mask, ratio
+
+MINUTE = 60.0
+HELD_FROM = 1.7048313528
+"""The throw number from which every contact with the floor happens while the track runs forward:
+the root of asin(1/G) + D(G) = 3 pi/2, D the flight of a part that lifts off by itself."""
+
+
+# --- flow
+
+
+def part_pitch(*, length: Array, part_gap: Array) -> Array:
+    """Return the distance from part to part of a closed row, l + gap [m]."""
+    return length + part_gap
+
+
+def throughput_limit(*, row_velocity: Array, part_pitch: Array) -> Array:
+    """Return the most parts a minute that a lane has, 60 v/l [min-1]."""
+    return MINUTE * row_velocity / part_pitch
+
+
+def throughput(*, inflow: Array, throughput_limit: Array) -> Array:
+    """Return the parts a minute that leave a free lane: what comes, up to its limit [min-1]."""
+    return np.minimum(inflow, throughput_limit)
+
+
+def is_crowded(*, inflow: Array, throughput_limit: Array) -> Mask:
+    """True where more parts come than the lane can take."""
+    return inflow > throughput_limit
+
+
+def part_spacing(*, row_velocity: Array, throughput: Array) -> Array:
+    """Return the distance from part to part of a free lane, v/q [m]."""
+    return ratio(MINUTE * row_velocity, throughput, np.inf)
+
+
+def queue_velocity(*, inflow: Array, row_velocity: Array, part_pitch: Array) -> Array:
+    """Return the velocity with which the tail of a queue comes back, q l v/(v - q l) [m s-1].
+
+    In front of a closed end; infinite where the lane is crowded, NaN beyond.
+    """
+    flow = inflow / MINUTE * part_pitch
+    left = row_velocity - flow
+    return np.where(left < 0, np.nan, ratio(flow * row_velocity, left, np.inf))
+
+
+def fill_time(*, lane_length: Array, part_pitch: Array, inflow: Array) -> Array:
+    """Return the time until a closed lane is full, L/(l q), whatever the velocity [s]."""
+    return ratio(MINUTE * lane_length, part_pitch * inflow, np.inf)
+
+
+def clear_time(*, lane_length: Array, row_velocity: Array) -> Array:
+    """Return the time until a full lane is clear, L/v: rigid parts start all at once [s]."""
+    return lane_length / row_velocity
+
+
+def escapement_rate(
+    *, closed_time: Array, open_time: Array, part_pitch: Array, row_velocity: Array
+) -> Array:
+    """Return the parts a minute of an escapement, 60/(t_c + max(t_o, l/v)): one a stroke."""
+    return MINUTE / (closed_time + np.maximum(open_time, part_pitch / row_velocity))
+
+
+# --- bend
+
+
+def bend_pitch(*, length: Array, part_width: Array, bend_radius: Array) -> Array:
+    """Return the distance of neighbours on the outer wall of a bend, along their centres [m].
+
+    They touch at the inner corners: by the angle 2 atan((l/2)/(r - a)), r = sqrt(R^2 - l^2/4).
+    """
+    half = length / 2
+    chord = np.sqrt(bend_radius * bend_radius - half * half)
+    return 2 * np.arctan2(half, chord - part_width) * (chord - part_width / 2)
+
+
+def is_too_long(*, length: Array, part_width: Array, bend_radius: Array) -> Mask:
+    """True where a part does not fit into the bend."""
+    half = length / 2
+    return bend_radius * bend_radius - half * half <= part_width * part_width
+
+
+def held_line_force(
+    *, line_push: Array, bend_radius: Array, bend_friction: Array, bend_length: Array
+) -> Array:
+    """Return the force at the front of a held row, C = (q R/mu)(exp(mu s/R) - 1) [N].
+
+    dC/ds = q + mu C/R: the track slips forward under the row, and so does the wall's friction.
+    """
+    return (
+        line_push * bend_radius / bend_friction
+        * np.expm1(bend_friction * bend_length / bend_radius)
+    )  # fmt: skip
+
+
+def sliding_line_force(
+    *, line_push: Array, bend_radius: Array, bend_friction: Array, bend_length: Array
+) -> Array:
+    """Return the same while the row slides over the track, C = (q R/mu)(1 - exp(-mu s/R)) [N].
+
+    dC/ds = q - mu C/R: it tends to q R/mu, as the pressure of grain in a silo does.
+    """
+    return (
+        -line_push * bend_radius / bend_friction
+        * np.expm1(-bend_friction * bend_length / bend_radius)
+    )  # fmt: skip
+
+
+# --- stop at rest in space, under a sine
+
+
+def row_weight(*, parts: Array, mass: Array, gravity: Array) -> Array:
+    """Return the weight of the row, n m g [N]."""
+    return parts * mass * gravity
+
+
+def held_force(*, row_weight: Array, friction_kinetic: Array) -> Array:
+    """Return the mean force on a stop at rest in space, level: mu M g [N].
+
+    Exact from a throw number of 1.70483 on, whatever the drive along the track; below it no more
+    than a bound.
+    """
+    return friction_kinetic * row_weight
+
+
+def is_bound_only(*, throw_number: Array) -> Mask:
+    """True below the throw number of 1.70483, where the force is bounded, but not known."""
+    return throw_number < HELD_FROM
+
+
+# --- stop at rest in space, under two levels of acceleration
+
+
+def two_level_hold(
+    *, forward_acceleration: Array, return_acceleration: Array, friction_kinetic: Array,
+    gravity: Array, frequency: Array,
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Return the time t + s out of contact, the velocity of the impact, and the period.
+
+    The track gains V = a_s t_s/2 in t_s = T a_m/(a_s + a_m), and turns to 0 in t_h = V/a_m. The
+    row leaves the stop as the track runs back, has the track's velocity -mu g t after
+    t = (V + a_s t_h)/(a_s + mu g), is carried, and strikes the stop after
+    s = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s more, with V_i = a_s s - mu g t.
+    """
+    period = 1.0 / frequency
+    a_s, a_m, brake = forward_acceleration, return_acceleration, friction_kinetic * gravity
+    peak = a_s * period * a_m / (a_s + a_m) / 2
+    until = (peak + a_s * peak / a_m) / (a_s + brake)
+    back = brake * until
+    carried = (back + np.sqrt(back * back + a_s * brake * until * until)) / a_s
+    return until + carried, a_s * carried - back, period
+
+
+def two_level_force(
+    *, two_level_hold: tuple[Array, Array, Array], row_weight: Array, friction_kinetic: Array,
+    gravity: Array,
+) -> Array:  # fmt: skip
+    """Return the mean force on the stop, M (mu g (T - t - s) + V_i)/T, impacts included [N]."""
+    away, impact, period = two_level_hold
+    return row_weight / gravity * (friction_kinetic * gravity * (period - away) + impact) / period
+
+
+def two_level_contact(*, two_level_hold: tuple[Array, Array, Array]) -> Array:
+    """Return the share of the time in which the row touches the stop, (T - t - s)/T [1]."""
+    away, _, period = two_level_hold
+    return (period - away) / period
+
+
+def two_level_impacts(
+    *, two_level_hold: tuple[Array, Array, Array], friction_kinetic: Array, gravity: Array
+) -> Array:
+    """Return the share of impacts in the mean force [1]."""
+    away, impact, period = two_level_hold
+    return impact / (friction_kinetic * gravity * (period - away) + impact)
+
+
+def strikes_too_late(
+    *, two_level_hold: tuple[Array, Array, Array], forward_acceleration: Array,
+    return_acceleration: Array,
+) -> Mask:  # fmt: skip
+    """True where the track turns back before the row is at the stop: t + s > t_h + 2 V/a_s."""
+    away, _, period = two_level_hold
+    a_s, a_m = forward_acceleration, return_acceleration
+    peak = a_s * period * a_m / (a_s + a_m) / 2
+    return away > peak / a_m + 2 * peak / a_s
+
+
+def is_not_carried(
+    *,
+    forward_acceleration: Array,
+    return_acceleration: Array,
+    friction_kinetic: Array,
+    gravity: Array,
+) -> Mask:
+    """True where friction does not carry the row forward, or holds it while the track runs back."""
+    brake = friction_kinetic * gravity
+    return (forward_acceleration > brake) | (return_acceleration <= brake)
+
+
+# --- stop that moves with the track, under a sine
+
+
+def least_held_force(
+    *, row_weight: Array, friction_static: Array, gravity: Array, gamma: Array,
+    vibration_acceleration: Array, beta: Array,
+) -> Array:  # fmt: skip
+    """Return the mean of the least force on a stop of the track [N].
+
+    F(t) = M max(0, D - mu n), mean (M/pi)(C cos(t_f) - k (pi/2 - t_f)), C = P (cb + mu sb),
+    k = g (sin gamma + mu cos gamma), sin(t_f) = k/C; 0 where C <= k.
+    """
+    gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
+    drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
+    share = np.clip(ratio(drag, gain, 1.0), -1.0, 1.0)
+    from_on = np.arcsin(share)
+    mean = (gain * np.cos(from_on) - drag * (np.pi / 2 - from_on)) / np.pi
+    return row_weight / gravity * np.where(gain > drag, mean, 0.0)
+
+
+def slips_back(
+    *,
+    friction_static: Array,
+    gravity: Array,
+    gamma: Array,
+    vibration_acceleration: Array,
+    beta: Array,
+) -> Mask:
+    """True where the row leaves the stop: P (cb - mu sb) > g (mu cos gamma - sin gamma)."""
+    push = vibration_acceleration * (cosine(beta) - friction_static * sine(beta))
+    return push > gravity * (friction_static * cosine(gamma) - sine(gamma))
+
+
+def leaves_floor(
+    *, gravity: Array, gamma: Array, vibration_acceleration: Array, beta: Array
+) -> Mask:
+    """True where the row leaves the floor."""
+    return vibration_acceleration * sine(beta) > gravity * cosine(gamma)

@@ -1,0 +1,6 @@
+"""Rows of parts that touch, push and part, from event to event (theory 17)."""
+
+from core.motion.kernels.rows.cells import path_of_row, row_cells
+from core.motion.kernels.rows.tables import ROW_COLUMNS
+
+__all__ = ["ROW_COLUMNS", "path_of_row", "row_cells"]

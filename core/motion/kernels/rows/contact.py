@@ -1,0 +1,216 @@
+"""Contact of parts in a row: isotonic regression decides who pushes whom (theory 17.2).
+
+Gauss's principle for parts that touch at one velocity is to minimise sum m (u' - a)^2/2 under
+u'_1 <= u'_2 <= ... from the rear to the front, a the acceleration of each part by itself. Its
+solution is unique, and pooling neighbours that violate the order gives it in one pass.
+"""
+
+from __future__ import annotations
+
+from core.compiled import compiled
+from core.motion.kernels.rows.tables import Drive, Row
+
+RESOLVED = 1e-13
+"""Of the weight: a push that is so little beyond the limit of static friction is at it."""
+
+
+@compiled
+def pooled(row: Row, first: int, end: int) -> int:
+    """Pool `row.value[first:end]` into means that do not fall; return how many blocks they are.
+
+    min sum m (y - v)^2 under y_i <= y_(i+1): a block is as long as a mean over it, weighted by
+    mass, is no larger than that of the block before. Each value becomes its block's mean;
+    `row.last[b]` is the last part of block b. Equal values give their very value as mean.
+    """
+    blocks = 0
+    for i in range(first, end):
+        mean, mass = row.value[i], row.mass[i]
+        while blocks > 0 and row.value[row.last[blocks - 1]] >= mean:
+            before = row.last[blocks - 1]
+            both = row.weight[before] + mass
+            mean = row.value[before] + (mean - row.value[before]) * (mass / both)
+            mass = both
+            blocks -= 1
+        row.value[i], row.weight[i], row.last[blocks] = mean, mass, i
+        blocks += 1
+    begin = first
+    for b in range(blocks):
+        mean = row.value[row.last[b]]
+        for i in range(begin, row.last[b] + 1):
+            row.value[i] = mean
+        begin = row.last[b] + 1
+    return blocks
+
+
+@compiled
+def chain_end(row: Row, first: int) -> int:
+    """Return the end of the chain of closed contacts that begins with a part."""
+    end = first + 1
+    while end < row.mass.size and row.closed[end - 1] == 1:
+        end += 1
+    return end
+
+
+@compiled
+def open_between(row: Row, blocks: int) -> None:
+    """Open the contacts between the blocks that `pooled` has left."""
+    for b in range(blocks - 1):
+        row.closed[row.last[b]] = 0
+
+
+@compiled
+def slide(row: Row) -> None:
+    """Open the contacts that carry nothing while their parts slide one way.
+
+    The accelerations D - mu n (forward) and D + mu n (backward) are in the order of -mu and of mu
+    at every time: blocks hang on friction alone, and last until an event.
+    """
+    first = 0
+    while first < row.mass.size:
+        end = chain_end(row, first)
+        mode = row.mode[first]
+        if mode != 0 and end > first + 1:
+            for i in range(first, end):
+                row.value[i] = -mode * row.kinetic[i]
+            open_between(row, pooled(row, first, end))
+        first = end
+
+
+@compiled
+def set_flows(row: Row, drive: Drive, pull: float, flying: bool) -> None:
+    """Set C and k of u' = C sin(tau) - k of every part.
+
+    In flight C = c, k = pull; at rest both are 0; sliding by mode = +-1, a block has the mean
+    friction mu of its parts: C = c + mode mu s, k = pull + mode mu gn (theory 13.2).
+    """
+    first = 0
+    while first < row.mass.size:
+        mode, end = row.mode[first], first + 1
+        if flying:
+            row.gain[first], row.drag[first] = drive.c, pull
+        elif mode == 0:
+            row.gain[first], row.drag[first] = 0.0, 0.0
+        else:
+            mu, mass = row.kinetic[first], row.mass[first]
+            while end < row.mass.size and row.closed[end - 1] == 1 and row.mode[end] == mode:
+                mass += row.mass[end]
+                mu += (row.kinetic[end] - mu) * (row.mass[end] / mass)
+                end += 1
+            for i in range(first, end):
+                row.gain[i] = drive.c + mode * mu * drive.s
+                row.drag[i] = pull + mode * mu * drive.gn
+        first = end
+
+
+@compiled
+def start(row: Row, push: float, load: float, forced: int) -> None:
+    """Let those parts of every resting chain slide whom the push moves.
+
+    In the direction of the push the values |D| - mu_s n are pooled; blocks above 0 start: those in
+    front under a push forward, those behind under one backward. The block that moves most of the
+    chain that begins with part `forced` starts in any case: its limit has just been reached.
+    """
+    first = 0
+    while first < row.mass.size:
+        end = chain_end(row, first)
+        if row.mode[first] == 0 and row.speed[first] == 0.0:
+            _start_chain(row, first, end, push, load, forced == first)
+        first = end
+
+
+@compiled
+def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
+    way = 1 if push > 0.0 else -1
+    for i in range(first, end):
+        # Pushed back, the accelerations -(|D| - mu n) do not fall towards the front, either.
+        row.value[i] = way * (abs(push) - row.static[i] * load)
+    pooled(row, first, end)
+    _set_apart(row, first, end, way, is_forced)
+
+
+@compiled
+def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> None:
+    """Set the mode of the parts that move, and open the contact to those that stay."""
+    farthest = end - 1 if way > 0 else first
+    most = way * row.value[farthest]
+    for i in range(first, end):
+        own = way * row.value[i]
+        if own > RESOLVED or (is_forced and own == most):
+            row.mode[i] = way
+    for i in range(first, end - 1):
+        if row.mode[i] != row.mode[i + 1]:
+            row.closed[i] = 0
+
+
+@compiled
+def least_friction(row: Row, first: int, end: int, way: int) -> float:
+    """Return the static friction mu of the block of a resting chain that starts first one way.
+
+    It starts where the push in its direction is mu n: pooled, that of the front or of the rear.
+    """
+    for i in range(first, end):
+        row.value[i] = -way * row.static[i]
+    pooled(row, first, end)
+    return -way * row.value[end - 1 if way > 0 else first]
+
+
+@compiled
+def collide(row: Row, contact: int, restitution: float) -> float:
+    """Let two parts and all that touch them strike; return the energy that is lost.
+
+    Touching parts whose contact was open take part: pair by pair they would strike without end.
+
+    u+ = (1 + e) y - e u, y the velocities u pooled: momentum is kept, and sum m (u - y)^2 (1 - e^2)
+    /2 is lost.
+    """
+    first, end = contact, contact + 2
+    while first > 0 and row.gap[first - 1] <= 0.0:
+        first -= 1
+    while end < row.mass.size and row.gap[end - 1] <= 0.0:
+        end += 1
+    for i in range(first, end):
+        row.value[i] = row.speed[i]
+    for i in range(first, end - 1):
+        row.gap[i], row.closed[i] = 0.0, 1
+    open_between(row, pooled(row, first, end))
+    lost = 0.0
+    for i in range(first, end):
+        apart = row.speed[i] - row.value[i]
+        lost += row.mass[i] * apart * apart
+        row.speed[i] = row.value[i] - restitution * apart
+        row.mode[i] = sign(row.speed[i])
+    for i in range(first, end - 1):
+        if row.speed[i] != row.speed[i + 1]:
+            row.closed[i] = 0
+    return lost * (1.0 - restitution * restitution) / 2.0
+
+
+@compiled
+def land(row: Row, impulse: float) -> None:
+    """Let all parts land with an impulse L per mass.
+
+    u - mu L sgn(u), pooled, and cut at 0: who would be turned round by friction stays.
+    """
+    first = 0
+    while first < row.mass.size:
+        end = chain_end(row, first)
+        way = sign(row.speed[first])
+        for i in range(first, end):
+            row.mode[i] = way
+        if way != 0:
+            for i in range(first, end):
+                row.value[i] = row.speed[i] - way * row.kinetic[i] * impulse
+            pooled(row, first, end)
+            for i in range(first, end):
+                row.speed[i] = way * max(0.0, way * row.value[i])
+                row.mode[i] = sign(row.speed[i])
+            for i in range(first, end - 1):
+                if row.speed[i] != row.speed[i + 1]:
+                    row.closed[i] = 0
+        first = end
+
+
+@compiled
+def sign(value: float) -> int:
+    """Return 1, 0 or -1."""
+    return 1 if value > 0.0 else (-1 if value < 0.0 else 0)

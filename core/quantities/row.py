@@ -1,0 +1,160 @@
+"""Rows of parts in one lane: each part's own numbers, the flow, and the force on what holds it."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, length, number, velocity
+
+MOST_NUMBERED = 16
+"""Parts that have numbers of their own: as many parameters each as a study has keys to spare."""
+MOST_PARTS = 64
+"""Parts of a row: some 200 collisions a period; longer lanes repeat what such a row does."""
+
+
+def _of_part(n: int) -> str:
+    return f"part {n} of a row" + (", the rearmost" if n == 1 else "")
+
+
+def _friction(n: int) -> Quantity:
+    return Quantity(
+        "1", f"mu_{n}", f"Friction, part {n}",
+        f"Coefficient of friction between the track and {_of_part(n)}.", 0.0, parameter=True,
+        examples=("0.3",), usual=(1e-3, 2.0),
+    )  # fmt: skip
+
+
+def _mass(n: int) -> Quantity:
+    return Quantity(
+        "kg", f"m_{n}", f"Mass, part {n}", f"Mass of {_of_part(n)}.", 0.0, strict=True,
+        parameter=True, examples=("4 g",), usual=(1e-7, 10.0),
+    )  # fmt: skip
+
+
+def _gap(n: int) -> Quantity:
+    return Quantity(
+        "m", f"g_{n}", f"Gap, part {n}", f"Gap in front of {_of_part(n)}, at the start.", 0.0,
+        parameter=True, examples=("1 mm",),
+    )  # fmt: skip
+
+
+def _position(n: int) -> Quantity:
+    return Quantity(
+        "m", f"x_{n}", f"Position, part {n}",
+        f"Centre of {_of_part(n)} on the track, from the start of the rearmost.",
+    )  # fmt: skip
+
+
+def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
+    return Quantity(
+        "s", symbol, label, says, 0.0, parameter=bool(example),
+        examples=(example,) if example else (),
+    )  # fmt: skip
+
+
+def _rate(symbol: str, label: str, says: str, *, given: bool = False) -> Quantity:
+    return Quantity(
+        "min-1", symbol, label, says, 0.0, parameter=given,
+        examples=("120 1/min",) if given else (),
+    )  # fmt: skip
+
+
+def _acceleration(symbol: str, label: str, says: str) -> Quantity:
+    return Quantity(
+        "m s-2", symbol, label, says, 0.0, strict=True, parameter=True, examples=("2 m/s^2",)
+    )
+
+
+NUMBERS = {"friction": _friction, "mass": _mass, "gap": _gap}
+"""What each part of a row may have of its own, by the stem of its name."""
+
+ROW: dict[str, Quantity] = {
+    "parts": Quantity(
+        "1", "n", "Parts", "Parts of the row.", 2.0, float(MOST_PARTS), parameter=True,
+        examples=("8",),
+    ),
+    **{
+        f"{stem}_{n}": of_part(n)
+        for stem, of_part in NUMBERS.items()
+        for n in range(1, MOST_NUMBERED + 1)
+    },
+    **{f"position_{n}": _position(n) for n in range(1, MOST_NUMBERED + 1)},
+    "part_restitution": Quantity(
+        "1", "e_p", "Restitution between parts",
+        "Velocity of parting over that of meeting where two parts strike each other.", 0.0, 1.0,
+        parameter=True, examples=("0.3",),
+    ),
+    "row": Quantity("1", "", "Row", "The parts of a row, from the rear on.", bundle=True),
+    "platoons": Quantity(
+        "1", "", "Platoons", "Groups of parts that have left each other for ever.", count=True
+    ),
+    "slowest_velocity": velocity("v_1", "Slowest velocity", "Mean velocity of the slowest part."),
+    "fastest_part_velocity": velocity(
+        "v_n", "Velocity of the fastest part", "Mean velocity of the fastest part."
+    ),
+    "contact_fraction": number(
+        "", "Contact fraction", "Share of the time in which neighbours touch, mean of all contacts."
+    ),
+    "collisions_per_period": number(
+        "", "Collisions per period", "Collisions of parts in a period of the drive."
+    ),
+    "row_velocity": Quantity(
+        "m s-1", "v", "Velocity of the row",
+        "Mean velocity of the parts on the free lane: measured, or of a study of their motion.",
+        0.0, strict=True, parameter=True, examples=("80 mm/s",),
+    ),
+    "inflow": _rate("q", "Inflow", "Parts a minute that come onto the lane.", given=True),
+    "lane_length": length("L", "Length of the lane", "Length of the lane.", "500 mm"),
+    "closed_time": _time("t_c", "Closed time", "Time for which the escapement holds.", "200 ms"),
+    "open_time": _time("t_o", "Open time", "Least time for which it lets go.", "100 ms"),
+    "part_width": length("a", "Width of a part", "Width of a part, across the lane.", "10 mm"),
+    "bend_radius": length("R", "Radius of the bend", "Radius of the outer wall.", "200 mm"),
+    "bend_length": length("s", "Length of the bend", "Length of the row in the bend.", "200 mm"),
+    "bend_friction": Quantity(
+        "1", "mu_w", "Friction at the bend", "Coefficient of friction at the wall of the bend.",
+        0.0, strict=True, parameter=True, examples=("0.3",),
+    ),
+    "line_push": Quantity(
+        "N m-1", "q", "Push of the row", "Force per length with which the track pushes the row.",
+        0.0, strict=True, parameter=True, examples=("1 N/m",),
+    ),
+    "forward_acceleration": _acceleration(
+        "a_s", "Forward acceleration", "Acceleration of the track forwards, which carries parts."
+    ),
+    "return_acceleration": _acceleration(
+        "a_m", "Return acceleration", "Acceleration of the track backwards, under the parts."
+    ),
+    "part_pitch": Quantity("m", "l", "Pitch", "Distance from part to part of a closed row."),
+    "throughput_limit": _rate("q_m", "Throughput limit", "Most parts a minute that the lane has."),
+    "throughput": _rate("", "Throughput", "Parts a minute that leave a free lane."),
+    "part_spacing": Quantity("m", "", "Spacing", "Distance from part to part of a free lane."),
+    "queue_velocity": velocity(
+        "", "Velocity of the queue", "Velocity with which the tail of a queue comes back."
+    ),
+    "fill_time": _time("", "Fill time", "Time until a closed lane is full."),
+    "clear_time": _time("", "Clear time", "Time until a full lane is clear, once it is opened."),
+    "escapement_rate": _rate("", "Escapement rate", "Parts a minute, one a stroke."),
+    "bend_pitch": Quantity(
+        "m", "", "Pitch in the bend",
+        "Distance of neighbours along the path of their centres, touching at the inner corners.",
+    ),
+    "held_line_force": Quantity(
+        "N", "C", "Line force, held",
+        "Force at the front of a row that is held in a bend while the track slips under it.",
+    ),
+    "sliding_line_force": Quantity(
+        "N", "C", "Line force, sliding", "The same while the row slides forward over the track."
+    ),
+    "row_weight": Quantity("N", "M g", "Weight of the row", "Weight of all parts."),
+    "two_level_hold": Quantity(
+        "s", "", "Hold", "Time away from the stop, velocity of the impact, period.", bundle=True
+    ),
+    "stop_force": Quantity("N", "F", "Force on the stop", "Mean force of the row on its stop."),
+    "least_stop_force": Quantity(
+        "N", "F", "Least force on the stop",
+        "Mean of the least force of the row on a stop that moves with the track; more may be "
+        "locked in.",
+    ),
+    "stop_contact_fraction": number(
+        "", "Contact with the stop", "Share of the time in which the row touches its stop."
+    ),
+    "stop_impact_share": number("", "Share of impacts", "Share of impacts in the mean force."),
+}  # fmt: skip
