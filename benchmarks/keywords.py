@@ -20,6 +20,7 @@ from core.motion.drive_units import GIVEN
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
 from core.quantities.drive import DRIVE
+from core.quantities.row import MOST_NUMBERED, NUMBERS
 from core.scenes import SCENES
 
 PACKAGE = Path(__file__).parents[1] / "vibrafeed"
@@ -133,8 +134,10 @@ def _literal(name: str, values: Iterable[str]) -> list[str]:
 
 
 def numbered() -> list[str]:
-    """Return the parameters of drives that are no plain sine, most of which have a number."""
-    return [name for name, quantity in DRIVE.items() if quantity.parameter]
+    """Return the parameters with a number: of drives that are no plain sine, of parts of rows."""
+    of_drives = [name for name, quantity in DRIVE.items() if quantity.parameter]
+    of_parts = [f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MOST_NUMBERED)]
+    return [*of_drives, *of_parts]
 
 
 def parameters(kinds: Iterable[str]) -> list[str]:

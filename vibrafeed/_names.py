@@ -228,7 +228,6 @@ SweptOutput: TypeAlias = (
         "pulse_angle",
         "topple_acceleration",
         "topple_margin",
-        "part_pitch",
         "drop_count",
         "yield",
         "passing_share_flat",
@@ -254,6 +253,7 @@ SweptOutput: TypeAlias = (
         "yield_upper",
         "oriented_feed_rate_lower",
         "oriented_feed_rate_upper",
+        "lane_pitch",
         "throughput_limit",
         "throughput",
         "part_spacing",
@@ -694,3 +694,66 @@ class DriveNumbers(TypedDict, total=False):
     duration_12: Values
     """How long step 12 lasts; the durations of all steps share out the period. 0 or more, for
     example 0.25."""
+    part_friction_1: Values
+    """Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for
+    example 0.3."""
+    part_friction_2: Values
+    """Coefficient of friction between the track and part 2 of a row. 0 or more, for example 0.3."""
+    part_friction_3: Values
+    """Coefficient of friction between the track and part 3 of a row. 0 or more, for example 0.3."""
+    part_friction_4: Values
+    """Coefficient of friction between the track and part 4 of a row. 0 or more, for example 0.3."""
+    part_friction_5: Values
+    """Coefficient of friction between the track and part 5 of a row. 0 or more, for example 0.3."""
+    part_friction_6: Values
+    """Coefficient of friction between the track and part 6 of a row. 0 or more, for example 0.3."""
+    part_friction_7: Values
+    """Coefficient of friction between the track and part 7 of a row. 0 or more, for example 0.3."""
+    part_friction_8: Values
+    """Coefficient of friction between the track and part 8 of a row. 0 or more, for example 0.3."""
+    part_friction_9: Values
+    """Coefficient of friction between the track and part 9 of a row. 0 or more, for example 0.3."""
+    part_friction_10: Values
+    """Coefficient of friction between the track and part 10 of a row. 0 or more, for example
+    0.3."""
+    part_mass_1: Values
+    """Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g"."""
+    part_mass_2: Values
+    """Mass of part 2 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_3: Values
+    """Mass of part 3 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_4: Values
+    """Mass of part 4 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_5: Values
+    """Mass of part 5 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_6: Values
+    """Mass of part 6 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_7: Values
+    """Mass of part 7 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_8: Values
+    """Mass of part 8 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_9: Values
+    """Mass of part 9 of a row. In kg, above 0, for example "4 g"."""
+    part_mass_10: Values
+    """Mass of part 10 of a row. In kg, above 0, for example "4 g"."""
+    part_gap_1: Values
+    """Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
+    mm"."""
+    part_gap_2: Values
+    """Gap in front of part 2 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_3: Values
+    """Gap in front of part 3 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_4: Values
+    """Gap in front of part 4 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_5: Values
+    """Gap in front of part 5 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_6: Values
+    """Gap in front of part 6 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_7: Values
+    """Gap in front of part 7 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_8: Values
+    """Gap in front of part 8 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_9: Values
+    """Gap in front of part 9 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    part_gap_10: Values
+    """Gap in front of part 10 of a row, at the start. In m, 0 or more, for example "1 mm"."""

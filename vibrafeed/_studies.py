@@ -157,6 +157,7 @@ def study(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -219,6 +220,7 @@ def study(
     line_push: Values | None = None,
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
+    row_mass: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -392,6 +394,7 @@ def sweep(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -440,7 +443,6 @@ def sweep(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
-    parts: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -453,6 +455,7 @@ def sweep(
     line_push: Values | None = None,
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
+    row_mass: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -593,7 +596,7 @@ def sweep(
     width_1 : values, optional
         Width of body 1. In m, above 0, for example "10 mm".
     mass_1 : values, optional
-        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+        Mass of body 1. In kg, above 0, for example "5 g".
     position_x_2 : values, optional
         Centre of body 2, x. In m, for example "5 mm".
     position_y_2 : values, optional
@@ -629,7 +632,7 @@ def sweep(
     width_2 : values, optional
         Width of body 2. In m, above 0, for example "10 mm".
     mass_2 : values, optional
-        Mass of part 2 of a row. In kg, above 0, for example "4 g".
+        Mass of body 2. In kg, above 0, for example "5 g".
     contact_tolerance : values, optional
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
@@ -719,6 +722,8 @@ def sweep(
     arrival_speed : values, optional
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
+    part_pitch : values, optional
+        From part to part in their row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
@@ -852,8 +857,6 @@ def sweep(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
-    parts : values, optional
-        Parts of the row. From 2 to 64, for example 8.
     row_velocity : values, optional
         Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
         s-1, above 0, for example "80 mm/s".
@@ -882,6 +885,8 @@ def sweep(
     return_acceleration : values, optional
         Acceleration of the track backwards, under the parts. In m s-2, above 0, for example "2
         m/s^2".
+    row_mass : values, optional
+        Mass of all parts of the row. In kg, above 0, for example "100 g".
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1241,6 +1246,14 @@ def simulate(
     duration_1 to _12 : values, optional
         How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
         example 0.25.
+    part_friction_1 to _10 : values, optional
+        Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for
+        example 0.3.
+    part_mass_1 to _10 : values, optional
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+    part_gap_1 to _10 : values, optional
+        Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
+        mm".
 
     Returns
     -------
@@ -1389,6 +1402,7 @@ def optimise(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -1451,6 +1465,7 @@ def optimise(
     line_push: Values | None = None,
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
+    row_mass: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -1612,7 +1627,7 @@ def optimise(
     width_1 : values, optional
         Width of body 1. In m, above 0, for example "10 mm".
     mass_1 : values, optional
-        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+        Mass of body 1. In kg, above 0, for example "5 g".
     position_x_2 : values, optional
         Centre of body 2, x. In m, for example "5 mm".
     position_y_2 : values, optional
@@ -1648,7 +1663,7 @@ def optimise(
     width_2 : values, optional
         Width of body 2. In m, above 0, for example "10 mm".
     mass_2 : values, optional
-        Mass of part 2 of a row. In kg, above 0, for example "4 g".
+        Mass of body 2. In kg, above 0, for example "5 g".
     contact_tolerance : values, optional
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
@@ -1755,6 +1770,8 @@ def optimise(
     arrival_speed : values, optional
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
+    part_pitch : values, optional
+        From part to part in their row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
@@ -1921,6 +1938,8 @@ def optimise(
     return_acceleration : values, optional
         Acceleration of the track backwards, under the parts. In m s-2, above 0, for example "2
         m/s^2".
+    row_mass : values, optional
+        Mass of all parts of the row. In kg, above 0, for example "100 g".
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -1983,6 +2002,14 @@ def optimise(
     duration_1 to _12 : values, optional
         How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
         example 0.25.
+    part_friction_1 to _10 : values, optional
+        Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for
+        example 0.3.
+    part_mass_1 to _10 : values, optional
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+    part_gap_1 to _10 : values, optional
+        Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
+        mm".
 
     Returns
     -------
@@ -2129,6 +2156,7 @@ def sensitivity(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -2191,6 +2219,7 @@ def sensitivity(
     line_push: Values | None = None,
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
+    row_mass: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -2344,7 +2373,7 @@ def sensitivity(
     width_1 : values, optional
         Width of body 1. In m, above 0, for example "10 mm".
     mass_1 : values, optional
-        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+        Mass of body 1. In kg, above 0, for example "5 g".
     position_x_2 : values, optional
         Centre of body 2, x. In m, for example "5 mm".
     position_y_2 : values, optional
@@ -2380,7 +2409,7 @@ def sensitivity(
     width_2 : values, optional
         Width of body 2. In m, above 0, for example "10 mm".
     mass_2 : values, optional
-        Mass of part 2 of a row. In kg, above 0, for example "4 g".
+        Mass of body 2. In kg, above 0, for example "5 g".
     contact_tolerance : values, optional
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
@@ -2487,6 +2516,8 @@ def sensitivity(
     arrival_speed : values, optional
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
+    part_pitch : values, optional
+        From part to part in their row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
@@ -2653,6 +2684,8 @@ def sensitivity(
     return_acceleration : values, optional
         Acceleration of the track backwards, under the parts. In m s-2, above 0, for example "2
         m/s^2".
+    row_mass : values, optional
+        Mass of all parts of the row. In kg, above 0, for example "100 g".
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -2716,6 +2749,14 @@ def sensitivity(
     duration_1 to _12 : values, optional
         How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
         example 0.25.
+    part_friction_1 to _10 : values, optional
+        Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for
+        example 0.3.
+    part_mass_1 to _10 : values, optional
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+    part_gap_1 to _10 : values, optional
+        Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
+        mm".
 
     Returns
     -------
@@ -3077,6 +3118,14 @@ def calibrate(
     duration_1 to _12 : values, optional
         How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
         example 0.25.
+    part_friction_1 to _10 : values, optional
+        Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for
+        example 0.3.
+    part_mass_1 to _10 : values, optional
+        Mass of part 1 of a row, the rearmost. In kg, above 0, for example "4 g".
+    part_gap_1 to _10 : values, optional
+        Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
+        mm".
 
     Returns
     -------
@@ -3219,6 +3268,7 @@ def open_lazily(
     sides: Values | None = None,
     arrival_rate: Values | None = None,
     arrival_speed: Values | None = None,
+    part_pitch: Values | None = None,
     wanted_aspect: Values | None = None,
     shank_diameter: Values | None = None,
     device_order: Values | None = None,
@@ -3267,7 +3317,6 @@ def open_lazily(
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
-    parts: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -3280,6 +3329,7 @@ def open_lazily(
     line_push: Values | None = None,
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
+    row_mass: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,

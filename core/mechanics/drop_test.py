@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.mechanics.orienting import Passed
+from core.mechanics.orienting import PassedShares
 
 PRIOR = 0.5
 """Counts before the test, of each aspect (Jeffreys)."""
@@ -31,7 +31,7 @@ def posterior_count(counts: Sequence[Array]) -> Array:
 
 
 def yield_deviation(
-    *, tested_shares: tuple[Array, ...], tested_line: Passed, drop_count: Array
+    *, tested_shares: tuple[Array, ...], tested_line: PassedShares, drop_count: Array
 ) -> Array:
     """Return the standard deviation of the yield after a drop test [1].
 
@@ -42,7 +42,7 @@ def yield_deviation(
     return np.sqrt(squares / (drop_count + 1))
 
 
-def yield_lower(*, tested_line: Passed, yield_deviation: Array) -> Array:
+def yield_lower(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
     """Return the lower end of the yield's interval of 95 % [1].
 
     That of a beta distribution of the yield's mean and deviation: the yield's own where each aspect
@@ -51,7 +51,7 @@ def yield_lower(*, tested_line: Passed, yield_deviation: Array) -> Array:
     return _quantile(tested_line.total, yield_deviation, -1)
 
 
-def yield_upper(*, tested_line: Passed, yield_deviation: Array) -> Array:
+def yield_upper(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
     """Return the upper end of the yield's interval of 95 % [1]."""
     return _quantile(tested_line.total, yield_deviation, 1)
 

@@ -29,7 +29,7 @@ class Aspect(NamedTuple):
     along: Array
 
 
-class Passed(NamedTuple):
+class PassedShares(NamedTuple):
     """What a line lets pass.
 
     Attributes
@@ -161,11 +161,11 @@ def _sum(terms: Sequence[Array]) -> Array:
     return total
 
 
-def passed(shares: Sequence[Array], matrix: Matrix) -> Passed:
+def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
     """Return what passes of parts that arrive with some shares."""
     places = range(len(shares))
     leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
-    return Passed(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
+    return PassedShares(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
 
 
 def outlet_share(
@@ -200,17 +200,17 @@ def place_in_order(order: Array, count: int) -> list[Array]:
 # --- what comes of it
 
 
-def laps(*, line: Passed) -> Array:
+def laps(*, line: PassedShares) -> Array:
     """Return how often a part arrives until it passes, in the mean, 1/eta [1]."""
     return ratio(np.ones(()), line.total, np.inf)
 
 
-def laps_variance(*, line: Passed) -> Array:
+def laps_variance(*, line: PassedShares) -> Array:
     """Return the variance of the laps that a part needs, (1 - eta)/eta^2 [1]."""
     return ratio(1 - line.total, line.total * line.total, np.inf)
 
 
-def laps_99(*, line: Passed) -> Array:
+def laps_99(*, line: PassedShares) -> Array:
     """Return within how many laps 99 of 100 parts pass, ln 0.01/ln(1 - eta), at least 1 [1]."""
     lost = np.minimum(np.maximum(1 - line.total, 0.0), 1.0)
     some = (lost > 0) & (lost < 1)
@@ -223,17 +223,17 @@ def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:
     return 60 * arrival_speed / part_pitch
 
 
-def oriented_feed_rate(*, arrival_rate: Array, line: Passed) -> Array:
+def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
     """Return how many parts a minute leave the line, q eta [min-1]."""
     return arrival_rate * line.total
 
 
-def return_rate(*, arrival_rate: Array, line: Passed) -> Array:
+def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
     """Return how many parts a minute fall back into the bowl, q (1 - eta) [min-1]."""
     return arrival_rate * (1 - line.total)
 
 
-def leaving_wanted(*, line: Passed, wanted_aspect: Array) -> Array:
+def leaving_wanted(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the arriving parts that leave in the wanted aspect [1]."""
     found = line.leaving[0]
     for place, share in enumerate(line.leaving[1:], 2):
@@ -241,7 +241,7 @@ def leaving_wanted(*, line: Passed, wanted_aspect: Array) -> Array:
     return found
 
 
-def purity(*, leaving_wanted: Array, line: Passed) -> Array:
+def purity(*, leaving_wanted: Array, line: PassedShares) -> Array:
     """Return the share of the leaving parts that lie in the wanted aspect [1]."""
     return ratio(leaving_wanted, line.total, np.nan)
 
@@ -251,6 +251,6 @@ def wanted_feed_rate(*, arrival_rate: Array, leaving_wanted: Array) -> Array:
     return arrival_rate * leaving_wanted
 
 
-def lets_none_pass(*, line: Passed) -> Mask:
+def lets_none_pass(*, line: PassedShares) -> Mask:
     """Return where no part passes."""
     return line.total <= 0

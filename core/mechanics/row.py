@@ -20,14 +20,14 @@ the root of asin(1/G) + D(G) = 3 pi/2, D the flight of a part that lifts off by 
 # --- flow
 
 
-def part_pitch(*, length: Array, part_gap: Array) -> Array:
+def lane_pitch(*, length: Array, part_gap: Array) -> Array:
     """Return the distance from part to part of a closed row, l + gap [m]."""
     return length + part_gap
 
 
-def throughput_limit(*, row_velocity: Array, part_pitch: Array) -> Array:
+def throughput_limit(*, row_velocity: Array, lane_pitch: Array) -> Array:
     """Return the most parts a minute that a lane has, 60 v/l [min-1]."""
-    return MINUTE * row_velocity / part_pitch
+    return MINUTE * row_velocity / lane_pitch
 
 
 def throughput(*, inflow: Array, throughput_limit: Array) -> Array:
@@ -45,19 +45,19 @@ def part_spacing(*, row_velocity: Array, throughput: Array) -> Array:
     return ratio(MINUTE * row_velocity, throughput, np.inf)
 
 
-def queue_velocity(*, inflow: Array, row_velocity: Array, part_pitch: Array) -> Array:
+def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> Array:
     """Return the velocity with which the tail of a queue comes back, q l v/(v - q l) [m s-1].
 
     In front of a closed end; infinite where the lane is crowded, NaN beyond.
     """
-    flow = inflow / MINUTE * part_pitch
+    flow = inflow / MINUTE * lane_pitch
     left = row_velocity - flow
     return np.where(left < 0, np.nan, ratio(flow * row_velocity, left, np.inf))
 
 
-def fill_time(*, lane_length: Array, part_pitch: Array, inflow: Array) -> Array:
+def fill_time(*, lane_length: Array, lane_pitch: Array, inflow: Array) -> Array:
     """Return the time until a closed lane is full, L/(l q), whatever the velocity [s]."""
-    return ratio(MINUTE * lane_length, part_pitch * inflow, np.inf)
+    return ratio(MINUTE * lane_length, lane_pitch * inflow, np.inf)
 
 
 def clear_time(*, lane_length: Array, row_velocity: Array) -> Array:
@@ -66,10 +66,10 @@ def clear_time(*, lane_length: Array, row_velocity: Array) -> Array:
 
 
 def escapement_rate(
-    *, closed_time: Array, open_time: Array, part_pitch: Array, row_velocity: Array
+    *, closed_time: Array, open_time: Array, lane_pitch: Array, row_velocity: Array
 ) -> Array:
     """Return the parts a minute of an escapement, 60/(t_c + max(t_o, l/v)): one a stroke."""
-    return MINUTE / (closed_time + np.maximum(open_time, part_pitch / row_velocity))
+    return MINUTE / (closed_time + np.maximum(open_time, lane_pitch / row_velocity))
 
 
 # --- bend
@@ -120,9 +120,9 @@ def sliding_line_force(
 # --- stop at rest in space, under a sine
 
 
-def row_weight(*, parts: Array, mass: Array, gravity: Array) -> Array:
-    """Return the weight of the row, n m g [N]."""
-    return parts * mass * gravity
+def row_weight(*, row_mass: Array, gravity: Array) -> Array:
+    """Return the weight of the row, M g [N]."""
+    return row_mass * gravity
 
 
 def held_force(*, row_weight: Array, friction_kinetic: Array) -> Array:
@@ -135,7 +135,7 @@ def held_force(*, row_weight: Array, friction_kinetic: Array) -> Array:
 
 
 def is_bound_only(*, throw_number: Array) -> Mask:
-    """True below the throw number of 1.70483, where the force is bounded, but not known."""
+    """True where the throw number is below 1.70483: the force is bounded, but not known."""
     return throw_number < HELD_FROM
 
 
@@ -222,7 +222,7 @@ def least_held_force(
     """
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
     drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
-    share = np.clip(ratio(drag, gain, 1.0), -1.0, 1.0)
+    share = np.maximum(np.minimum(ratio(drag, gain, 1.0), 1.0), -1.0)
     from_on = np.arcsin(share)
     mean = (gain * np.cos(from_on) - drag * (np.pi / 2 - from_on)) / np.pi
     return row_weight / gravity * np.where(gain > drag, mean, 0.0)

@@ -12,7 +12,7 @@ import numpy as np
 from core.mechanics.arrays import Array, ratio
 from core.motion import limits, waves
 from core.motion.drives import Shape
-from core.motion.groups import Groups, floor_groups, track_groups
+from core.motion.groups import Groups, floor_groups, row_groups, track_groups
 from core.motion.result import STATUS, Motion
 from core.motion.waves import Wave
 from core.scenes import Scene
@@ -127,7 +127,7 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
         efficiency,
     )
 }  # fmt: skip
-_GROUPS = {id(groups): _with_wave(groups) for groups in (floor_groups, track_groups)}
+_GROUPS = {id(one): _with_wave(one) for one in (floor_groups, track_groups, row_groups)}
 
 
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:

@@ -234,3 +234,23 @@ def track_groups(
         wall_friction=wall_friction,
         wall_restitution=wall_restitution,
     )
+
+
+def row_groups(
+    *,
+    drive_number_along: Array,
+    drive_number_normal: Array,
+    gravity_number_along: Array,
+    load_number: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+) -> Groups:
+    """Return the groups of the parts of a row, which move in one plane and do not rebound."""
+    return Groups(
+        drive_number_along=drive_number_along,
+        drive_number_normal=drive_number_normal,
+        gravity_number_along=gravity_number_along,
+        gravity_number_normal=load_number,
+        friction_static=friction_static,
+        friction_kinetic=friction_kinetic,
+    )

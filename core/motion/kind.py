@@ -35,7 +35,8 @@ _ROW: Final = {
     "scene": "row-on-plane",
     "outputs": ["conveying_velocity"],
     "parameters": {
-        "frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction_1": 0.3, "friction_2": 0.4,
+        "frequency": 50, "amplitude": "0.2 mm", "beta": 30, "part_friction_1": 0.3,
+        "part_friction_2": 0.4,
     },
 }  # fmt: skip
 

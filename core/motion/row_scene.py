@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from core.errors import Problem
+from core.mechanics.angles import cosine
 from core.mechanics.arrays import Array, Mask
-from core.motion import scales
+from core.motion import limits, scales
 from core.motion.driven import driven
 from core.motion.drives import Harmonics, Shape, Steps, shape_of
 from core.motion.feeding import DEFAULTS, feed_rate, occupancy
-from core.motion.groups import BLOCK_ON_FLOOR
+from core.motion.groups import BLOCK_ON_FLOOR, row_groups
 from core.motion.methods import METHODS
 from core.motion.methods.rows import RowMotion, RowParts
 from core.motion.result import STATUS
@@ -63,19 +64,19 @@ class NumberedParts:
     def inputs(self) -> tuple[str, ...]:
         """Names of the quantities that the parts need."""
         numbered = [f"{stem}_{n}" for stem, which in self.numbers.items() for n in which]
-        common = ["mass"] if 0 < len(self.numbers["mass"]) < self.count or self._more else []
+        common = ["mass"] if 0 < len(self.numbers["part_mass"]) < self.count or self._more else []
         counted = ["parts"] if self.counted or not self.count else []
         return (*counted, *numbered, *common, "part_restitution", "length_scale")
 
     @property
     def _more(self) -> bool:
         """Whether there may be parts without numbers, behind some that have a mass."""
-        return self.counted and bool(self.numbers["mass"])
+        return self.counted and bool(self.numbers["part_mass"])
 
     @property
     def has_all_frictions(self) -> bool:
         """Whether no part needs a common friction."""
-        return not self.counted and 0 < len(self.numbers["friction"]) == self.count
+        return not self.counted and 0 < len(self.numbers["part_friction"]) == self.count
 
     @property
     def __signature__(self) -> inspect.Signature:
@@ -92,9 +93,9 @@ class NumberedParts:
         common = given.get("mass", np.ones(()))
         return RowParts(
             number=np.maximum(count, self.count),
-            friction=tuple(given.get(f"friction_{n}", np.full((), np.nan)) for n in places),
-            mass=tuple(given.get(f"mass_{n}", common) for n in places),
-            gap=tuple(given.get(f"gap_{n}", np.zeros(())) / scale for n in places),
+            friction=tuple(given.get(f"part_friction_{n}", np.full((), np.nan)) for n in places),
+            mass=tuple(given.get(f"part_mass_{n}", common) for n in places),
+            gap=tuple(given.get(f"part_gap_{n}", np.zeros(())) / scale for n in places),
             restitution=given["part_restitution"],
         )
 
@@ -107,21 +108,23 @@ def numbered(names: Iterable[str]) -> NumberedParts:
         stem: tuple(sorted(int(match[2]) for match in found if match[1] == stem))
         for stem in NUMBERS
     }
-    behind = max((n + (stem == "gap") for stem, which in numbers.items() for n in which), default=0)
+    behind = max(
+        (n + (stem == "part_gap") for stem, which in numbers.items() for n in which), default=0
+    )
     return NumberedParts(numbers, behind, "parts" in names)
 
 
 # --- equations
 
 
-def own_static(*, friction_1: Array) -> Array:
+def own_static(*, part_friction_1: Array) -> Array:
     """Return the static friction of the rearmost part, where each part has its own [1]."""
-    return friction_1
+    return part_friction_1
 
 
-def own_kinetic(*, friction_1: Array) -> Array:
+def own_kinetic(*, part_friction_1: Array) -> Array:
     """Return the kinetic friction of the rearmost part, where each part has its own [1]."""
-    return friction_1
+    return part_friction_1
 
 
 def slowest_velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
@@ -208,22 +211,21 @@ CONDITIONS = (
     Condition("hopping", hops, ANY_RESULT),
     Condition("stick", rests, ANY_RESULT),
 )
-TOGETHER = Constraint(
-    ("restitution",),
-    lambda least, largest: least == 0.0 == largest,
-    "parts that rebound from the floor do not hop together, and their row is not known",
-    "Leave restitution out, or simulate one part in rectangle-on-plane",
-)
-IN_PLANE = Constraint(
-    ("alpha",),
-    lambda least, largest: least == 0.0 == largest,
-    "a drive across the track takes the parts out of their row",
-    "Leave alpha out",
-)
 
 
-def row_scene(in_space: tuple[Equation, ...], driven_within: Constraint) -> Scene:
+def drive_number_along(*, drive_number: Array, beta: Array) -> Array:
+    """Return the drive number along the track, p cos(beta) [1]."""
+    return drive_number * cosine(beta)
+
+
+def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) -> Scene:
     """Return the system of a row whose parts have no numbers of their own."""
+    in_space = (
+        *(one for one in scales_of_drive if one.gives != "drive_number_along"),
+        Equation("drive_number_along", drive_number_along, SOURCE),
+        *limits.equations("sine", ("along", "normal")),
+        Equation("groups", row_groups, SOURCE),
+    )
     return Scene(
         name=NAME,
         title="Motion in time of a row of parts in one lane",
@@ -238,15 +240,13 @@ def row_scene(in_space: tuple[Equation, ...], driven_within: Constraint) -> Scen
         default_variant="events",
         conditions=dict.fromkeys(METHODS["row"], CONDITIONS),
         defaults={
-            "alpha": 0.0,
             "gamma": 0.0,
             "gravity": STANDARD_GRAVITY,
             "hold_down_number": 0.0,
-            "restitution": 0.0,
             "part_restitution": 0.0,
             **DEFAULTS,
         },
-        constraints=(STATIC_ABOVE_KINETIC, driven_within, TOGETHER, IN_PLANE),
+        constraints=(STATIC_ABOVE_KINETIC, driven_within),
         choice="method",
         variant_defaults={name: method.defaults for name, method in METHODS["row"].items()},
     )

@@ -283,7 +283,7 @@ SYSTEMS: dict[str, Scene] = {
     "cylinder-isolated": tumbling_scene(
         "cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder
     ),
-    ROW: row_scene(ON_FLOOR, DRIVEN),
+    ROW: row_scene(PLANAR_SCALES, DRIVEN),
 }
 """Every system that can be simulated, by the name of its scene."""
 

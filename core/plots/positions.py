@@ -21,7 +21,7 @@ from core.plots.style import mix
 from core.plots.text import scaled, shown_in
 from core.plots.trajectory import TIME
 
-FIRST = "position_1"
+FIRST = "part_position_1"
 TOUCHES = 1e-9
 """Of the way that is shown: gaps that are no larger are those of parts that touch."""
 
@@ -48,7 +48,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if FIRST not in dataset:
         raise PlotError("dataset", "it has no row of parts in time", "Add trajectory = 400")
     style, units = options.style, options.units
-    names = [f"position_{n + 1}" for n in range(len(dataset)) if f"position_{n + 1}" in dataset]
+    names = [
+        f"part_position_{n + 1}" for n in range(len(dataset)) if f"part_position_{n + 1}" in dataset
+    ]
     time, place = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
     times = scaled(dataset[TIME], time.factor)
     places = np.array([scaled(dataset[name], place.factor) for name in names])

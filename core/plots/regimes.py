@@ -84,6 +84,11 @@ LOOKS = {
         ("may_topple", "..", 0.9),
         ("no_pass", "xxx", 1.3),
         ("passes", "", 1.8),
+        # --- rows of parts
+        ("crowded", "\\", 1.8),
+        ("indeterminate_force", "x", 1.8),
+        ("out_of_phase_possible", "\\", 1.8),
+        ("separating", "..", 0.9),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)

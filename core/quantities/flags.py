@@ -87,7 +87,9 @@ REGIMES: dict[str, Flag] = {
     "unstable_side": Flag(44, "the part does not lie on its side: it rolls on over a rim"),
     "stands": Flag(45, "the drive is too slow by half, and more, to topple the standing part"),
     "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
-    "no_pass": Flag(47, "the devices let no part pass: all return to the bowl"),
+    "no_pass": Flag(
+        47, "the devices let no part pass: all return to the bowl", valid=False
+    ),
     "passes": Flag(48, "the devices let parts pass"),
     # --- rows of parts
     "crowded": Flag(49, "more parts come than the lane can take: the rest is turned away"),

@@ -58,7 +58,7 @@ INKS = {
     "crowded": "#b3560f",
     "indeterminate_force": "#4a4a4a",
     "out_of_phase_possible": "#5a4580",
-    "separating": "#2166ac",
+    "separating": "#01665e",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -97,12 +97,11 @@ FILLS = {
     "unstable_side": "#ffd98f",
     "stands": "#9ccbff",
     "may_topple": "#c66a2c",
-    "no_pass": "#d6d6d6",
     "passes": "#9ccbff",
     "crowded": "#c66a2c",
     "indeterminate_force": "#d6d6d6",
     "out_of_phase_possible": "#c66a2c",
-    "separating": "#9ccbff",
+    "separating": "#3f8a70",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from core.quantities.quantity import Quantity, length, number, velocity
 
-MOST_NUMBERED = 16
+MOST_NUMBERED = 10
 """Parts that have numbers of their own: as many parameters each as a study has keys to spare."""
 MOST_PARTS = 64
 """Parts of a row: some 200 collisions a period; longer lanes repeat what such a row does."""
@@ -63,7 +63,7 @@ def _acceleration(symbol: str, label: str, says: str) -> Quantity:
     )
 
 
-NUMBERS = {"friction": _friction, "mass": _mass, "gap": _gap}
+NUMBERS = {"part_friction": _friction, "part_mass": _mass, "part_gap": _gap}
 """What each part of a row may have of its own, by the stem of its name."""
 
 ROW: dict[str, Quantity] = {
@@ -76,7 +76,7 @@ ROW: dict[str, Quantity] = {
         for stem, of_part in NUMBERS.items()
         for n in range(1, MOST_NUMBERED + 1)
     },
-    **{f"position_{n}": _position(n) for n in range(1, MOST_NUMBERED + 1)},
+    **{f"part_position_{n}": _position(n) for n in range(1, MOST_NUMBERED + 1)},
     "part_restitution": Quantity(
         "1", "e_p", "Restitution between parts",
         "Velocity of parting over that of meeting where two parts strike each other.", 0.0, 1.0,
@@ -122,7 +122,7 @@ ROW: dict[str, Quantity] = {
     "return_acceleration": _acceleration(
         "a_m", "Return acceleration", "Acceleration of the track backwards, under the parts."
     ),
-    "part_pitch": Quantity("m", "l", "Pitch", "Distance from part to part of a closed row."),
+    "lane_pitch": Quantity("m", "l", "Pitch", "Distance from part to part of a closed row."),
     "throughput_limit": _rate("q_m", "Throughput limit", "Most parts a minute that the lane has."),
     "throughput": _rate("", "Throughput", "Parts a minute that leave a free lane."),
     "part_spacing": Quantity("m", "", "Spacing", "Distance from part to part of a free lane."),
@@ -142,6 +142,10 @@ ROW: dict[str, Quantity] = {
     ),
     "sliding_line_force": Quantity(
         "N", "C", "Line force, sliding", "The same while the row slides forward over the track."
+    ),
+    "row_mass": Quantity(
+        "kg", "M", "Mass of the row", "Mass of all parts of the row.", 0.0, strict=True,
+        parameter=True, examples=("100 g",), usual=(1e-6, 100.0),
     ),
     "row_weight": Quantity("N", "M g", "Weight of the row", "Weight of all parts."),
     "two_level_hold": Quantity(

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.mechanics import orienting
 from core.mechanics.arrays import Array
-from core.mechanics.orienting import Matrix, Passed
+from core.mechanics.orienting import Matrix, PassedShares
 
 
 def _takes(names: Sequence[str]) -> inspect.Signature:
@@ -88,7 +88,7 @@ class Device:
 
 
 @dataclass(frozen=True)
-class Line:
+class DeviceLine:
     """The function that gives what passes a line of devices; its arguments are theirs.
 
     Attributes
@@ -118,7 +118,7 @@ class Line:
         own = [name for device in self.devices for name in device.inputs]
         return _takes((self.shares, *own, *(["device_order"] * self.ordered)))
 
-    def __call__(self, **given: Any) -> Passed:
+    def __call__(self, **given: Any) -> PassedShares:
         """Return what passes."""
         matrices = [device.matrix(self.aspects, given) for device in self.devices]
         outlets = [

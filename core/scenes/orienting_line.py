@@ -15,7 +15,7 @@ from typing import Any
 
 from core.mechanics import drop_test, orienting
 from core.quantities.orienting import DEVICES, MOST_DEVICES, PAIRS
-from core.scenes.devices import AnyOf, Counts, Device, Line
+from core.scenes.devices import AnyOf, Counts, Device, DeviceLine
 from core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
 from core.scenes.shapes import ASPECTS, SHAPES, WORDS
 
@@ -140,7 +140,7 @@ def _with(
     if tested:
         shares = Equation("resting_shares", Counts(drop_test.posterior_shares, aspects), TEST)
         own = tuple(shares if one.gives == "resting_shares" else one for one in own)
-    line = Line(tuple(d for d in devices if d.numbers), aspects, ordered)
+    line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
     tried = replace(line, shares="tested_shares")
     return (*own, Equation("line", line, LINE), Equation("tested_line", tried, TEST))
 

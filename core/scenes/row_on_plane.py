@@ -7,7 +7,7 @@ from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 SOURCE = "theory 17.5"
 LANE = (
-    Equation("part_pitch", row.part_pitch, SOURCE),
+    Equation("lane_pitch", row.lane_pitch, SOURCE),
     Equation("throughput_limit", row.throughput_limit, SOURCE),
     Equation("throughput", row.throughput, SOURCE),
     Equation("part_spacing", row.part_spacing, SOURCE),

@@ -1,4 +1,4 @@
-"""Rows of parts in one lane, from event to event: exact but for rounding (theory 17).
+"""Rows of parts in one lane, from event to event: exact up to rounding (theory 17).
 
 Parts touch, push and are held by friction; faces are smooth, so that a contact acts along the track
 only and the normal motion does not know of the row: all parts hop and land together. A row whose
@@ -218,7 +218,7 @@ def _course(contacts: Contacts) -> FollowCourse:
         starts = np.r_[0.0, np.cumsum(rows[0, first : first + parts - 1])]
         scale = asked.scale("length_scale")
         values = {
-            f"position_{n + 1}": (places[:, n] + starts[n]) * scale + n * pitch
+            f"part_position_{n + 1}": (places[:, n] + starts[n]) * scale + n * pitch
             for n in range(min(parts, MOST_NUMBERED))
         }
         return TrajectoryValues(times, values, {})
@@ -238,7 +238,7 @@ EVENTS = Method(
     name="events",
     follow=_follow,
     source="theory 17",
-    accuracy="exact but for rounding, some 1e-12 of the drive, where the motion repeats; the error "
+    accuracy="exact up to rounding, some 1e-12 of the drive, where the motion repeats; the error "
     "of the mean of batches of periods where it does not",
     seconds_a_cell=_price,
     defaults={"most_periods": PERIODS},

@@ -113,8 +113,8 @@ def test_the_compiled_row_of_equal_parts_is_one_part_too():
     for size in ("0.08 mm", "0.3 mm", "0.6 mm"):
         one = vibrafeed.simulate(scene="rectangle-on-plane", friction=0.35, amplitude=size, **study)
         row = vibrafeed.simulate(
-            scene="row-on-plane", friction_1=0.35, friction_2=0.35 * (1 + 1e-15), amplitude=size,
-            **study,
+            scene="row-on-plane", part_friction_1=0.35, part_friction_2=0.35 * (1 + 1e-15),
+            amplitude=size, **study,
         )  # fmt: skip
         assert float(row.conveying_velocity) == pytest.approx(
             float(one.conveying_velocity), rel=1e-9
@@ -316,10 +316,14 @@ DRIVEN = {"frequency": 50, "amplitude": "0.3 mm", "beta": 20}
         ({}, "parameters.parts", "it is missing"),
         ({"parts": 4}, "parameters.friction", "it is missing"),
         ({"parts": 1, "friction": 0.3}, "parameters.parts", "at least 2"),
-        ({"parts": 4, "friction": 0.3, "restitution": 0.2}, "parameters.restitution", "hop togeth"),
-        ({"parts": 4, "friction": 0.3, "alpha": 5}, "parameters.alpha", "out of their row"),
-        ({"friction_1": 0.3, "friction_3": 0.2}, "parameters.friction", "it is missing"),
-        ({"friction_1": 0.3, "mass_2": "4 g", "friction": 0.2}, "parameters.mass", "it is missing"),
+        ({"parts": 4, "friction": 0.3, "restitution": 0.2}, "parameters.restitution", "not used"),
+        ({"parts": 4, "friction": 0.3, "alpha": 5}, "parameters.alpha", "not used"),
+        ({"part_friction_1": 0.3, "part_friction_3": 0.2}, "parameters.friction", "it is missing"),
+        (
+            {"part_friction_1": 0.3, "part_mass_2": "4 g", "friction": 0.2},
+            "parameters.mass",
+            "it is missing",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_with_its_place(more, place, says):
@@ -345,12 +349,16 @@ def test_regimes_of_rows():
         found = vibrafeed.simulate(scene="row-on-plane", outputs=["platoons"], **DRIVEN, **given)
         return int(found.regime)
 
-    apart = {"friction_1": 0.3, "friction_2": 0.34, "friction_3": 0.28}
+    apart = {"part_friction_1": 0.3, "part_friction_2": 0.34, "part_friction_3": 0.28}
     assert regime(**apart) == REGIMES["separating"].value
     assert regime(parts=3, friction=0.3) == REGIMES["hopping"].value
     jumping = {**DRIVEN, "amplitude": "1.2 mm"}
     found = vibrafeed.simulate(
-        scene="row-on-plane", outputs=["platoons"], **jumping, friction_1=0.3, friction_2=0.4
+        scene="row-on-plane",
+        outputs=["platoons"],
+        **jumping,
+        part_friction_1=0.3,
+        part_friction_2=0.4,
     )
     assert int(found.regime) == REGIMES["out_of_phase_possible"].value
 

@@ -66,6 +66,7 @@ class TestMethods:
             point_part = "conveying_velocity" in system.outputs(system.default_variant)
             for method in system.variants if point_part else ():
                 curved = {"radius": "0.3 m"} if "track" in name else {}
+                curved |= {"parts": 4} if "row" in name else {}
                 prepared = prepare_content(study(name, method=method, parameters=curved))
                 assert 0 < prepared.seconds_a_cell < 60, (name, method)
 
@@ -257,7 +258,7 @@ class TestDatasets:
                 for name, value in {
                     **HOP, "delta": "10 deg", "length": "20 mm", "height": "12 mm",
                     "diameter": "8 mm", "restitution": 0.1, "duration": "0.2 s", "radius": "0.3 m",
-                    "mass": "2 g", "hold_down_force": "1 mN",
+                    "mass": "2 g", "hold_down_force": "1 mN", "parts": 3,
                 }.items()
                 if name in needed(system, method)
             }  # fmt: skip

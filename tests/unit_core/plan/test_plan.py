@@ -19,6 +19,8 @@ from core.motion.prepare import choose_system
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
+from core.quantities.row import MOST_NUMBERED
+from core.quantities.row import NUMBERS as OF_PARTS
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
 from core.schema import study_schema
@@ -55,6 +57,11 @@ VALUES = {
     "ring_down_frequency": 53.0, "damping_ratio": 0.02, "drive_force": 60.0, "air_gap": 0.003,
     "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
     "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
+    # rows of parts
+    "parts": 3.0, "row_velocity": 0.08, "inflow": 60.0, "lane_length": 0.5, "closed_time": 0.2,
+    "open_time": 0.1, "part_width": 0.01, "bend_radius": 0.2, "bend_length": 0.2,
+    "bend_friction": 0.3, "line_push": 1.0, "forward_acceleration": 2.0,
+    "return_acceleration": 9.0, "row_mass": 0.1, "part_restitution": 0.2,
     # parts that come to rest
     "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
     # lines of devices; an order counts from 1
@@ -361,11 +368,13 @@ class TestScenes:
                 for v in scene.variants for eq in scene.variants[v]
                 for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
+        used |= {f"{stem}_{n + 1}" for stem in OF_PARTS for n in range(MOST_NUMBERED)}
         for kind in ("amplitude", "acceleration"):
             shape, _ = shape_of(name for name in NUMBERS_OF_DRIVES if name.startswith(kind))
             used |= {*shape.inputs, "wave"}
         configs = Path(__file__).parents[3] / "configs"
-        for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml"):
+        used |= {f"part_position_{n + 1}" for n in range(4, MOST_NUMBERED)}  # of longer rows
+        for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml", "row.toml"):
             used |= set(run_study(load_study(configs / study)).variables)
         front = run_study(load_study(configs / "optimise-pareto.toml"))
         used |= {*front.variables}

@@ -10,7 +10,7 @@ ERRORS = {
     "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",
     *(f"share_error_{name}" for name in ("flat", "on_side", "on_end", "upright", "inverted")),
 }  # fmt: skip
-COUNTS = {"period_multiple", "impacts_per_period", "impact_count"}
+COUNTS = {"period_multiple", "impacts_per_period", "impact_count", "platoons"}
 
 
 def test_flags_counts_and_errors_have_no_derivative():

@@ -24,7 +24,7 @@ from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plots import draw
 from core.plots.text import name_in_words, words
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
 from core.study.distributions import quantiles, read_distribution
 from night import count
 from pictures import subtitle
@@ -289,11 +289,13 @@ def check_motion(reader: Reader) -> int:
     """Compare what the part has gained over a cycle with its mean velocity."""
     single = {k: v for k, v in reader.content.items() if k not in ("trajectory", "duration")}
     status = reader.dataset.get("motion_status")
-    if reader.content["scene"].endswith("isolated") or status is None or int(status) != 0:
+    periodic = MOTION_STATUSES["periodic"].value
+    if reader.content["scene"].endswith("isolated") or status is None or int(status) != periodic:
         return 0
     panel = next(a for a in reader.figure.axes if a.get_ylabel().startswith("Position on"))
     time = next(a for a in reader.figure.axes if a.get_xlabel().startswith("Time")).get_xlabel()
-    x, y = (np.asarray(data, dtype=float) for data in panel.lines[0].get_data())
+    curve = max(panel.lines, key=lambda line: len(line.get_xdata()))
+    x, y = (np.asarray(data, dtype=float) for data in curve.get_data())
     seconds = float(np.ptp(x)) * {"ms": 1e-3, "s": 1.0}[unit_in(time)]
     metres = (y[-1] - y[0]) * {"mm": 1e-3, "µm": 1e-6, "m": 1.0}[unit_in(panel.get_ylabel())]
     velocity = result_of(single | {"outputs": ["conveying_velocity"]})["conveying_velocity"]
@@ -302,6 +304,21 @@ def check_motion(reader: Reader) -> int:
         return 0
     drive = float(np.max(np.abs(y))) / seconds
     assert metres / seconds == pytest.approx(float(velocity), rel=1e-6, abs=1e-6 * drive + 1e-12)
+    return 1
+
+
+def check_row(reader: Reader) -> int:
+    """Compare the velocity over the last half of the time with those of the parts."""
+    plain = {k: v for k, v in reader.content.items() if k != "trajectory"}
+    outputs = ["slowest_velocity", "fastest_part_velocity", "feed_rate"]
+    slowest, fastest = (float(result_of(plain | {"outputs": outputs})[n]) for n in outputs[:2])
+    for line in reader.axes.lines:
+        x, y = (np.asarray(data, dtype=float) for data in line.get_data())
+        half = len(x) // 2
+        metres = (y[-1] - y[half]) * {"mm": 1e-3, "m": 1.0}[unit_in(reader.axes.get_ylabel())]
+        seconds = (x[-1] - x[half]) * {"ms": 1e-3, "s": 1.0}[unit_in(reader.axes.get_xlabel())]
+        # Five periods from the start: some 5 % from the mean of the motion it falls into.
+        assert 0.95 * slowest < metres / seconds < 1.05 * fastest
     return 1
 
 
@@ -414,8 +431,10 @@ def judge(content: Content, dataset: xarray.Dataset, figure: Figure, random: Any
         return 0
     if title.startswith("Distribution of"):
         return check_distribution(reader)
-    if title.startswith(("Motion of the part", "Course of the part")):
+    if title.startswith(("Motion of the part", "Trajectory of the part")):
         return check_motion(reader)
+    if title.startswith("A row of"):
+        return check_row(reader)
     if title.startswith("Trade-off"):
         return check_front(reader)
     if title.startswith("Objective:"):

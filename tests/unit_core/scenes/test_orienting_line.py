@@ -264,7 +264,7 @@ def test_a_line_knows_its_own_devices_and_is_compiled():
 def test_the_ends_of_a_beta_distribution():
     a, b = np.meshgrid(np.geomspace(0.5, 1e5, 60), np.geomspace(0.5, 1e5, 60))
     mean, deviation = a / (a + b), np.sqrt(a * b / (a + b + 1)) / (a + b)
-    known = orienting.Passed((), (), mean)
+    known = orienting.PassedShares((), (), mean)
     for end, share in ((drop_test.yield_lower, 0.025), (drop_test.yield_upper, 0.975)):
         found = end(tested_line=known, yield_deviation=deviation)
         error = np.abs(found - scipy.special.betaincinv(a, b, share)) / deviation
@@ -272,6 +272,7 @@ def test_the_ends_of_a_beta_distribution():
         assert error[counted].max() < 0.022
         assert error.max() < 0.07
     nothing = drop_test.yield_upper(
-        tested_line=orienting.Passed((), (), np.array([0.0, 1.0])), yield_deviation=np.zeros(2)
+        tested_line=orienting.PassedShares((), (), np.array([0.0, 1.0])),
+        yield_deviation=np.zeros(2),
     )
     assert nothing.tolist() == [0, 1]

@@ -21,7 +21,7 @@ def values(variant, outputs, **given):
 
 STEPPED = {
     "forward_acceleration": 0.2 * G, "return_acceleration": G, "friction": 0.3, "frequency": 50,
-    "parts": 2, "mass": 0.5,
+    "row_mass": 1.0,
 }  # fmt: skip
 
 
@@ -47,7 +47,7 @@ def on_the_track(push, friction=0.4, **more):
     amplitude = np.hypot(*push) * G / (2 * np.pi * 50) ** 2
     (force,), regime = values(
         "track_stop", ["least_stop_force"], friction=friction, frequency=50, amplitude=amplitude,
-        beta=np.degrees(np.arctan2(push[1], push[0])), parts=2, mass=0.5, **more,
+        beta=np.degrees(np.arctan2(push[1], push[0])), row_mass=1.0, **more,
     )  # fmt: skip
     return force / G, regime
 
@@ -69,7 +69,7 @@ def test_the_least_force_on_a_stop_of_the_track():
 def test_where_the_force_is_a_bound_only():
     assert on_the_track((1.4, 0.1))[1] == "indeterminate_force"
     assert on_the_track((0.5, 1.2))[1] == "flight"
-    still = {"frequency": 50, "beta": 90, "friction": 0.4, "parts": 2, "mass": 0.5}
+    still = {"frequency": 50, "beta": 90, "friction": 0.4, "row_mass": 1.0}
     for share, regime in ((0.999, "indeterminate_force"), (1.001, "contact")):
         amplitude = share * HELD_FROM * G / (2 * np.pi * 50) ** 2
         (force,), found = values("fixed_stop", ["stop_force"], amplitude=amplitude, **still)
