@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+from app.folders import data_folder
 from core.errors import Problem
 from core.extras import installing
 from core.suggestions import suggestion
@@ -80,7 +81,9 @@ class Settings(BaseSettings):
     )
 
     data_directory: Path = Field(
-        default=Path("data"), description="Where studies and their files are kept; made if missing."
+        default_factory=data_folder,
+        description="Where studies and their files are kept; made if missing. Left out: "
+        "`vibrafeed` in the user's data folder, on Linux `~/.local/share`.",
     )
     results_url: str = Field(
         default="",

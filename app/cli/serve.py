@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from app.settings import Settings
 
 PRIVATE = 0o077  # what others on the machine may not do with files
+OLDER_DATA = Path("data")  # what the data directory was by default
 ROOM = 256 * 1024  # bytes that the ledger needs to begin with, and some more
 
 
@@ -63,9 +64,27 @@ def serve(
     _check_ledger(settings, service.state.admission.ledger)
     logs.configure()
     if port and sys.stdout.isatty():  # else it would be a line among those of the log
-        address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-        typer.echo("vibrafeed answers at http://" + address + ", its pages are at /docs.")
+        _welcome(settings, host, port)
+    _tell_of_older_data(settings)
     serve_until_stopped(service, settings, host, port)
+
+
+def _welcome(settings: Settings, host: str, port: int) -> None:
+    """Print the address of the page, then what else there is to know."""
+    address = "http://" + (f"[{host}]:{port}/" if ":" in host else f"{host}:{port}/")
+    typer.echo(f"Open {address} in a browser; Ctrl-C stops the service.")
+    typer.echo(f"Programs use the same address: {address}docs describes what they may ask.")
+    typer.echo(f"Studies and results are kept in {settings.data_directory.absolute()}.")
+
+
+def _tell_of_older_data(settings: Settings) -> None:
+    """Name the folder that was the default once, where it holds studies and is not in use."""
+    is_default = "data_directory" not in settings.model_fields_set
+    if is_default and (OLDER_DATA / "jobs.sqlite3").is_file():
+        console.fail(
+            f"Studies of an earlier version are in {OLDER_DATA.absolute()}. To go on with them, "
+            "set VIBRAFEED_DATA_DIRECTORY to that folder."
+        )
 
 
 def settings_in_force() -> Settings:

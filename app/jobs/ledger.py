@@ -157,7 +157,7 @@ class Ledger:
                 JOBS.insert().values(
                     id=number, key=key, process=process, state=state, cells=cells, blocks=blocks,
                     created=now, started=started, finished=finished, seconds=finished_seconds,
-                    owner=owner, shared=0, gone=0,
+                    owner=owner, shared=0, gone=0, done_at_end=None,
                 )
             )  # fmt: skip
             job = self.job(number)
@@ -197,9 +197,14 @@ class Ledger:
     def dismiss(self, number: str) -> Job | None:
         """Dismiss a job; work that no other job waits for is given up. None if there is none."""
         with self.transaction() as database:
-            key = database.execute(select(JOBS.c.key).where(JOBS.c.id == number)).scalar()
-            if key is None:
+            about = select(JOBS.c.key, JOBS.c.state).where(JOBS.c.id == number)
+            row = database.execute(about).one_or_none()
+            if row is None:
                 return None
+            key, state = row
+            # How far it came is told for as long as it is in the list.
+            done = select(WORK.c.done.label("done_at_end"), WORK.c.seconds).where(WORK.c.key == key)
+            kept = database.execute(done).mappings().first() if state == "running" else None
             database.execute(
                 JOBS.update()
                 .where(JOBS.c.id == number)
@@ -207,6 +212,7 @@ class Ledger:
                     state="dismissed",
                     finished=func.coalesce(JOBS.c.finished, time.time()),
                     problem=None,
+                    **(kept or {}),
                 )
             )
             waits = select(JOBS.c.id).where(JOBS.c.key == key, JOBS.c.state.in_(ACTIVE))
@@ -304,10 +310,10 @@ class Ledger:
     def _end(self, work: Work, state: str, problem: str | None) -> None:
         now = time.time()
         with self.transaction() as database:
-            seconds = database.execute(
-                WORK.delete().where(_claimed(work)).returning(WORK.c.seconds)
-            ).scalar()
-            if seconds is not None:
+            ended = database.execute(
+                WORK.delete().where(_claimed(work)).returning(WORK.c.seconds, WORK.c.done)
+            ).one_or_none()
+            if ended is not None:
                 database.execute(
                     JOBS.update()
                     .where(JOBS.c.key == work.key, JOBS.c.state.in_(ACTIVE))
@@ -316,7 +322,8 @@ class Ledger:
                         # A result that was there all along is found in no time.
                         started=func.coalesce(JOBS.c.started, now if problem is None else None),
                         finished=now,
-                        seconds=seconds,
+                        seconds=ended.seconds,
+                        done_at_end=ended.done,
                         problem=problem,
                     )
                 )

@@ -54,8 +54,7 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
         state=row.state,
         cells=row.cells,
         blocks=row.blocks,
-        # The work of a job that is over is that of others who asked for the same.
-        done=row.blocks if row.state == "successful" else row.done * (not over),
+        done=_done(row),
         created=row.created,
         started=row.started,
         finished=row.finished,
@@ -68,3 +67,12 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
         shared=bool(row.shared),
         gone=bool(row.gone),
     )
+
+
+def _done(row: Row[*tuple[Any, ...]]) -> int:
+    """Return how many blocks of a job are done; those of one that is over, when it ended."""
+    if row.state == "successful":
+        return int(row.blocks)
+    if row.state in ACTIVE:
+        return int(row.done)
+    return int(row.done_at_end or 0)  # the work that is there is that of others

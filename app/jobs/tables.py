@@ -43,6 +43,7 @@ JOBS = Table(
     Column("owner", Text, nullable=False),
     Column("shared", BigInteger, nullable=False),
     Column("gone", BigInteger, nullable=False),
+    Column("done_at_end", BigInteger),
 )
 
 KEYS = Table(
@@ -172,4 +173,5 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         "CREATE INDEX holdings_by_key ON holdings (key)",
         "CREATE INDEX audit_by_time ON audit (time)",
     ),
+    ("ALTER TABLE jobs ADD COLUMN done_at_end {whole}",),  # blocks, of what failed or was dismissed
 )

@@ -278,11 +278,11 @@ def _message(job: Job, waits: str | None) -> str:
         return "Its result was removed to make room. Post the study again."
     if job.problem is not None:
         return f"{job.problem['title']}. {job.problem['detail']}"
+    if job.state == "dismissed":
+        done = f" with {job.done:,} of {job.blocks:,} blocks done" if job.done else ""
+        return f"It was dismissed{done}."
     if job.state not in ACTIVE:
-        return {
-            "successful": "The results are ready.",
-            "dismissed": "It was dismissed.",
-        }.get(job.state, "It failed.")
+        return "The results are ready." if job.state == "successful" else "It failed."
     if job.state == "accepted":
         return f"It waits for its turn: {waits}." if waits else "It waits for its turn."
     return f"{job.done:,} of {job.blocks:,} blocks are done."

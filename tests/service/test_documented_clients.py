@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -85,6 +86,28 @@ def test_the_curl_lines_of_the_page(curl, server, folder):
     shell(download)
     assert (folder / "motion.nc").read_bytes()[:4] == b"\x89HDF"
     assert json.loads(shell(dismissal))["status"] == "dismissed"
+
+
+def test_the_three_calls_answer_what_the_page_says(curl, server):
+    text = " ".join((ROOT / "docs/api.md").read_text().split())
+    lines = "".join(blocks("docs/api.md", "sh", "## Three calls"))
+    replies, key = [], ""
+    for line in re.split(r"^(?=curl )", lines, flags=re.MULTILINE)[1:]:
+        line = line.replace("http://127.0.0.1:8000", server).replace("/ID/", f"/{key}/")
+        line = line.replace("curl ", f"{curl} --silent --show-error --fail --noproxy '*' ", 1)
+        done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, (line, done.stderr)
+        replies.append(json.loads(done.stdout))
+        if "dataset" in replies[-1]:  # a job, on a machine that is thought to take long
+            with urllib.request.urlopen(f"{replies[-1]['dataset']['href']}?format=json") as reply:
+                replies[-1] = json.load(reply)
+        key = replies[-1].get("id", "")
+    speed, best, _, piece = replies
+    assert f'"data": {speed["variables"]["conveying_velocity"]["data"]:.5f}...' in text
+    about = {name: one["data"] for name, one in best["variables"].items()}
+    assert f"`best_beta` is {about['best_beta']:.2f} degree" in text
+    assert f"`conveying_velocity` {about['conveying_velocity']:.5f} m/s" in text
+    assert "[" + ", ".join(f"{one:.4f}" for one in piece["values"]["data"]) + "]" in text
 
 
 def test_the_line_that_convert_writes(curl, server, folder):

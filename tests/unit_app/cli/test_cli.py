@@ -268,7 +268,8 @@ def test_who_starts_it_by_hand_reads_which_address_to_open(tmp_path):
         process.wait(60)
         os.close(ours)
         os.close(theirs)
-    assert line.strip() == f"vibrafeed answers at http://127.0.0.1:{port}, its pages are at /docs."
+    first, *_ = line.splitlines()
+    assert first == f"Open http://127.0.0.1:{port}/ in a browser; Ctrl-C stops the service."
 
 
 def assert_one_line(result, directory: Path, why: str) -> None:

@@ -156,6 +156,21 @@ def test_a_failure_is_told_to_every_job_of_the_study_and_a_new_one_tries_again(l
     assert (again.state, here.job(first.id).state) == ("accepted", "failed")
 
 
+def test_a_job_that_was_dismissed_or_failed_tells_how_far_it_came(ledgers):
+    here, _ = ledgers
+    waits = post(here)
+    assert here.dismiss(waits.id).done == 0
+    jobs = [post(here), post(here)]
+    work = here.claim("a", LEASE)
+    here.advance(work, done=1, seconds=2.5)
+    dismissed = here.dismiss(jobs[0].id)
+    assert (dismissed.done, dismissed.seconds) == (1, 2.5)
+    here.advance(work, done=2, seconds=1.5)
+    here.fail(work, {"status": 500, "kind": "internal", "title": "No", "detail": "No."})
+    assert (here.job(jobs[1].id).done, here.job(jobs[1].id).seconds) == (2, 4.0)
+    assert here.job(jobs[0].id).done == 1  # what others did later is not its own
+
+
 def test_work_is_given_up_when_its_last_job_is_dismissed(ledgers):
     here, there = ledgers
     one, other = post(here), post(there)
