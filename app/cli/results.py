@@ -98,11 +98,6 @@ def show_result(
             f"  It was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
             f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
         )
-        if facts["result"].endswith(".nc"):
-            how = "--resume computes this study again from its beginning, and keeps whole results."
-        else:
-            how = "--force computes the whole study again."
-        fail(f"  The same command with {how}")
     elif not facts["whole"]:
         fail("  It was stopped: all cells are computed, and not all verified that should be.")
 

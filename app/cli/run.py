@@ -57,8 +57,7 @@ def run(
         bool,
         typer.Option(
             "--resume",
-            help="Go on with what was stopped or killed: large sweeps where they were, other "
-            "studies from their beginning. Whole results stay.",
+            help="Go on with what was stopped or killed, where it was. Whole results stay.",
         ),
     ] = False,
     units: Units = None,

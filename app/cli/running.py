@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from app.cli import console
+from app.cli.pieces import Pieces
 from app.cli.plans import more
 from app.cli.results import facts_of, is_infeasible, show_result
 from app.cli.streamed import run_streamed
@@ -115,6 +116,9 @@ class Running:
     ) -> tuple[bool, bool] | None:
         """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""
         refuse_beyond_memory(path, prepared)
+        pieces = Pieces(prepared, target, resume=self.resume)
+        if pieces.kept:
+            console.say(f"  it goes on with {pieces.kept:,} of {len(pieces):,} pieces done")
         compiled = stopwatch.spent
         begun = threading.Event()
         stopped_early = f"{path}: it was stopped before a cell was computed; nothing is written."
@@ -129,13 +133,15 @@ class Running:
                 advance(share)
 
             try:
-                table = kinds.tabulate(prepared, Watch(progress, interrupted, self.deadline))
+                table = pieces.tabulate(Watch(progress, interrupted, self.deadline))
             except StoppedError as stopped:
                 console.fail(f"{path}: {stopped}; nothing is written.")
+                _say_what_is_kept(pieces)
                 return None
             except KeyboardInterrupt:
                 at_once = f"{path}: it was stopped at once; nothing is written."
                 console.fail(at_once if begun.is_set() else stopped_early)
+                _say_what_is_kept(pieces)
                 raise typer.Exit(INTERRUPTED) from None
         if kinds.share_left_out(table) == 1:
             console.fail(stopped_early)
@@ -149,10 +155,14 @@ class Running:
             "writing": time.perf_counter() - evaluated,
         }
         facts = facts_of(path, target, table, cells_of(prepared, table)) | {"seconds": seconds}
+        if facts["cells_computed"] == facts["cells"]:
+            pieces.remove()
         self.facts.append(facts)
         self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
+        if facts["cells_computed"] < facts["cells"]:
+            _say_how_to_go_on(pieces, target)
         done, cells = facts["cells_computed"], facts["cells"]
         of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
         noun = "cell" if cells == 1 else "cells"
@@ -170,6 +180,26 @@ class Running:
         if self.checked is not None:
             for line in more(prepared, self.checked):
                 console.tell(line)
+
+
+def _say_what_is_kept(pieces: Pieces) -> None:
+    """Say how many pieces of a study are kept, if some are, and how to go on with them."""
+    if pieces.kept:
+        done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"
+        console.fail(f"  {done}. The same command with --resume goes on with them.")
+    else:
+        pieces.remove()
+
+
+def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
+    """Say what carries on with a result of which cells are left."""
+    options = "--resume" if target.endswith(".nc") else "--resume --force"
+    if pieces.kept:
+        how = f"{options} goes on with the {pieces.kept:,} of {len(pieces):,} pieces that are kept."
+    else:
+        how = f"{options} computes the whole study again."
+        pieces.remove()
+    console.fail(f"  The same command with {how}")
 
 
 def _is_streamed(sweep: Prepared, target: str) -> bool:

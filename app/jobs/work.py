@@ -21,30 +21,19 @@ from app.settings import Settings
 from core.accuracy.families import families_of
 from core.errors import StoppedError
 from core.kinds import KINDS
-from core.plan.pieces import Cut, join
+from core.plan.pieces import Cut, cells_of_piece, join
 from core.plan.prepared import Prepared
 from core.watch import Watch
 
 IN_PARTS = 0  # for the cells of a block: it is a part of a sweep, see `app.jobs.parts`
 UNWANTED = "no client wants the block any more"
-MOST_BLOCK_CELLS = 1_000_000
-MOST_BLOCKS = 100_000
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
 
 
-def block_cells(prepared: Prepared, seconds: float) -> int:
-    """Return the cells of a block that takes about so many seconds of one core."""
-    cells = seconds / prepared.seconds_a_cell
-    fewest = prepared.cells / MOST_BLOCKS
-    # Of what is reduced a block holds answers only.
-    most = MOST_BLOCK_CELLS * prepared.cells / prepared.stored
-    return int(min(most, max(cells, fewest, 1)))
-
-
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
     """Return the cells of a block of a job, or `IN_PARTS`, and how many blocks it has."""
-    cells = block_cells(prepared, settings.block_seconds)
+    cells = cells_of_piece(prepared, settings.block_seconds)
     if process not in KINDS:
         return cells, len(families_of(prepared))  # one each
     if parts.is_in_parts(prepared, settings):

@@ -24,6 +24,8 @@ Study = TypeVar("Study", bound=Prepared)
 
 FOLLOWED = "motions_followed"
 """The attribute of a result that tells its cells, where only computing it can."""
+MOST_PIECE_CELLS = 1_000_000
+MOST_PIECES = 100_000
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,15 @@ def cells_of(prepared: Prepared, table: Table) -> int:
 def price(cells: int, seconds: float) -> dict[str, float]:
     """Return what a run cost, as attributes of its result."""
     return {"elapsed_seconds": seconds, "cells_per_second": cells / max(seconds, 1e-9)}
+
+
+def cells_of_piece(prepared: Prepared, seconds: float) -> int:
+    """Return the cells of a piece that takes about so many seconds of one core."""
+    cells = seconds / prepared.seconds_a_cell
+    fewest = prepared.cells / MOST_PIECES
+    # Of what is reduced a piece holds answers only.
+    most = MOST_PIECE_CELLS * prepared.cells / prepared.stored
+    return int(min(most, max(cells, fewest, 1)))
 
 
 class Cut:

@@ -1,0 +1,144 @@
+"""Studies that are computed as a whole: their pieces are kept beside the result until it is whole.
+
+They are those of the jobs of the service, in the same files.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from app.jobs.blocks import Blocks
+from app.jobs.errors import TornBlockError
+from core import kinds
+from core.compiling import stopwatch
+from core.dataset.files import partial
+from core.dataset.table import Table
+from core.plan.pieces import Computed, Cut, carry_out, cells_of, cells_of_piece, join, price
+from core.plan.prepared import Box, Prepared
+from core.watch import Watch
+
+PIECE_SECONDS = 2.0
+"""What a piece takes all cores, roughly: what a kill loses."""
+SPENT = "spent_seconds"
+"""The note of a piece that says what it took."""
+
+
+class Pieces:
+    """The pieces of a study on their way to a result.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+    target : str
+        The result.
+    resume : bool
+        Go on with the pieces that are there; else they are removed.
+    """
+
+    def __init__(self, prepared: Prepared, target: str, *, resume: bool):
+        self._prepared, self._kind = prepared, kinds.KINDS[prepared.study.kind]
+        self.folder = partial(Path(target))
+        if not resume:
+            self.remove()
+        self._store, self._key = Blocks(self.folder), ""
+        self._cells = cells_of_piece(prepared, PIECE_SECONDS * (os.cpu_count() or 1))
+        self._spent = 0.0
+        if not prepared.keeps_some or "://" in target:
+            self._cells = prepared.cells  # one piece, which is not kept
+        self._cut = Cut(prepared, self._cells)
+        if len(self) > 1:
+            with contextlib.suppress(OSError):  # who cannot write here is told with the result
+                self._begin()
+
+    def __len__(self) -> int:
+        """Return the number of pieces, at least one."""
+        return len(self._cut)
+
+    @property
+    def kept(self) -> int:
+        """The number of pieces that are on the disk."""
+        return sum(self._is_kept(index) for index in range(len(self))) if self._key else 0
+
+    def tabulate(self, watch: Watch) -> Table:
+        """Return the labelled results, computed but for the pieces that are kept.
+
+        Raises
+        ------
+        StoppedError
+            If `watch` stops a study of which half is no result.
+        """
+        if not self._key:
+            return kinds.tabulate(self._prepared, watch)
+        table = carry_out(self._prepared, self._compute, self._kind.label, watch)
+        seconds = float(table.price["elapsed_seconds"]) + self._spent
+        return table.with_price(price(cells_of(self._prepared, table), seconds))
+
+    def remove(self) -> None:
+        """Remove the pieces: they are in the result, or unwanted."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _begin(self) -> None:
+        """Make the folder of the pieces, or take their size from those that are there."""
+        key, _ = self._store.add(self._prepared.study)
+        there = [int(one.name) for one in (self._store.folder(key) / "blocks").glob("[0-9]*")]
+        if there and self._cells not in there:  # they come from a machine with other cores
+            self._cells = max(there)
+            self._cut = Cut(self._prepared, self._cells)
+        self._key = key
+
+    def _is_kept(self, index: int) -> bool:
+        return self._store.has_block(self._key, self._cells, index)
+
+    def _compute(self, prepared: Prepared, watch: Watch) -> Computed:
+        """Return what is computed of all pieces; those under way when it is stopped in part."""
+        count = len(self)
+        left = [index for index in range(count) if not self._is_kept(index)]
+        if len(left) < count:
+            watch.advance(1 - len(left) / count)
+        held = {}  # pieces that are not on the disk
+        for index in left:
+            computed = self._piece(index, watch.part(1 / count))
+            if watch.stopped() or not self._keep(index, *computed):
+                held[index] = computed[0]
+        # What is whole comes last: it stands where an output has not the axis of the cut.
+        return join(prepared, self._in_order(held, watch))
+
+    def _in_order(self, held: dict[int, Computed], watch: Watch) -> Iterator[tuple[Box, Computed]]:
+        for index, computed in held.items():
+            yield self._cut.box(index), computed
+        for index in range(len(self)):
+            if index not in held:
+                yield self._cut.box(index), self._read(index, watch)
+
+    def _piece(self, index: int, watch: Watch) -> tuple[Computed, float]:
+        """Return what is computed of a piece, and the seconds that it took."""
+        started, compiling = time.perf_counter(), stopwatch.spent
+        computed = self._kind.compute(self._prepared.within(self._cut.box(index)), watch)
+        return computed, time.perf_counter() - started - (stopwatch.spent - compiling)
+
+    def _keep(self, index: int, computed: Computed, seconds: float) -> bool:
+        """Write a piece; return whether it is on the disk now."""
+        noted = replace(computed, notes={**computed.notes, SPENT: repr(seconds)})
+        try:
+            self._store.write_block(self._key, self._cells, index, noted)
+        except OSError:
+            return False
+        self._spent -= seconds  # it is counted as it is read
+        return True
+
+    def _read(self, index: int, watch: Watch) -> Computed:
+        """Return a piece from the disk; what is damaged there is computed again."""
+        try:
+            computed = self._store.read_block(self._key, self._cells, index)
+        except TornBlockError:
+            return self._piece(index, replace(watch, progress=None))[0]
+        notes = dict(computed.notes)
+        self._spent += float(notes.pop(SPENT))
+        return replace(computed, notes=notes)
