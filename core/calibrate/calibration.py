@@ -23,6 +23,7 @@ ESTIMATES = ("best", *ESTIMATE.split())
 """What is told of each unknown; the names of variables begin with these words."""
 BANDS = ("lower_68", "upper_68", "lower_95", "upper_95")
 CANDIDATE = "candidate_"
+LEFT = "deviation_after_"
 POINT_SECONDS = 4e-6  # of a point besides what following its motions takes, a run
 FEW_SECONDS = 1.5  # for densities, heaps and the last digits
 
@@ -96,6 +97,7 @@ class Calibration(Prepared):
         units["log_density"] = "1"
         if self.candidates:
             units |= {"information": "bit", "expected": output, "expected_deviation": output}
+            units |= {f"{LEFT}{one.name}": one.unit for one in model.unknowns}
         return units
 
     @property
@@ -123,6 +125,7 @@ class Calibration(Prepared):
         if self.candidates:
             axes = tuple(CANDIDATE + name for name in self.candidates.axes)
             dims |= dict.fromkeys(("information", "expected", "expected_deviation"), axes)
+            dims |= dict.fromkeys((f"{LEFT}{name}" for name in model.names), axes)
         return dims
 
     @property

@@ -37,12 +37,12 @@ def typical_error(posterior: Posterior) -> float:
 
 def information(
     model: Model, posterior: Posterior, grid: Grid, watch: Watch
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array]:
     """Return what measuring the speed of each candidate would add.
 
     It is the entropy of the speed that would be measured, less that of its error: by so much the
     entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics
-    27 (1956) 986).
+    27 (1956) 986). Of each unknown it is the standard deviation that is expected to be left.
 
     Returns
     -------
@@ -50,43 +50,74 @@ def information(
         In bits.
     mean, deviation : ndarray, shape (candidates,)
         Of the predicted speeds.
+    left : ndarray, shape (unknowns, candidates)
+        Standard deviation of each unknown after the measurement, over that before.
     """
-    found = model.predict(posterior.ensemble(ENSEMBLE), watch, columns_of(grid))
+    points = posterior.ensemble(ENSEMBLE)
+    found = model.predict(points, watch, columns_of(grid))
     value = np.where(np.isnan(found.value), np.nan, found.value)
     spread = np.sqrt(found.variance + typical_error(posterior) ** 2)
-    gain = np.empty(value.shape[1])
+    gain, left = np.empty(value.shape[1]), np.empty((points.shape[1], value.shape[1]))
     for start in range(0, value.shape[1], CANDIDATES_AT_A_TIME):
         some = slice(start, start + CANDIDATES_AT_A_TIME)
-        gain[some] = _gain(value[:, some], spread[:, some])
+        gain[some], left[:, some] = _gain(value[:, some], spread[:, some], points)
     with np.errstate(all="ignore"):
         known = ~np.isnan(value)
         count = np.maximum(known.sum(axis=0), 1)
         mean = np.where(known, value, 0.0).sum(axis=0) / count
         square = np.square(np.where(known, value - mean, 0.0)).sum(axis=0) / count
     nothing = ~known.any(axis=0)
-    return gain, np.where(nothing, np.nan, mean), np.where(nothing, np.nan, np.sqrt(square))
+    deviation = np.sqrt(square)
+    return gain, np.where(nothing, np.nan, mean), np.where(nothing, np.nan, deviation), left
 
 
-def _gain(value: Array, spread: Array) -> Array:
-    """Return the information of some candidates in bits; arrays have shape (ensemble, some)."""
+def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
+    """Return the information of some candidates in bits, and the deviations that they leave.
+
+    Arrays have shape (ensemble, some), `points` (ensemble, unknowns); the deviations have shape
+    (unknowns, some), as shares of those before.
+    """
     known = ~np.isnan(value)
     count = known.sum(axis=0)
     least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
     most = np.where(known, value + AROUND * spread, -np.inf).max(axis=0)
     some = (count > 0) & (most > least)
-    found = np.full(value.shape[1], 0.0)
+    found, left = np.full(value.shape[1], 0.0), np.ones((points.shape[1], value.shape[1]))
     if not some.any():
-        return found
+        return found, left
     value, spread, known = value[:, some], spread[:, some], known[:, some]
     steps = (most - least)[some] / (PLACES - 1)
     places = least[some] + steps * np.arange(PLACES)[:, np.newaxis]
     away = (places[np.newaxis] - np.where(known, value, 0.0)[:, np.newaxis]) / spread[:, np.newaxis]
     density = np.exp(-0.5 * np.square(away)) / (np.sqrt(2.0 * np.pi) * spread[:, np.newaxis])
-    density = (density * known[:, np.newaxis]).sum(axis=0) / count[some]
+    density *= known[:, np.newaxis]
+    left[:, some] = _left(density, points, steps)
+    density = density.sum(axis=0) / count[some]
     with np.errstate(divide="ignore", invalid="ignore"):
         entropy = -np.where(density > 0, density * np.log(density), 0.0).sum(axis=0) * steps
         own = np.log(spread) + 0.5 * (np.log(2.0 * np.pi) + 1.0)
     noise = np.where(known, own, 0.0).sum(axis=0) / count[some]
     # What motions of no speed tell is not counted: such a run is not one to plan.
     found[some] = np.maximum(entropy - noise, 0.0) / BIT * (count[some] / len(value))
-    return found
+    return found, left
+
+
+def _left(density: Array, points: Array, steps: Array) -> Array:
+    """Return the deviations that some measurements leave, over those before, (unknowns, some).
+
+    E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2 / sum_i p_i(y)), with the
+    density p_i(y) of the measured speed y that point i of the ensemble predicts, shape (ensemble,
+    places, some). Points without a speed keep their share of the variance.
+    """
+    away = points - points.mean(axis=0)
+    before = np.square(away).mean(axis=0)
+    whole = density.sum(axis=0)
+    first = np.einsum("ijk,iu->ujk", density, away)
+    second = np.einsum("ijk,iu->ujk", density, np.square(away))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        within = np.where(whole > 0, second - np.square(first) / whole, 0.0)
+        seen = within.sum(axis=1) * steps / len(points)
+        silent = 1.0 - whole.sum(axis=0) * steps / len(points)
+        variance = seen + np.maximum(silent, 0.0) * before[:, np.newaxis]
+        share = np.where(before[:, np.newaxis] > 0, variance / before[:, np.newaxis], 1.0)
+    return np.sqrt(np.clip(share, 0.0, 1.0))

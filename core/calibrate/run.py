@@ -14,6 +14,7 @@ from core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
     ESTIMATES,
+    LEFT,
     MODE,
     RUN,
     Calibration,
@@ -57,7 +58,10 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
         found = information(prepared.model, posterior, grid, watch.part(1.0 - share))
         shape = tuple(grid.shape.values())
         names = ("information", "expected", "expected_deviation")
-        arrays |= {name: v.reshape(shape) for name, v in zip(names, found, strict=True)}
+        *told, left = found
+        arrays |= {name: v.reshape(shape) for name, v in zip(names, told, strict=True)}
+        for name, share in zip(prepared.model.names, left, strict=True):
+            arrays[f"{LEFT}{name}"] = (share * arrays[f"deviation_{name}"]).reshape(shape)
     axis = dict(zip(prepared.model.names, axes, strict=True))
     notes = {
         "findings": summary(Findings(prepared, posterior, arrays | axis).sentences()),
@@ -246,6 +250,10 @@ def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
         for what in ESTIMATES:
             found[f"{what}_{one.name}"] = {"long_name": f"{_SAYS[what]} of the {lowered}"}
         found[f"density_{one.name}"] = {"long_name": f"Density of the {lowered}"}
+        found[f"{LEFT}{one.name}"] = {
+            "long_name": f"Standard deviation of the {lowered} after the measurement",
+            "comment": "What is expected to be left of it once the speed there is measured.",
+        }
         found[f"mode_{one.name}"] = {"long_name": f"Best of each mode, {lowered}"}
     for one_, other in combinations(model.names, 2):
         found[f"correlation_{one_}_{other}"] = {"long_name": f"Correlation of {one_} and {other}"}

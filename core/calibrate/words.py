@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from core.calibrate.calibration import Calibration
+from core.calibrate.calibration import LEFT, Calibration
 from core.calibrate.candidates import columns_of
 from core.calibrate.model import Unknown
 from core.calibrate.posterior import Posterior
@@ -221,17 +221,31 @@ class Findings:
             for name, value in values.items()
             if name in grid.axes or len(grid.axes) == 0
         )
+        narrower = self._narrower(best)
         if gain[best] < LITTLE:
-            yield "No candidate would add much: the best of them less than a tenth of a bit"
+            yield f"No candidate would add much: after the best of them {narrower}"
             return
         expected, spread = (
             told(self.arrays[n].ravel()[best], self.output.unit, self.units)
             for n in ("expected", "expected_deviation")
         )
         yield (
-            f"Measure next at {drive}: {gain[best]:.2f} bit are expected, of candidates that would "
-            f"add {gain.min():.2f} to {gain.max():.2f}; the speed there is {expected} +- {spread}"
+            f"Measure next at {drive}, where {expected} +- {spread} is to be expected: after it "
+            f"{narrower}"
         )
+
+    def _narrower(self, candidate: int) -> str:
+        """Return how wide the interval is expected to be that a measurement narrows most."""
+        shares = {
+            one: self.arrays[f"{LEFT}{one.name}"].ravel()[candidate]
+            / self._value(f"deviation_{one.name}")
+            for one in self.model.unknowns
+        }
+        one = min(shares, key=lambda unknown: shares[unknown])
+        now = self._value(f"upper_95_{one.name}") - self._value(f"lower_95_{one.name}")
+        wide = told(now, one.unit, self.units, 2)
+        left = told(now * float(shares[one]), one.unit, self.units, 2)
+        return f"the 95 % interval of {one.name} is expected to be {left} wide, and not {wide}"
 
 
 def _deviation_before(one: Unknown) -> float:

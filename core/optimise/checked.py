@@ -22,7 +22,7 @@ from core.optimise.single import spread
 from core.optimise.slopes import slopes
 from core.plan.grid import from_si
 from core.quantities import REGIMES
-from core.study.optimise_study import Pareto
+from core.study.optimise_study import Maximise, Pareto
 
 FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 """Outputs that are forward motion where they are positive."""
@@ -60,7 +60,9 @@ def checked(
         # At the edge of stick the outputs are those of a part at rest.
         held = found.status == STATUS["not_attained"]
         value = np.where(held, found.value, value)
-    status = _status(problem, found.status, known, design, scales)
+    robust = problem.uncertain is not None and isinstance(problem.criterion, Maximise)
+    forward = value if robust else problem.output(problem.criterion.output, known)
+    status = _status(problem, found.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
         f"best_{name}": from_si(name, found.x[i]) for i, name in enumerate(problem.names)
     }
@@ -119,15 +121,18 @@ def _status(
     known: Mapping[str, Any],
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
+    forward: Array,
 ) -> NDArray[np.int8]:
-    """Return the statuses, with what a method that knows no physics cannot tell."""
+    """Return the statuses, with what a method that knows no physics cannot tell.
+
+    `forward` is the output that is looked for, in the case that counts.
+    """
     optimal = status == STATUS["optimal"]
-    output = problem.criterion.output
-    if problem.sign > 0 and output in FORWARD:
-        rests = ~(np.broadcast_to(problem.output(output, dict(known)), status.shape) > 0)
+    if problem.sign > 0 and problem.criterion.output in FORWARD:
+        rests = ~(np.broadcast_to(forward, status.shape) > 0)
         status = np.where(optimal & rests, STATUS["no_motion"], status)
         if problem.states_error:  # a mean velocity, which may be a negative one
-            back = problem.output(output, dict(known)) < -problem.error(dict(known))
+            back = forward < -problem.error(dict(known))
             status = np.where(optimal & back, STATUS["only_backward"], status)
     if np.any(optimal) and not problem.is_motion:
         lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]

@@ -180,17 +180,20 @@ class Way:
 
 WIDER = 4.0
 """Times the frequency, either way, among which another one is looked for."""
+MOST_FRICTION = 0.8
+"""Of a track that is lined with rubber, about: `vibrafeed friction rubber`."""
 OF_A_LINE = ("amplitude", "beta")
 """What a straight drive is chosen by."""
 
 
 def ways(study: Study) -> list[Way]:
-    """Return what would keep all limits: another frequency, an ellipse in place of a line."""
+    """Return what would keep all limits: another frequency, more friction, an ellipse."""
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
     found = []
     for change, other in (
         ("another frequency", _with_frequency(study)),
+        ("more friction", _with_friction(study)),
         ("an elliptical drive", _with_ellipse(study)),
     ):
         table = None if other is None else _solved(other)
@@ -204,13 +207,28 @@ def ways(study: Study) -> list[Way]:
 def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
     """Return the study with its frequency among the variables; None if that is nothing new."""
     given = study.values().get("frequency")
-    if not isinstance(given, Fixed) or study.variables is None:
+    if not isinstance(given, Fixed):
         return None
     free = Between(lower=given.value / WIDER, upper=given.value * WIDER)
+    return _freed(study, "frequency", free)
+
+
+def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
+    """Return the study with its friction among the variables; None if there is no more to have."""
+    given = study.values().get("friction")
+    if not isinstance(given, Fixed) or given.value >= MOST_FRICTION:
+        return None
+    return _freed(study, "friction", Between(lower=given.value, upper=MOST_FRICTION))
+
+
+def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:
+    """Return the study with a parameter among its variables; None if it chooses no variables."""
+    if study.variables is None:
+        return None
     return study.model_copy(
         update={
-            "parameters": _changed(study.parameters, ("frequency",), {}),
-            "variables": _changed(study.variables, (), {"frequency": free}),
+            "parameters": _changed(study.parameters, (name,), {}),
+            "variables": _changed(study.variables, (), {name: bounds}),
         }
     )
 

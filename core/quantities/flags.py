@@ -124,7 +124,9 @@ MOTION_STATUSES: dict[str, Flag] = {
 OPTIMUM_STATUSES: dict[str, Flag] = {
     "optimal": Flag(0, "no other choice within the bounds does better"),
     "flat": Flag(1, "the choice does not matter, as without a drive"),
-    "no_motion": Flag(2, "no choice within the bounds moves the part forwards"),
+    "no_motion": Flag(
+        2, "no choice within the bounds moves the part forwards, in the case that counts"
+    ),
     "not_attained": Flag(
         3,
         "static friction still holds the part there; next to it the output jumps to the value",
@@ -135,7 +137,9 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
     "not_computed": Flag(8, "the study was stopped before this design", valid=False),
     "suboptimal": Flag(9, "a dense grid has a better point, which the search missed", valid=False),
-    "only_backward": Flag(10, "each choice within the bounds moves the part backwards in the mean"),
+    "only_backward": Flag(
+        10, "each choice moves the part backwards in the mean, in the case that counts"
+    ),
 }
 
 MOTION_MODES: dict[str, Flag] = {

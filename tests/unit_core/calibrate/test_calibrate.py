@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from matplotlib.text import Text
 
 import vibrafeed
 from benchmarks.calibrations import covered
+from core.calibrate import candidates
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
 from core.kinds import tabulate
@@ -173,11 +175,40 @@ def test_what_two_frictions_explain_has_two_modes():
     gain = found.information
     assert float(gain.max()) > 0.9
     assert float(gain[0]) < 0.5 * float(gain.max())
+    left = found.deviation_after_friction
+    assert float(left.min()) < 0.1 * float(found.deviation_friction)
+    assert (left <= found.deviation_friction).all()
+    assert "the 95 % interval of friction is expected to be 0." in found.attrs["findings"]
     again = [
         speeds(one, [float(gain.candidate_amplitude[int(gain.values.argmax())])])[0]
         for one in modes
     ]
     assert abs(again[0] - again[1]) > 0.05 * max(again)
+
+
+def test_what_a_measurement_leaves_is_that_of_the_normal_distribution():
+    """A speed that is linear in a normal unknown: sigma s / sqrt(s^2 + a^2 sigma^2) is left."""
+    count, sigma, slope = 2_000, 0.02, 0.3
+    places = (np.arange(count) + 0.5) / count
+    unknown = np.array([NormalDist(0.3, sigma).inv_cdf(one) for one in places])
+    other = np.random.default_rng(1).permutation(unknown)  # which the speed does not tell
+    points = np.stack([unknown, other], axis=1)
+    error = np.array([0.001, 0.006, 0.03])
+    value, spread = (
+        np.broadcast_to(slope * unknown[:, None], (count, 3)),
+        np.tile(error, (count, 1)),
+    )
+    gain, left = candidates._gain(value, spread, points)
+    ratio = slope * sigma / error
+    np.testing.assert_allclose(left[0], 1 / np.sqrt(1 + ratio**2), rtol=0.01)
+    np.testing.assert_allclose(gain, 0.5 * np.log2(1 + ratio**2), rtol=0.01)
+    assert (left[1] > 0.9).all()
+    # Half of the points have no speed there: they keep what they had.
+    value = np.where(np.arange(count)[:, None] % 2, np.nan, value)
+    np.testing.assert_allclose(
+        candidates._gain(value, spread, points)[1][0],
+        np.sqrt(0.5 + 0.5 / (1 + ratio**2)), rtol=0.02,
+    )  # fmt: skip
 
 
 def test_a_discrepancy_is_found_where_errors_do_not_explain_the_speeds():

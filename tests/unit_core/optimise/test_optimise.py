@@ -327,6 +327,24 @@ def test_a_part_that_only_slides_back_is_not_one_that_rests():
     assert float(held.conveying_velocity) == pytest.approx(float(dataset.objective[1]))
 
 
+def test_a_worst_case_that_goes_backwards_is_no_optimum_without_a_word():
+    """At the middle friction the best drive goes up the climb; with the least one it goes down."""
+    study = {
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+        "variables": {"beta": {"lower": 0, "upper": 14}},
+        "parameters": {"frequency": 50, "amplitude": "0.1 mm", "gamma": 2},
+        "uncertain": {"friction": {"lower": 0.25, "upper": 0.45}},
+    }
+    worst = vibrafeed.optimise({**study, "robust": "worst"})
+    assert status(worst) == "only_backward"
+    assert float(worst.objective) < -float(worst.objective_error)
+    assert float(worst.conveying_velocity) > 0  # at the middle
+    assert "only_backward" in worst.attrs["message"]
+    assert status(vibrafeed.optimise({**study, "robust": "mean"})) == "optimal"
+
+
 def test_a_choice_that_does_not_matter():
     # Straight up, every azimuth is the same direction.
     dataset = solved(

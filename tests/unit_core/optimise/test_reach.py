@@ -52,6 +52,21 @@ def test_an_ellipse_keeps_limits_that_no_line_keeps():
     assert float(held.throw_number) <= 1 + 1e-9
 
 
+def test_more_friction_keeps_limits_where_it_does():
+    limits = [STUDY["constraints"][0], {"output": "conveying_velocity", "lower": "14 mm/s"}]
+    ways = optimise.ways(parse_study({**STUDY, "constraints": limits}))
+    (way,) = [one for one in ways if one.change == "more friction"]
+    assert 0.3 < way.choice["friction"] <= 0.8
+    held = vibrafeed.simulate(**{**FIXED, **way.choice}, outputs=OUTPUTS)
+    assert float(held.conveying_velocity) == pytest.approx(way.value, rel=1e-9)
+    assert way.value > 0.014
+    assert float(held.throw_number) <= 1 + 1e-9
+    # With 50 mm/s no friction does: nothing is said of it.
+    assert all("friction" not in one.change for one in optimise.ways(parse_study(STUDY)))
+    rough = {**STUDY, "parameters": {**STUDY["parameters"], "friction": 0.9}}
+    assert all("friction" not in one.change for one in optimise.ways(parse_study(rough)))
+
+
 def test_what_has_no_line_or_is_no_search_has_no_wider_choice():
     other = {**STUDY, "variables": {"friction": {"lower": 0.1, "upper": 0.5}}}
     other["parameters"] = {"frequency": "50 Hz", "amplitude": "0.1 mm", "beta": 20, "gamma": 3}
