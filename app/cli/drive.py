@@ -16,6 +16,7 @@ from core import plots
 from core.errors import Problem, StudyError
 from core.extras import installing
 from core.measured import Recording, fit_drive
+from core.measured.read import read_table
 from core.plots.problem import PlotError
 
 if TYPE_CHECKING:
@@ -117,6 +118,11 @@ def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     """Return the fit; report every problem of recording and options, and exit."""
     problems = _wrong_picture(plot)
     try:
+        if not (asked.along or asked.across or asked.normal or asked.sensor):
+            columns = ", ".join(read_table(recording).columns)
+            fix = "Give --along and --normal, or --sensor with three columns"
+            problems.append(Problem("--along", f"no column is named; the file has {columns}", fix))
+            refuse({recording: problems})
         fit = fit_drive(recording, asked)
     except StudyError as error:
         problems += error.problems

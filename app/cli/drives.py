@@ -70,7 +70,7 @@ def facts(fit: Fit) -> Iterator[tuple[str, str]]:
         clock, error = _rounded(PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error)
         pace = "slow" if fit.clock.error > 0 else "fast"
         yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
-    for name, shares in (("left over", fit.left_over), ("drift", fit.drifting)):
+    for name, shares in (("not explained by the fit", fit.left_over), ("drift", fit.drifting)):
         each = zip(fit.axes, PERCENT * shares, strict=True)
         told = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
         yield name, f"{told} of the drive"

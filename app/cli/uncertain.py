@@ -49,7 +49,7 @@ def show_design(result: Table, units: ShownUnits) -> None:
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()
             words = _demand(one.attributes, units)
-            tell(f"  {words}: {_percent(one.values.item())} ± {_percent(error)}")
+            tell(f"  {words}: {_share(one.values.item(), error)}")
     for name in result.variables:
         if name.endswith("_left_out"):
             _show_output(result, name.removesuffix("_left_out"), units)
@@ -128,11 +128,15 @@ def _value(value: Array, shown: Shown, error: Array | None = None) -> str:
 
 
 def _share(value: float, error: float | None) -> str:
-    """Return a share of the variance in per cent."""
+    """Return a share in per cent, with the decimals that its error leaves it."""
     if not np.isfinite(value):
         return "-"
-    text = f"{100 * value:.1f}".replace("-0.0", "0.0")
-    return f"{text} %" if error is None else f"{text} ± {number(100 * error, 2)} %"
+    decimals = 1
+    if error is not None and np.isfinite(error) and error > 0:
+        decimals = int(np.clip(-np.floor(np.log10(100 * error)), 0, 3))
+    text = f"{100 * value + 0.0:.{decimals}f}"
+    text = text.removeprefix("-") if not float(text) else text
+    return f"{text} %" if error is None else f"{text} % ± {100 * error:.{decimals}f} %"
 
 
 def _percent(share: float) -> str:

@@ -178,8 +178,9 @@ class Prepared:
         """Its cells, its bytes, and what it takes."""
         seconds, most = self.seconds, self.most_seconds
         rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
+        cells = f"{self.cells:,} cell{'s' * (self.cells != 1)}"
         return (
-            f"{self.cells:,} cells, {self.bytes:,} bytes before compression, "
+            f"{cells}, {self.bytes:,} bytes before compression, "
             f"some {in_words(seconds)} on one core{rarely}, {seconds / 3600:.1g} core hours"
         )
 

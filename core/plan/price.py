@@ -67,5 +67,5 @@ def in_words(seconds: float) -> str:
     """Return a time in words, two digits of it."""
     for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
         if seconds >= 2 * length:
-            return f"{seconds / length:.2g} {unit}"
-    return f"{seconds:.2g} s"
+            return f"{float(f'{seconds / length:.2g}'):,g} {unit}"
+    return f"{float(f'{seconds:.2g}'):g} s"

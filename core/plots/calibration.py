@@ -190,7 +190,7 @@ def _draw_speeds(
     entries: list[Artist] = [
         Line2D([], [], color=style.curve, marker="o", lw=0, label="best values"),
         Patch(color=mix(style.ground, style.curve, DEEP), label="95 % of the posterior"),
-        Line2D([], [], color=style.quiet, label="twice the error, with what nothing explains"),
+        Line2D([], [], color=style.quiet, label="twice the error, discrepancy included"),
     ]
     return finish(
         figure, axes, style, name=title or "Speeds, measured and predicted",
@@ -229,7 +229,7 @@ def _draw_residuals(
     style.add_grid(axes)
     entries: list[Artist] = [
         Line2D([], [], color=style.curve, marker="o", lw=0, label="residual"),
-        Line2D([], [], color=style.quiet, label="twice the error, with what nothing explains"),
+        Line2D([], [], color=style.quiet, label="twice the error, discrepancy included"),
         Patch(color=mix(style.ground, style.curve, DEEP), label="95 % of the posterior"),
     ]
     return finish(

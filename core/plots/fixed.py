@@ -55,7 +55,9 @@ def fixed_positions(
     asked = {}
     for name, value in at.items():
         if name in axes:
-            raise PlotError(_place(name), "it is an axis of the picture", "Fix it or draw over it")
+            others = ",".join(axis for axis in axes if axis != name)
+            fix = f"Add --axes {others}, or leave it out" if others else "Leave it out"
+            raise PlotError(_place(name), f"{name} is an axis of this picture", fix)
         if name not in known:
             message = "the dataset has no such dimension"
             raise PlotError(_place(name), message, suggestion(name, map(str, dataset.dims)))

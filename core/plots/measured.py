@@ -56,7 +56,8 @@ def _facts(fit: Fit) -> tuple[list[str], str]:
         pace = "slow" if fit.clock.error > 0.0 else "fast"
         facts.append(f"clock {100 * abs(fit.clock.error):.2g} % {pace}")
     facts.append(f"{fit.periods:.0f} periods, {fit.samples:,} samples")
-    left = f"left over {_percent(fit.left_over)}, drift {_percent(fit.drifting)} of the drive"
+    left = f"All axes together: not explained by the fit {_percent(fit.left_over)}, drift "
+    left += f"{_percent(fit.drifting)} of the drive"
     return facts, left
 
 

@@ -200,7 +200,7 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
 
 def _entries(style: Style) -> list[Artist]:
     patch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.curve, style.ground, 0.55))
-    patch.set(edgecolor=style.curve, label="the part, at the end heaviest")
+    patch.set(edgecolor=style.curve, label="the part, drawn strongest at the end")
     touch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.other, style.ground, 0.75))
     touch.set(edgecolor=mix(style.other, style.ground, 0.4), label="on the plane")
     return [patch, Line2D([], [], color=style.accent, label="its middle"), touch]

@@ -26,10 +26,17 @@ def test_the_table_tells_numbers_and_errors():
     assert result.exit_code == 0, result.output
     for words in (
         "5,000 samples, 50.1 periods", "frequency: 50 Hz, as given", "% slow",
-        "left over: along 2.5 %, across 2.5 %, normal 2.6 % of the drive", "climbs by 3.38 degrees",
+        "not explained by the fit: along 2.5 %, across 2.5 %, normal 2.6 % of the drive",
+        "climbs by 3.38 degrees",
         "0.200072", "amplitude (mm)", "phase (°)", "-74.70", "not distinguishable from zero",
     ):  # fmt: skip
         assert words in result.output
+
+
+def test_without_a_column_the_options_and_the_columns_are_named():
+    result = run("drive", RECORDING)
+    assert result.exit_code == 2
+    assert "no column is named; the file has time, ax, ay, az. Give --along" in result.output
 
 
 def test_the_toml_is_the_parameters_of_a_study(tmp_path):

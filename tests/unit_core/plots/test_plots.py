@@ -252,7 +252,7 @@ def test_falling_and_logarithmic_axes():
         ({"at": {"frequency": float("nan")}}, "at.frequency", "finite"),
         ({"at": {"friction": 0.4}}, "at.friction", "Its only value is 0.5."),
         ({"at": {"frequenzy": 60}}, "at.frequenzy", "Did you mean 'frequency'?"),
-        ({"at": {"beta": 5}}, "at.beta", "an axis of the picture"),
+        ({"at": {"beta": 5}}, "at.beta", "is an axis of this picture"),
     ],
 )
 def test_what_cannot_be_drawn_is_said(
