@@ -22,7 +22,7 @@ from core.motion.feeding import travel_in_words
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
 from core.quantities.optimum import OF_THE_SEARCH
 from core.study.distributions import nominal
-from core.study.optimise_study import OptimiseStudy
+from core.study.optimise_study import OptimiseStudy, Pareto
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -76,7 +76,8 @@ def show_result(
         _show_outputs(outputs, units)
     say(f"  Values have {DIGITS} digits, or as many as separate them; the file has all.")
     for name, states in facts["states"].items():
-        tell(f"  {name}: {_in_words(states, facts['cells'])}")
+        if name != "knee":  # a share of points says nothing
+            tell(f"  {name}: {_in_words(states, facts['cells'])}")
     _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")
@@ -87,6 +88,8 @@ def show_result(
         say(f"  {line}")
     if backwards := travel_in_words(result):
         say(f"  {backwards}")
+    if knee := _knee(result, units):
+        tell(f"  {knee}")
     if fastest := _fastest(result, units):
         tell(f"  {fastest}")
     for line in _nearest(result, units):
@@ -121,6 +124,22 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
         f"Outputs are those at {_choice(middles, units)}; the objective and the margins of limits "
         "count the whole range."
     ]
+
+
+def _knee(result: Table, units: ShownUnits) -> str:
+    """Return where the knee of a front is, with both outputs and the choice; else nothing."""
+    knee = result.variables.get("knee")
+    if knee is None or np.count_nonzero(knee.values) != 1:
+        return ""
+    at = int(np.argmax(knee.values))
+    study = parse_json(str(result.attributes["study"]))
+    if not isinstance(study, OptimiseStudy) or not isinstance(study.criterion, Pareto):
+        return ""
+    values = {name: float(one.values.ravel()[at]) for name, one in result.variables.items()
+              if one.dims == knee.dims}  # fmt: skip
+    both = {name: values[name] for name in (study.criterion.output, study.criterion.against)}
+    choice = {name: values[f"best_{name}"] for name in study.bounds()}
+    return f"Knee of the front: {_choice(both, units)}, at {_choice(choice, units)}."
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:

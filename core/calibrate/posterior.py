@@ -19,6 +19,8 @@ MOST_NUMBERS = 4_000_000  # points times runs
 NEGLIGIBLE = 1e-7  # of the mass, in leaves that are left out
 AXIS = {1: 201, 2: 81, 3: 41, 4: 21}
 """Values of each unknown at which densities are told, by their number."""
+SMOOTH = np.array([1.0, 8.0, 28.0, 56.0, 70.0, 56.0, 28.0, 8.0, 1.0]) / 256.0
+"""Shares over neighbouring values, of whose 201 the density of one unknown is smooth over a few."""
 TAIL = 1e-4  # of the mass, on either side of these values
 BEYOND = 0.08  # of what they span, which they go further
 LEAST_LOG = -700.0  # whose exponential is a number yet
@@ -210,8 +212,8 @@ def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
 
 def marginal(posterior: Posterior, axis: Array, k: int) -> Array:
     """Return the density of one unknown at evenly spaced values, per its unit."""
-    found = _binned(posterior, [axis], [k])
-    return found / (axis[1] - axis[0])
+    found = np.pad(_binned(posterior, [axis], [k]), len(SMOOTH) // 2, mode="symmetric")
+    return np.asarray(np.convolve(found, SMOOTH, mode="valid")) / (axis[1] - axis[0])
 
 
 def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:

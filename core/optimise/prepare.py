@@ -44,7 +44,8 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     intervals = study.intervals()
     given = (*values, *study.bounds(), *intervals)
     try:
-        chosen = choose_problem_scene(study.scene, study.variant, asked, given)
+        named = (*asked, *(one.output for one in study.constraints))
+        chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
         raise StudyError(placed(one, study) for one in error.problems) from None
     scene, variant, _ = chosen

@@ -7,7 +7,7 @@ output goes, and so which limit would have to give way. Then the same limits wit
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -24,8 +24,6 @@ from core.study.values import Between, Fixed
 
 Section = TypeVar("Section", bound=BaseModel)
 
-STEPS = 7
-"""Halvings of what a bound gives way: to a hundredth of it."""
 SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 
 
@@ -43,8 +41,6 @@ class Reach:
         Whether the bound is the largest value; else the least.
     choice : dict of str to float
         The variables there, in the unit of the quantity.
-    beside : dict of str to float
-        Other outputs there.
     """
 
     output: str
@@ -52,7 +48,6 @@ class Reach:
     value: float
     upper: bool
     choice: dict[str, float]
-    beside: dict[str, float] = field(default_factory=dict, compare=False)
 
 
 Bound = tuple[OutputLimit, str]
@@ -62,66 +57,30 @@ Bound = tuple[OutputLimit, str]
 def nearest(study: Study) -> list[Reach]:
     """Return how near each bound can be reached with all others kept.
 
-    A bound that cannot be looked for itself, such as that of a closed form among motions, is given
-    way step by step, until another one is reached. Bounds of absolute values are left out.
+    Bounds of absolute values are left out.
     """
     if not isinstance(study, OptimiseStudy):
         return []
-    bounds = [one for one in _single(study) if not one[0].absolute]
-    found, others = [], []
-    for one in bounds:
-        reach = _reach(study, one, {})
-        if reach is None:
-            others.append(one)
-        elif _is_beyond(reach.value, one):
-            found.append(reach)
-    if len(found) == 1:
-        wanted = next(one for one in bounds if one[0].output == found[0].output)
-        found += [way for one in others if (way := _giving_way(study, one, wanted)) is not None]
-    return found
+    reaches = [(one, _reach(study, one)) for one in _single(study) if not one[0].absolute]
+    return [reach for one, reach in reaches if reach is not None and _is_beyond(reach.value, one)]
 
 
-def _giving_way(study: OptimiseStudy, gives: Bound, wanted: Bound) -> Reach | None:
-    """Return the least by which one bound has to give way for another one to be reached."""
-    limit, end = gives
-    strict = float(getattr(limit, end))
-    loose = _reach(study, wanted, {gives: None})
-    if loose is None or _is_beyond(loose.value, wanted) or limit.output not in loose.beside:
-        return None
-    free, found = loose.beside[limit.output], loose
-    for _ in range(STEPS):
-        middle = (strict + free) / 2
-        reach = _reach(study, wanted, {gives: middle})
-        if reach is None or _is_beyond(reach.value, wanted):
-            strict = middle
-        else:
-            free, found = middle, reach
-    bound = float(getattr(limit, end))
-    return Reach(limit.output, bound, free, end == "upper", found.choice)
-
-
-def _reach(study: OptimiseStudy, one: Bound, given: Mapping[Bound, float | None]) -> Reach | None:
-    """Return how far an output goes towards its bound while others are kept; None if unknown.
-
-    `given` has other values of bounds, None of those that are left out.
-    """
+def _reach(study: OptimiseStudy, one: Bound) -> Reach | None:
+    """Return how far an output goes towards its bound while others are kept; None if unknown."""
     limit, end = one
     kept = []
     for other, side in _single(study):
-        bound = given.get((other, side), getattr(other, side))
-        if (other, side) != one and bound is not None:
-            more = {"absolute": other.absolute, side: bound}
+        if (other, side) != one:
+            more = {"absolute": other.absolute, side: getattr(other, side)}
             kept.append(OutputLimit(output=other.output, **more))
     criterion = (Minimise if end == "upper" else Maximise)(output=limit.output)
-    outputs = tuple({**dict.fromkeys(study.outputs), **dict.fromkeys(c.output for c, _ in given)})
-    changes = {"criterion": criterion, "constraints": tuple(kept), "outputs": outputs}
-    values = _solved(study.model_copy(update=changes | {"sensitivities": False}))
+    changes = {"criterion": criterion, "constraints": tuple(kept), "sensitivities": False}
+    values = _solved(study.model_copy(update=changes))
     if values is None:
         return None
     choice = {name: float(values[f"best_{name}"]) for name in study.bounds()}
-    beside = {name: float(values[name]) for name in outputs if name in values}
     bound = float(getattr(limit, end))
-    return Reach(limit.output, bound, float(values["objective"]), end == "upper", choice, beside)
+    return Reach(limit.output, bound, float(values["objective"]), end == "upper", choice)
 
 
 def _solved(study: OptimiseStudy) -> dict[str, Any] | None:

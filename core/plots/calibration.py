@@ -84,6 +84,8 @@ def _draw_posterior(
                     panel.tick_params(labelleft=False)
             panel.set_xlim(x[0], x[-1])
             panel.xaxis.set_major_locator(MaxNLocator(MOST_TICKS))
+            if count == 1:
+                panel.set_ylabel("Density")
             if j == count - 1:
                 panel.set_xlabel(axis_label(dataset[across], shown[across].unit))
     facts = [_interval(dataset, name, units) for name in names]

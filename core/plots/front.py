@@ -78,7 +78,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     return finish(
         figure, axes, style, name=options.title or "Trade-off along a front",
         facts=[criterion_in_words(problem), *held_fixed(dataset, units)],
-        source=source_of(dataset), entries=entries,
+        source=source_of(dataset, criterion_in_words(problem)), entries=entries,
     )  # fmt: skip
 
 

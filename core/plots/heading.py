@@ -66,11 +66,14 @@ def finish(
     return figure
 
 
-def source_of(dataset: xarray.Dataset) -> str:
-    """Return where values come from: the title of their study, and its scene."""
+def source_of(dataset: xarray.Dataset, told: str = "") -> str:
+    """Return where values come from: the title of their study, and its scene.
+
+    What is `told` already, such as a criterion, is left out of the title.
+    """
     parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
     origin = ", ".join(str(part) for part in parts if part)
-    title = dataset.attrs.get("title")
+    title = str(dataset.attrs.get("title", "")).removesuffix(f": {told}")
     return f"{title} ({origin})" if title else origin
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from core.dataset.table import quantity_attributes
 from core.optimise import Optimisation
 from core.optimise.codes import STATUS
-from core.optimise.problem import OptimisationProblem, chosen_cells
+from core.optimise.problem import Kept, OptimisationProblem, chosen_cells
 from core.optimise.run import designs_of
 from core.optimise.sentences import criterion_in_words
 from core.plan.grid import from_si, to_si
@@ -37,11 +37,12 @@ from core.plots.problem import PlotError
 from core.plots.scale import scale_of
 from core.plots.selection import held_at, held_fixed
 from core.plots.style import RGB, Style, mix
-from core.plots.text import axis_label, scaled, shown_in, words
+from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # of each variable
+LESS, MORE = "\N{LESS-THAN OR EQUAL TO}", "\N{GREATER-THAN OR EQUAL TO}"
 EXCLUDED = 0.55  # strength of the veil over what a constraint excludes
 SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 
@@ -60,7 +61,7 @@ class Landscape(NamedTuple):
     value : ndarray, shape (n,) or (n, n)
         The objective.
     margins : dict of str to ndarray
-        How far each constraint is from being broken, below 0 where it is.
+        By its words, how far each constraint is from being broken, below 0 where it is.
     best : ndarray, shape (variables, k)
         The optimum, or the points of a front; none where there is no answer.
     """
@@ -105,7 +106,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     none = "" if shown.best.size else "No choice within the bounds keeps all limits"
     return finish(
         figure, axes, style, name=options.title or f"Objective: {name_of(problem)}",
-        facts=held_of(dataset, prepared, place, units), source=source_of(dataset),
+        facts=held_of(dataset, prepared, place, units),
+        source=source_of(dataset, criterion_in_words(problem)),
         entries=entries, note=none,
     )  # fmt: skip
 
@@ -138,6 +140,16 @@ def name_of(problem: OptimisationProblem) -> str:
     """Return the name of the objective."""
     label = QUANTITIES[problem.criterion.output].label
     return f"{label[0].lower()}{label[1:]}{', weighted' if problem.weight else ''}"
+
+
+def _limit(kept: Kept, units: ShownUnits) -> str:
+    """Return a constraint in words: of an output and its bound, or the name of a contact."""
+    if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
+        return words(kept.name)
+    shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))
+    bound = with_unit(number(shown.factor * kept.bound, 4), shown.unit)
+    name = f"|{words(kept.output)}|" if kept.absolute else words(kept.output)
+    return f"{name} {LESS if kept.upper else MORE} {bound}"
 
 
 def _computed(
@@ -220,7 +232,10 @@ def _over(
         labels=tuple(labels),
         value=scaled(value, unit.factor),
         label=label,
-        margins={kept.name: over(problem.safe_margin(kept, grid, design)) for kept in problem.kept},
+        margins={
+            _limit(kept, units): over(problem.safe_margin(kept, grid, design))
+            for kept in problem.kept
+        },
         best=np.array(tops) if solved else np.empty((len(tops), 0)),
     )
 
@@ -288,7 +303,7 @@ def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
             )  # fmt: skip
             patch = Patch(facecolor=mix(style.quiet, style.ground, 0.75), hatch="///",
                           edgecolor=mix(style.quiet, style.ground, 0.5),
-                          label=f"excluded by {words(name)}")  # fmt: skip
+                          label=f"excluded by {name}")  # fmt: skip
             entries.append(patch)
     if shown.best.size:
         entries.append(_star(axes, shown.best[0], np.interp(shown.best[0], x, value), style))
@@ -310,7 +325,7 @@ def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> lis
     for colour, (name, margin) in zip(colours, shown.margins.items(), strict=False):
         if margin.min() < 0 < margin.max():
             axes.contour(x, y, margin, levels=[0.0], colors=[colour], linewidths=style.width(2.2))
-            label = f"edge of {words(name)}"
+            label = f"edge of {name}"
             entries.append(Line2D([], [], color=colour, lw=style.width(2.2), label=label))
         if margin.min() < 0:
             excluded = True

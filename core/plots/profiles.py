@@ -6,6 +6,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from core.optimise.sentences import criterion_in_words
 from core.plots.heading import finish, source_of
 from core.plots.landscape import SOLVED, curves_of, draw_curve, held_of, name_of, place_of
 from core.plots.optimum import is_optimum, prepared_of
@@ -52,6 +53,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     through = "the optimum" if solved else "the middle of the bounds: there is no optimum"
     return finish(
         figure, panels[0], style, name=options.title or f"Objective: {name_of(prepared.problem)}",
-        facts=held_of(dataset, prepared, place, units), source=source_of(dataset),
+        facts=held_of(dataset, prepared, place, units),
+        source=source_of(dataset, criterion_in_words(prepared.problem)),
         entries=list(entries.values()), note=f"Each curve passes through {through}",
     )  # fmt: skip

@@ -461,7 +461,7 @@ def test_an_optimum_without_a_solution_tells_what_comes_nearest_and_has_its_own_
     result = run("run", study)
     assert result.exit_code == 3, result.output
     assert study.with_suffix(".nc").exists()
-    assert "Nearest: throw_number 1.767 (at most 1 is asked)" in result.output
+    assert "Nearest: throw_number 1.755 (at most 1 is asked)" in result.output
     assert "With an elliptical drive: conveying_velocity 169 mm/s" in result.output
     quiet = run("run", study, "--force", "--quiet")
     assert (quiet.exit_code, quiet.output) == (3, "")

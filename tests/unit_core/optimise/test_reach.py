@@ -26,8 +26,8 @@ OUTPUTS = ["conveying_velocity", "throw_number"]
 
 
 def test_each_limit_is_reached_as_far_as_the_others_allow():
-    speed, throw = optimise.nearest(parse_study(STUDY))
-    assert (speed.output, throw.output) == ("conveying_velocity", "throw_number")
+    throw, speed = optimise.nearest(parse_study(STUDY))
+    assert (throw.output, speed.output) == ("throw_number", "conveying_velocity")
     # The same by two other studies: the fastest without a hop, the gentlest with 50 mm/s.
     fastest = vibrafeed.optimise({**STUDY, "constraints": STUDY["constraints"][:1]})
     assert speed.value == pytest.approx(float(fastest.objective), rel=1e-9)

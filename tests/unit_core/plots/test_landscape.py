@@ -80,7 +80,9 @@ def test_the_star_stands_at_the_best_of_what_is_drawn(picture):
     from core.study.shown import ShownUnits
 
     shown = _computed(dataset, prepare_content(ROBUST), {}, ShownUnits())
-    allowed = np.where(shown.margins["throw_number_upper"] >= 0, shown.value, -np.inf)
+    allowed = np.where(
+        shown.margins["throw number \N{LESS-THAN OR EQUAL TO} 1"] >= 0, shown.value, -np.inf
+    )
     top = float(allowed.max())
     # No point that is drawn does better, and what is drawn at the star is what it stands for.
     optimum = 1e3 * float(dataset.objective)  # mm/s, as it is drawn
