@@ -126,6 +126,10 @@ def test_what_amplitude_will_my_springs_give(page, address):
     }  # fmt: skip
     answer = posted(address, study)["variables"]["track_amplitude"]["data"]
     assert amplitude == pytest.approx(answer * 1e3, rel=5e-3)
+    assert page.get_by_label("Model", exact=True).count() == 0  # nothing is followed in time there
+    page.goto(f"{address}/#question=speed&kind=simulate&scene=linear-drive-unit&choice=events")
+    page.locator("#headline", has_text="Amplitude of the track").wait_for()
+    page.wait_for_function('location.hash.includes("kind=sweep")')
 
 
 def test_what_did_the_thesis_draw(page, address):

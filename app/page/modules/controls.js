@@ -85,15 +85,17 @@ export class Controls {
         view.scene,
         (name) => this.change({ scene: name, choice: "", output: "" }),
       ),
-      this.select(
-        "Model",
-        [
-          ["simulate", "Motion in time: mean speed"],
-          ["sweep", "Closed-form equations: one instant"],
-        ],
-        view.kind,
-        (kind) => this.change({ kind, choice: "", output: "" }),
-      ),
+      system?.methods.length
+        ? this.select(
+            "Model",
+            [
+              ["simulate", "Motion in time: mean speed"],
+              ["sweep", "Closed-form equations: one instant"],
+            ],
+            view.kind,
+            (kind) => this.change({ kind, choice: "", output: "" }),
+          )
+        : null,
       choices.length > 1
         ? this.select(
             view.kind === "sweep" ? "Variant" : "Method",

@@ -102,7 +102,6 @@ class Page {
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
     if (isOther) Object.assign(begin, { output: "", choice: "", x: undefined, y: undefined });
     const view = { ...begin, ...wanted, question, scene: known ? wanted.scene : begin.scene };
-    if (view.kind === "simulate" && !this.catalogue.scene(view.scene).methods.length) view.kind = "sweep";
     await this.open(view, { complaints });
   }
 
@@ -142,6 +141,9 @@ class Page {
     const turn = (this.turn += 1);
     const isLeft = () => turn !== this.turn;
     busy(true);
+    if (wanted.kind === "simulate" && !this.catalogue.scene(wanted.scene).methods.length) {
+      wanted = { ...wanted, kind: "sweep", choice: "" }; // nothing is followed in time there
+    }
     let scene;
     try {
       scene = await this.catalogue.describe(wanted);
