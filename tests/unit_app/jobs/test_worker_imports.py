@@ -27,12 +27,13 @@ directory = pathlib.Path(sys.argv[1])
 run = importlib.import_module("app.jobs.work")
 from app.jobs.store import Store
 from core.intake import prepare_content
+from core.plan.pieces import cells_of_piece
 study = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
          "parameters": {"frequency": 50, "amplitude": 0.001, "beta": [0, 30, 60]}}
 store = Store(directory)
 prepared = prepare_content(study)
 key, _ = store.add(prepared.study)
-cells = run.block_cells(prepared, 1.0)
+cells = cells_of_piece(prepared, 1.0)
 run.compute_block(str(directory), key, "sweep", cells, 0)
 run.write_result(str(directory), key, "sweep", cells, 0.0)
 assert store.manifest(key) is not None

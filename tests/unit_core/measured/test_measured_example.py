@@ -75,5 +75,5 @@ def test_a_picture_says_what_was_fitted(fit, tmp_path):
     ]  # fmt: skip
     assert figure.axes[0].get_title(loc="left").splitlines() == [
         "50 Hz · clock 0.3 % slow · 50 periods, 5,000 samples",
-        "left over 4.4 %, drift 0.35 % of the drive",
+        "All axes together: not explained by the fit 4.4 %, drift 0.35 % of the drive",
     ]
