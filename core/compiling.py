@@ -1,4 +1,4 @@
-"""How long compiling has kept this process; knows no compiler and loads none."""
+"""The time that this process has spent compiling; loads no compiler."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a package that is missing is installed where the program stands: in a clone, or elsewhere."""
+"""The command that installs a missing package: in a clone, or elsewhere."""
 
 from __future__ import annotations
 

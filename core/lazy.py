@@ -1,4 +1,4 @@
-"""Names that a package hands on, and whose modules are loaded when they are first asked for."""
+"""Names of a package whose modules are loaded when the names are first used."""
 
 from __future__ import annotations
 

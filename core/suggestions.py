@@ -1,4 +1,4 @@
-"""What is meant by a name that is not known: another name for a thing, or a mistyped one."""
+"""Suggestions for an unknown name: the name in use here, or the one that was mistyped."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ FIRST, REST = slice(1), slice(1, None)
 """The study of a package that comes first, and the others."""
 
 
-def warm(processes: int) -> Path | None:
+def compile_kernels(processes: int) -> Path | None:
     """Compile every kernel that is not compiled yet for this processor.
 
     Parameters

@@ -1,4 +1,4 @@
-"""What a long computation asks while it runs.
+"""The watch of a long computation: progress, and whether to stop.
 
 Python asks its watch. Compiled code cannot: it looks at a flag, which one thread of the process,
 the lookout, raises for whatever runs and is to stop. That costs a cell nothing, however short.

@@ -12,8 +12,7 @@ from app.cli import console
 from app.cli.options import FAILED, WRONG_INPUT, Json
 from app.cli.serve import settings_in_force
 from app.cli.studies import interruption
-from app.jobs.scrub import BROKEN, ORPHANED, WHOLE
-from app.jobs.scrub import scrub as found_in
+from app.jobs.scrub import BROKEN, ORPHANED, WHOLE, damages
 from app.jobs.store import Store
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
@@ -45,7 +44,7 @@ def scrub(
     counts: dict[str, int] = {}
     read = 0
     with interruption() as interrupted:
-        for found in found_in(store, stopped=interrupted):
+        for found in damages(store, stopped=interrupted):
             counts[found.state] = counts.get(found.state, 0) + 1
             read += found.bytes
             if found.state in (BROKEN, ORPHANED):

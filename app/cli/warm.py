@@ -10,8 +10,7 @@ import typer
 
 from app.cli import console
 from app.cli.options import FAILED, Json
-from core.warm import is_warm
-from core.warm import warm as compile_all
+from core.warm import compile_kernels, is_warm
 
 
 def warm(
@@ -39,7 +38,7 @@ def warm(
             raise typer.Exit(FAILED)
         return
     started = time.perf_counter()
-    place = compile_all(processes)
+    place = compile_kernels(processes)
     if place is None:
         console.fail(
             "Compiled code cannot be kept: no folder can be written. "

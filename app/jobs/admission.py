@@ -11,7 +11,7 @@ from app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooMany
 from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Job, Ledger
 from app.jobs.quota import Quota
-from app.jobs.scrub import BROKEN, scrub
+from app.jobs.scrub import BROKEN, damages
 from app.jobs.store import Store
 from app.jobs.studies import identifier
 from app.settings import Settings
@@ -308,7 +308,7 @@ class Admission:
         What is broken is taken away; it is computed again when it is asked for.
         """
         read = 0
-        for found in scrub(self.store, self._scrubbed, stopped):
+        for found in damages(self.store, self._scrubbed, stopped):
             self._scrubbed = found.name
             if found.state == BROKEN:
                 path = self.store.folder(found.name) / found.files[0]

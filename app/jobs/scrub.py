@@ -40,7 +40,7 @@ class Damage:
     files: tuple[str, ...] = ()
 
 
-def scrub(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
+def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
     """Yield what is found in each folder, by name from the first after `after`; change nothing."""
     if not store.directory.exists():
         return

@@ -117,7 +117,7 @@ async def readable_job(
     return number
 
 
-Key = Annotated[str, Depends(readable_sweep)]
+SweepKey = Annotated[str, Depends(readable_sweep)]
 Number = Annotated[str, Depends(readable_job)]
 ViewsOf = Annotated[ZarrViews, Depends(views_of)]
 BaseOf = Annotated[str, Depends(base_of)]

@@ -13,8 +13,7 @@ from core.accuracy.motion import is_point_part
 from core.errors import StudyError
 from core.intake import parse_study
 from core.mechanics.arrays import Array
-from core.motion.prepare import Simulation
-from core.motion.prepare import prepare as prepare_motion
+from core.motion.prepare import Simulation, prepare
 from core.motion.result import ANSWERED, STATUS
 from core.motion.systems import SYSTEMS
 from core.plan.equations import regimes, run_equations
@@ -61,7 +60,7 @@ def motion_of_sweep(sweep: Sweep) -> Simulation | None:
     try:
         asked = parse_study(study)
         assert isinstance(asked, SimulateStudy)
-        return prepare_motion(asked)
+        return prepare(asked)
     except StudyError:
         return None  # the parameters do not tell the motion: no friction, say
 

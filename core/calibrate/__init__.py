@@ -1,4 +1,4 @@
-"""What measured speeds tell of unknown parameters: a posterior on its grid, and the next run."""
+"""Unknown parameters from measured speeds: a posterior on its grid, and the next measurement."""
 
 from __future__ import annotations
 

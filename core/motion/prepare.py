@@ -14,8 +14,7 @@ from core.motion.groups import Contacts
 from core.motion.method import Method
 from core.motion.part_load import price_of_load
 from core.motion.price import seconds_of, some_cells
-from core.motion.row_scene import NAME as ROW
-from core.motion.row_scene import choose_row
+from core.motion.row_scene import ROW, choose_row
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.derived import Asked, asked_of
 from core.plan.grid import Grid

@@ -32,7 +32,7 @@ from core.scenes.scene import (
     fields,
 )
 
-NAME = "row-on-plane"
+ROW = "row-on-plane"
 SOURCE = "theory 17"
 IN_TURN = 3.7241
 """The throw number above which hops take two periods: parts that start apart may hop in turn."""
@@ -227,7 +227,7 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
         Equation("groups", row_groups, SOURCE),
     )
     return Scene(
-        name=NAME,
+        name=ROW,
         title="Motion in time of a row of parts in one lane",
         source=SOURCE,
         validity="Equal faces, smooth and normal to the track; parts start at rest, and do not "

@@ -21,8 +21,7 @@ from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
 from core.motion.result import STATUS, Motion
-from core.motion.row_scene import NAME as ROW
-from core.motion.row_scene import row_scene
+from core.motion.row_scene import ROW, row_scene
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
 from core.quantities import QUANTITIES
 from core.scenes.scene import (

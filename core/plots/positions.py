@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from core.kinds.results import tabulate
-from core.motion.row_scene import NAME
+from core.motion.row_scene import ROW
 from core.plots.heading import finish, source_of
 from core.plots.motion import followed
 from core.plots.options import Options
@@ -29,7 +29,7 @@ TOUCHES = 1e-9
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
     """True of one row of parts, if no output is asked for."""
     asked = (options.variable, options.axes) != (None, None)
-    if asked or dataset.attrs.get("scene") != NAME:
+    if asked or dataset.attrs.get("scene") != ROW:
         return False
     return FIRST in dataset or followed(dataset) is not None
 

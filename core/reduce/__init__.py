@@ -1,4 +1,4 @@
-"""Answers over some axes of a grid of closed forms, box by box: no grid is ever stored."""
+"""Statistics over some axes of a grid of closed forms, box by box, without storing the grid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The systems of the source, one file each."""
+"""The systems that can be computed, one file each."""
 
 from core.scenes import (
     bowl_drive_unit,

@@ -1,4 +1,4 @@
-"""What is known to be true, as problems that any program may answer; `vibrafeed validate`.
+"""Problems whose answers are known, for this or any other program: `vibrafeed validate`.
 
 `problem` says what a problem is; `forms` makes them from formulas, `known` and `rail` from numbers
 that stand elsewhere; `catalogue` puts them together. `run` answers them by this program's own

@@ -14,12 +14,21 @@ from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
-from app.jobs import keys as owners
 from app.jobs.admission import Admission
+from app.jobs.keys import Key
 from app.jobs.manifest import NETCDF
 from app.settings import Settings
 from app.web.accept import form_for
-from app.web.dependencies import AdmissionOf, Body, Key, SettingsOf, StoreOf, WhoOf, WriterOf, once
+from app.web.dependencies import (
+    AdmissionOf,
+    Body,
+    SettingsOf,
+    StoreOf,
+    SweepKey,
+    WhoOf,
+    WriterOf,
+    once,
+)
 from app.web.documents import NETCDF_TYPE
 from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
@@ -123,7 +132,7 @@ def post_sweep(
     ),
 )
 @router.head("/{key}", include_in_schema=False)
-def get_sweep(key: Key, admission: AdmissionOf, who: WhoOf) -> Response:
+def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
     return json_reply(_described(admission, key, admission.store.sweep(key), who))
 
@@ -140,14 +149,14 @@ def get_sweep(key: Key, admission: AdmissionOf, who: WhoOf) -> Response:
     openapi_extra=SHARING_BODY,
     dependencies=[placed()],
 )
-def share_sweep(key: Key, body: Body, admission: AdmissionOf, who: WhoOf) -> Response:
+def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -> Response:
     """Let all keys read a sweep, or those only who have posted it."""
     sweep = admission.store.sweep(key)
     admission.share_sweep(key, read_sharing(body), who)
     return json_reply(_described(admission, key, sweep, who))
 
 
-def _described(admission: Admission, key: str, sweep: Prepared, who: owners.Key) -> dict[str, Any]:
+def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
     """Return what the service says of a sweep; who has posted it is told of their own sharing."""
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
     shared = admission.ownership.is_shared(who.name if is_own else None, key)
@@ -174,7 +183,7 @@ def _described(admission: Admission, key: str, sweep: Prepared, who: owners.Key)
 @router.head("/{key}/slice", include_in_schema=False, dependencies=[once()])
 async def get_slice(
     request: Request,
-    key: Key,
+    key: SweepKey,
     store: StoreOf,
     settings: SettingsOf,
     who: WhoOf,
@@ -257,7 +266,12 @@ async def get_slice(
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
 async def get_netcdf(
-    request: Request, key: Key, store: StoreOf, writer: WriterOf, admission: AdmissionOf, who: WhoOf
+    request: Request,
+    key: SweepKey,
+    store: StoreOf,
+    writer: WriterOf,
+    admission: AdmissionOf,
+    who: WhoOf,
 ) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import RedirectResponse, Response
 
 from app.jobs.errors import NotFoundError
-from app.web.dependencies import Key, ViewsOf
+from app.web.dependencies import SweepKey, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
 from app.web.outgoing import expect
 from app.web.replies import BINARY, OBJECT, kept, problems
@@ -29,7 +29,7 @@ ZarrKey = Annotated[
 
 
 @router.api_route("/{key}/zarr", methods=["GET", "HEAD"], include_in_schema=False)
-async def get_wished(request: Request, key: Key, chunks: str | None = None) -> Response:
+async def get_wished(request: Request, key: SweepKey, chunks: str | None = None) -> Response:
     """Lead on who has put the wish for chunks into the address of the group.
 
     Clients that append keys to an address as a text append them to its query.
@@ -60,7 +60,7 @@ async def get_wished(request: Request, key: Key, chunks: str | None = None) -> R
 @router.head("/{key}/zarr/{path:path}", include_in_schema=False)
 def get_zarr(
     request: Request,
-    key: Key,
+    key: SweepKey,
     path: ZarrKey,
     views: ViewsOf,
     chunks: Annotated[

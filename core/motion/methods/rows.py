@@ -18,7 +18,7 @@ from core.motion.cells import run_cells
 from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from core.motion.method import Follow, FollowCourse, Method
-from core.motion.methods.events import EVENTS as OF_ONE_PART
+from core.motion.methods import events
 from core.motion.methods.events import motion_by_events
 from core.motion.price import Price, Priced
 from core.motion.result import ANSWERED, STATUS
@@ -138,7 +138,7 @@ def _as_one(
     one = groups._replace(
         friction_static=static[:, 0].reshape(shape), friction_kinetic=kinetic[:, 0].reshape(shape)
     )
-    settings: dict[str, Any] = dict(OF_ONE_PART.defaults)
+    settings: dict[str, Any] = dict(events.EVENTS.defaults)
     motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
     flat = {name: np.broadcast_to(part, shape).ravel()[alike]
             for name, part in motion._asdict().items()}  # fmt: skip

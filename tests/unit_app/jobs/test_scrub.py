@@ -12,7 +12,7 @@ from app.cli import app
 from app.jobs.admission import Admission
 from app.jobs.ledger import Ledger
 from app.jobs.manifest import MANIFEST, NETCDF
-from app.jobs.scrub import BROKEN, ORPHANED, WAITING, WHOLE, scrub
+from app.jobs.scrub import BROKEN, ORPHANED, WAITING, WHOLE, damages
 from app.jobs.store import Store
 from app.settings import Settings
 from core.intake import prepare_content
@@ -51,7 +51,7 @@ def flip(path: Path) -> None:
 
 
 def states(store: Store) -> dict[str, str]:
-    return {found.name: found.state for found in scrub(store)}
+    return {found.name: found.state for found in damages(store)}
 
 
 def test_each_folder_is_told_as_it_is(store):

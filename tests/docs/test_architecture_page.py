@@ -1,0 +1,33 @@
+"""The drawing of the architecture says what the import contracts and docstrings say today."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+from benchmarks.architecture_page import DRAWING, WAY, contracts, drawing, layers
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def test_the_drawing_is_up_to_date():
+    assert drawing() == DRAWING.read_text(encoding="utf-8"), (
+        "python -m benchmarks.architecture_page"
+    )
+
+
+def test_every_package_of_the_contracts_is_drawn_once():
+    rules = contracts()
+    rooms = [room for layer in layers(rules) for room in layer]
+    names = [room.name for room in rooms]
+    assert len(names) == len(set(names)) > 30
+    drawn = [text.text for text in ElementTree.fromstring(drawing()).iter(f"{SVG}text")]
+    assert [name for name in drawn if name in set(names)] == names
+    assert set(WAY) <= set(names)
+    assert all(room.purpose.endswith(".") for room in rooms)
+
+
+def test_contracts_that_forbid_more_stand_at_their_packages():
+    rooms = {room.name: room.rules for layer in layers(contracts()) for room in layer}
+    assert "the physics knows arrays only" in rooms["core.mechanics"]
+    assert "jobs know no HTTP and no console" in rooms["app.jobs"]
+    assert rooms["core.plots"] == ()
