@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.cli.console import fail, say, stdout, table, tell
+from app.cli.console import fail, say, table, tell
 from app.cli.findings import show_findings
+from app.cli.nearest import is_infeasible, listed, measured, nearest
 from app.cli.uncertain import is_short, is_uncertain, show_design
-from app.cli.units import DIGITS, ends, number, units_asked
-from core import optimise
+from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
 from core.intake import parse_json
 from core.kinds import STATUSES, is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
-from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
+from core.quantities import QUANTITIES, REGIMES
 from core.quantities.optimum import OF_THE_SEARCH
 from core.study.distributions import nominal
 from core.study.optimise_study import OptimiseStudy, Pareto
@@ -65,6 +65,38 @@ def show_result(
     if "findings" in result.attributes:
         show_findings(result, units)
         return
+    if facts["cells"] > 1 or not is_infeasible(result):  # of one it would be a table of dashes
+        _show_values(facts, result, units, everything=everything)
+    if "message" in facts:
+        say(f"  {facts['criterion']}, method {facts['method']}")
+        # The choice itself stands in the table, in the units asked for.
+        told = [one for one in facts["message"].split("; ") if not _CHOICE.match(one)]
+        tell(f"  {'; '.join(told)}")
+    for line in _held_at(result, units):
+        say(f"  {line}")
+    if backwards := travel_in_words(result):
+        say(f"  {backwards}")
+    if knee := _knee(result, units):
+        tell(f"  {knee}")
+    if fastest := _fastest(result, units):
+        tell(f"  {fastest}")
+    for line in nearest(result, units):
+        tell(f"  {line}")
+    _show_verified(result)
+    left = facts["cells"] - facts["cells_computed"]
+    if left:
+        fail(
+            f"  It was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
+            f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
+        )
+    elif not facts["whole"]:
+        fail("  It was stopped: all cells are computed, and not all verified that should be.")
+
+
+def _show_values(
+    facts: Mapping[str, Any], result: Table, units: ShownUnits, *, everything: bool
+) -> None:
+    """Print the values or ranges of outputs, and how often each status and regime occurs."""
     outputs = facts["outputs"]
     if not everything:
         outputs = {name: one for name, one in outputs.items() if name not in OF_THE_SEARCH}
@@ -79,37 +111,6 @@ def show_result(
         if name != "knee":  # a share of points says nothing
             tell(f"  {name}: {_in_words(states, facts['cells'])}")
     _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)
-    if "message" in facts:
-        say(f"  {facts['criterion']}, method {facts['method']}")
-        # The choice itself stands in the table, in the units asked for.
-        told = [one for one in facts["message"].split("; ") if not _CHOICE.match(one)]
-        tell(f"  {'; '.join(told)}")
-    for line in _held_at(result, units):
-        say(f"  {line}")
-    if backwards := travel_in_words(result):
-        say(f"  {backwards}")
-    if knee := _knee(result, units):
-        tell(f"  {knee}")
-    if fastest := _fastest(result, units):
-        tell(f"  {fastest}")
-    for line in _nearest(result, units):
-        tell(f"  {line}")
-    _show_verified(result)
-    left = facts["cells"] - facts["cells_computed"]
-    if left:
-        fail(
-            f"  It was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
-            f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
-        )
-    elif not facts["whole"]:
-        fail("  It was stopped: all cells are computed, and not all verified that should be.")
-
-
-def _read(name: str, value: float, units: ShownUnits) -> str:
-    """Return a value of a quantity with its unit, as a person reads it."""
-    shown = units.of(QUANTITIES[name].unit, abs(value))
-    gap = "" if shown.unit in ("", "°") else " "
-    return f"{number(shown.factor * value)}{gap}{shown.unit}"
 
 
 def _held_at(result: Table, units: ShownUnits) -> list[str]:
@@ -121,7 +122,7 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
         return []
     middles = {name: nominal(one) for name, one in study.intervals().items()}
     return [
-        f"Outputs are those at {_choice(middles, units)}; the objective and the margins of limits "
+        f"Outputs are those at {listed(middles, units)}; the objective and the margins of limits "
         "count the whole range."
     ]
 
@@ -139,7 +140,7 @@ def _knee(result: Table, units: ShownUnits) -> str:
               if one.dims == knee.dims}  # fmt: skip
     both = {name: values[name] for name in (study.criterion.output, study.criterion.against)}
     choice = {name: values[f"best_{name}"] for name in study.bounds()}
-    return f"Knee of the front: {_choice(both, units)}, at {_choice(choice, units)}."
+    return f"Knee of the front: {listed(both, units)}, at {listed(choice, units)}."
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
@@ -151,52 +152,12 @@ def _fastest(result: Table, units: ShownUnits) -> str:
         return ""
     place = np.unravel_index(np.nanargmax(speed.values), speed.values.shape)
     where = ", ".join(
-        f"{name} {_read(name, float(result.coordinates[name].values[k]), units)}"
+        f"{name} {measured(name, float(result.coordinates[name].values[k]), units)}"
         for name, k in zip(speed.dims, place, strict=True)
         if name in QUANTITIES and result.coordinates[name].values.ndim
     )
-    top = _read("conveying_velocity", float(speed.values[place]), units)
+    top = measured("conveying_velocity", float(speed.values[place]), units)
     return f"Fastest: {top} at {where}." if where else ""
-
-
-def _nearest(result: Table, units: ShownUnits) -> list[str]:
-    """Return how near one design without a solution comes to its limits, and what would do it."""
-    if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
-        return []
-    tell("  Looking for what comes nearest; Ctrl-C leaves that out ...")
-    try:
-        study = parse_json(str(result.attributes["study"]))
-        reaches, others = optimise.nearest(study), optimise.ways(study)
-    except KeyboardInterrupt:
-        return []
-    lines = []
-    for reach in reaches:
-        asked = (
-            f"{'at most' if reach.upper else 'at least'} {_read(reach.output, reach.bound, units)}"
-        )
-        lines.append(
-            f"Nearest: {reach.output} {_read(reach.output, reach.value, units)} ({asked} is asked) "
-            f"with all other limits kept, at {_choice(reach.choice, units)}."
-        )
-    for way in others:
-        value = _read(way.output, way.value, units)
-        lines.append(
-            f"With {way.change}: {way.output} {value} and all limits kept, at "
-            f"{_choice(way.choice, units)}."
-        )
-    return lines
-
-
-def _choice(choice: Mapping[str, float], units: ShownUnits) -> str:
-    return ", ".join(f"{name} {_read(name, value, units)}" for name, value in choice.items())
-
-
-def is_infeasible(result: Table) -> bool:
-    """True if no design of an optimisation has a solution."""
-    status = result.variables.get("optimum_status")
-    return status is not None and bool(
-        np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)
-    )
 
 
 def _regimes_computed(result: Table) -> NDArray[Any]:

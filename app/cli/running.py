@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from app.cli import console
+from app.cli.nearest import is_infeasible
 from app.cli.pieces import Pieces
 from app.cli.plans import more
-from app.cli.results import facts_of, is_infeasible, show_result
+from app.cli.results import facts_of, show_result
 from app.cli.streamed import run_streamed
 from app.cli.studies import (
     INTERRUPTED,

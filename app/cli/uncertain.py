@@ -9,6 +9,7 @@ import numpy as np
 
 from app.cli.console import say, table, tell
 from app.cli.units import number
+from core.dataset.regimes import percent_with_error
 from core.quantities import QUANTITIES
 from core.sensitivity.answers import QUANTILE, UNCERTAIN
 
@@ -49,7 +50,7 @@ def show_design(result: Table, units: ShownUnits) -> None:
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()
             words = _demand(one.attributes, units)
-            tell(f"  {words}: {_share(one.values.item(), error)}")
+            tell(f"  {words}: {percent_with_error(one.values.item(), error)}")
     for name in result.variables:
         if name.endswith("_left_out"):
             _show_output(result, name.removesuffix("_left_out"), units)
@@ -110,7 +111,8 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
             for part in by_parameter:
                 value, error = found[part].values[row], found.get(f"{part}_error")
                 if part in SHARES:
-                    cells.append(_share(value, None if error is None else error.values[row]))
+                    width = None if error is None else float(error.values[row])
+                    cells.append(percent_with_error(value, width))
                 else:
                     cells.append(_value(value, shown))
             rows.append((parameter, *cells))
@@ -125,18 +127,6 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
 def _value(value: Array, shown: Shown, error: Array | None = None) -> str:
     text = number(shown.factor * float(value))
     return text if error is None else f"{text} ± {number(shown.factor * float(error), 2)}"
-
-
-def _share(value: float, error: float | None) -> str:
-    """Return a share in per cent, with the decimals that its error leaves it."""
-    if not np.isfinite(value):
-        return "-"
-    decimals = 1
-    if error is not None and np.isfinite(error) and error > 0:
-        decimals = int(np.clip(-np.floor(np.log10(100 * error)), 0, 3))
-    text = f"{100 * value + 0.0:.{decimals}f}"
-    text = text.removeprefix("-") if not float(text) else text
-    return f"{text} %" if error is None else f"{text} % ± {100 * error:.{decimals}f} %"
 
 
 def _percent(share: float) -> str:

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from core.dataset.regimes import percent_with_error
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
@@ -247,7 +248,7 @@ def _draw_distribution(axes: Axes, told: UncertainOutput, style: Style) -> Drawn
                 [k for k in ("at_least", "at_most") if k in one.attrs], bounds, strict=True
             )
         ]
-        facts.append(f"{' and '.join(words_)}: {_percent(float(one))} ± {_percent(error)}")
+        facts.append(f"{' and '.join(words_)}: {percent_with_error(float(one), error)}")
         entries.append(Line2D([], [], color=style.accent, linewidth=2.0, label=facts[-1]))
     axes.set(xlabel=told.axis, ylabel="Share of the parts (%)")
     axes.margins(x=0.03)

@@ -7,6 +7,7 @@ is the whole: nothing that is drawn is impossible. Numbers are in the unit of st
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -102,6 +103,8 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = {
     "tabulated": Tabulated.keys,
 }
 """The keys of each distribution; they tell which it is. A normal one may have bounds besides."""
+_WIDTH: Final = re.compile(r"(?P<value>[^+±]{1,40})(?:\+-|\+/-|±)(?P<width>[^+±]{1,40})")
+"""A value with a width, as drawings have it; at most 40 letters each, so that it is said whole."""
 BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 
 
@@ -123,6 +126,8 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
         message = f"{name} is to come from a file, and only the command line and Python read files"
         raise UnitError(message, "Give values and densities in its place")
     is_normal = frozenset(Normal.keys) <= keys <= BOUNDED
+    if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):
+        raise UnitError(*_no_width(width["value"].strip(), width["width"].strip()))
     if not isinstance(raw, Mapping) or not (is_normal or keys in map(frozenset, FORMS.values())):
         raise UnitError(*_no_form(name, keys))
     if keys == frozenset(FORMS["uniform"]):
@@ -138,6 +143,13 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
         message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
         raise UnitError(message, "Write them in ascending order")
     return Triangular(lower, likely, upper)
+
+
+def _no_width(value: str, width: str) -> tuple[str, str]:
+    """Return the problem of a value with +- behind it, which has two meanings, and its fix."""
+    message = f"'{value} +- {width}' may mean limits or a standard deviation"
+    normal = f'{{ mean = "{value}", deviation = "{width}" }}'
+    return message, f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation"
 
 
 def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.cli.uncertain import _share
+from core.dataset.regimes import percent_with_error
 from core.intake import prepare_content
 from core.plan.price import in_words
 
@@ -23,7 +23,7 @@ from core.plan.price import in_words
     ],
 )
 def test_a_share_has_the_decimals_that_its_error_leaves(value, error, text):
-    shown = _share(value, error)
+    shown = percent_with_error(value, error)
     assert shown.replace(" % ±", " ±") == text
 
 

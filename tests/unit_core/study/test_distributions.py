@@ -84,6 +84,8 @@ def test_a_flat_table_is_uniform():
     ("raw", "message"),
     [
         (0.3, "this is no distribution"),
+        ("0.3 +- 5 %", "may mean limits or a standard deviation"),
+        ("0.3 ± 0.02", 'deviation = "0.02"'),
         ({"mean": 0.3}, "mean alone make no distribution"),
         ({"mean": 0.3, "devation": 0.1}, "Did you mean 'deviation'"),
         ({"mean": -0.1, "deviation": 0.1}, "at least 0"),

@@ -1,0 +1,65 @@
+"""The nearest designs of an optimisation without a solution, in words: for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app.cli.console import stdout, tell
+from app.cli.units import number
+from core import optimise
+from core.intake import parse_json
+from core.quantities import OPTIMUM_STATUSES, QUANTITIES
+
+if TYPE_CHECKING:
+    from core.dataset import Table
+    from core.study.shown import ShownUnits
+
+
+def measured(name: str, value: float, units: ShownUnits) -> str:
+    """Return a value of a quantity with its unit, as a person reads it."""
+    shown = units.of(QUANTITIES[name].unit, abs(value))
+    gap = "" if shown.unit in ("", "°") else " "
+    return f"{number(shown.factor * value)}{gap}{shown.unit}"
+
+
+def nearest(result: Table, units: ShownUnits) -> list[str]:
+    """Return lines of the designs nearest to the limits of an infeasible one, and of ways out."""
+    if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
+        return []
+    tell("  Looking for what comes nearest; Ctrl-C leaves that out ...")
+    try:
+        study = parse_json(str(result.attributes["study"]))
+        reaches, others = optimise.nearest(study), optimise.ways(study)
+    except KeyboardInterrupt:
+        return []
+    lines = []
+    for reach in reaches:
+        side = "at most" if reach.upper else "at least"
+        asked = f"{side} {measured(reach.output, reach.bound, units)} is asked"
+        lines.append(
+            f"Nearest: {reach.output} {measured(reach.output, reach.value, units)} ({asked}) "
+            f"with all other limits kept, at {listed(reach.choice, units)}."
+        )
+    for way in others:
+        value = measured(way.output, way.value, units)
+        lines.append(
+            f"With {way.change}: {way.output} {value} and all limits kept, at "
+            f"{listed(way.choice, units)}."
+        )
+    return lines
+
+
+def listed(choice: Mapping[str, float], units: ShownUnits) -> str:
+    """Return names with their values and units, separated by commas."""
+    return ", ".join(f"{name} {measured(name, value, units)}" for name, value in choice.items())
+
+
+def is_infeasible(result: Table) -> bool:
+    """True if no design of an optimisation has a solution."""
+    status = result.variables.get("optimum_status")
+    return status is not None and bool(
+        np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)
+    )
