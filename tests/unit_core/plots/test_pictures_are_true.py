@@ -40,6 +40,7 @@ ROUNDING = 1e-9
 AS_THEY_ARE = (
     "1", "", "°", "Hz", "kg", "m", "s", "m/s", "m/s²", "rad/s", "rad/s²", "N", "J", "N s", "N m",
     "W", "1/kg", "J/kg", "1/s", "m²", "kg m²", "kg m²/s", "N m s", "Pa", "m²/s²", "rad",
+    "parts/min",
 )  # fmt: skip
 FACTORS = {"g": 1e-3, "%": 0.01, "1/min": 1 / 60}
 PREFIXES = {"m": 1e-3, "µ": 1e-6, "k": 1e3, "n": 1e-9, "M": 1e6}
@@ -298,7 +299,8 @@ def check_motion(reader: Reader) -> int:
     x, y = (np.asarray(data, dtype=float) for data in curve.get_data())
     seconds = float(np.ptp(x)) * {"ms": 1e-3, "s": 1.0}[unit_in(time)]
     metres = (y[-1] - y[0]) * {"mm": 1e-3, "µm": 1e-6, "m": 1.0}[unit_in(panel.get_ylabel())]
-    velocity = result_of(single | {"outputs": ["conveying_velocity"]})["conveying_velocity"]
+    outputs = [*single.get("outputs", ()), "conveying_velocity"]  # which use all of its parameters
+    velocity = result_of(single | {"outputs": outputs})["conveying_velocity"]
     periods = seconds * float(np.asarray(reader.dataset["frequency"]))
     if abs(periods - round(periods)) > 1e-6 or periods < 0.5:
         return 0
@@ -308,17 +310,18 @@ def check_motion(reader: Reader) -> int:
 
 
 def check_row(reader: Reader) -> int:
-    """Compare the velocity over the last half of the time with those of the parts."""
+    """Compare the velocity over the last fifth of the time with those of the parts."""
     plain = {k: v for k, v in reader.content.items() if k != "trajectory"}
     outputs = ["slowest_velocity", "fastest_part_velocity", "feed_rate"]
     slowest, fastest = (float(result_of(plain | {"outputs": outputs})[n]) for n in outputs[:2])
     for line in reader.axes.lines:
         x, y = (np.asarray(data, dtype=float) for data in line.get_data())
-        half = len(x) // 2
-        metres = (y[-1] - y[half]) * {"mm": 1e-3, "m": 1.0}[unit_in(reader.axes.get_ylabel())]
-        seconds = (x[-1] - x[half]) * {"ms": 1e-3, "s": 1.0}[unit_in(reader.axes.get_xlabel())]
-        # Five periods from the start: some 5 % from the mean of the motion it falls into.
-        assert 0.95 * slowest < metres / seconds < 1.05 * fastest
+        last = -len(x) // 5
+        metres = (y[-1] - y[last]) * {"mm": 1e-3, "m": 1.0}[unit_in(reader.axes.get_ylabel())]
+        seconds = (x[-1] - x[last]) * {"ms": 1e-3, "s": 1.0}[unit_in(reader.axes.get_xlabel())]
+        # The last two of ten periods from rest. Where parts hop, what is left of the start decays
+        # by a third in each period: 72 mm/s in the first became 24.2 of 23.8 in the tenth.
+        assert 0.85 * slowest < metres / seconds < 1.15 * fastest
     return 1
 
 
