@@ -80,6 +80,7 @@ def scenes(address):
 def test_any_link_leaves_a_working_page_and_a_sentence(page, address, scenes):
     page.on("dialog", lambda dialog: pytest.fail("something of a link was run"))
     page.goto(f"{address}/#question=all")
+    finished(page)
     kinds = []
     for number, (kind, link) in zip(itertools.count(), links(LINKS, 1, scenes)):
         if number % 15 == 14:  # as if it came by mail
@@ -97,7 +98,7 @@ def test_any_link_leaves_a_working_page_and_a_sentence(page, address, scenes):
         else:
             assert len(found["notice"]) <= 1, link
             kinds.append(bool(found["notice"] or found["fields"]))
-    # Hardly anything that means harm makes a sense by chance.
-    assert sum(kinds) > 0.9 * len(kinds)
+    # Hardly anything that means harm makes a sense by chance: one of a few, a tenth of many.
+    assert len(kinds) - sum(kinds) <= max(1, 0.1 * len(kinds))
     page.get_by_role("button", name="How fast does my part travel?").click()
     finished(page)

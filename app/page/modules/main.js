@@ -50,6 +50,7 @@ class Page {
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
     this.turn = 0; // of views that were opened: the last one counts
+    this.opened = 0; // the last of them that is open
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
       byId("headline").focus();
@@ -88,6 +89,7 @@ class Page {
   }
 
   async restore() {
+    this.turn += 1; // what is still being opened is left
     busy(true);
     const { wanted, complaints } = fromLink(location.hash);
     const question = wanted.question ?? "speed";
@@ -176,6 +178,7 @@ class Page {
     await this.tellWhatElse();
     if (isLeft()) return;
     this.notice.tell(complaints.slice(0, 1));
+    this.opened = turn;
     const drawn = this.compute({ isFirst: true });
     if (view.point) this.follow();
     await drawn;
@@ -229,7 +232,7 @@ class Page {
       }
     } finally {
       this.isComputing = false;
-      busy(false);
+      if (this.opened === this.turn) busy(false); // else another view is being opened
     }
   }
 
