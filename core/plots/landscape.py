@@ -61,7 +61,8 @@ class Landscape(NamedTuple):
     value : ndarray, shape (n,) or (n, n)
         The objective.
     margins : dict of str to ndarray
-        By its words, how far each constraint is from being broken, below 0 where it is.
+        By its words, how far each constraint is from being broken: below 0 where it is, and where
+        its output has no value.
     best : ndarray, shape (variables, k)
         The optimum, or the points of a front; none where there is no answer.
     """
@@ -233,11 +234,17 @@ def _over(
         value=scaled(value, unit.factor),
         label=label,
         margins={
-            _limit(kept, units): over(problem.safe_margin(kept, grid, design))
+            _limit(kept, units): _excluding(over(problem.safe_margin(kept, grid, design)))
             for kept in problem.kept
         },
         best=np.array(tops) if solved else np.empty((len(tops), 0)),
     )
+
+
+def _excluding(margin: Array) -> Array:
+    """A margin that excludes the points without a value, as the search does."""
+    finite = margin[np.isfinite(margin)]
+    return np.nan_to_num(margin, nan=min(float(finite.min(initial=0.0)), -np.finfo(float).eps))
 
 
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:

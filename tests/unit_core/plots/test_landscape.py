@@ -98,3 +98,19 @@ def test_the_star_stands_at_the_best_of_what_is_drawn(picture):
     assert shown.value[tuple(near)] == pytest.approx(optimum, abs=slack)
     # The scale is that of what is allowed, not of what is excluded and ten times as fast.
     assert top <= image.levels[-1] <= 1.5 * top
+
+
+def test_a_limit_without_a_value_here_and_there_excludes_and_has_its_edge():
+    from core.plots.landscape import Landscape, _draw_plane, _excluding
+    from core.plots.style import LIGHT
+
+    side = np.linspace(0.0, 1.0, 21)
+    margin = side[:, None] - 0.5 + 0 * side
+    margin[0, 0] = margin[-1, -1] = np.nan  # motions that did not settle
+    margin = _excluding(margin)
+    assert margin[0, 0] < 0
+    assert margin[-1, -1] < 0
+    shown = Landscape((side, side), ("a", "b"), margin, "c", {"speed": margin}, np.empty((2, 0)))
+    figure = LIGHT.sheet()
+    entries = [entry.get_label() for entry in _draw_plane(figure.add_subplot(), shown, LIGHT)]
+    assert entries == ["edge of speed", "faint: excluded"]
