@@ -27,8 +27,8 @@ from benchmarks.plate_engines import (
     installed,
 )
 from benchmarks.worked_values import REFERENCE_SPEEDS
-from core.accuracy import motion
-from core.accuracy.curves import Curve
+from core.assurance.accuracy import motion
+from core.assurance.accuracy.curves import Curve
 from core.intake import load_study
 from core.kinds.results import prepare
 from core.mechanics.arrays import Array
@@ -59,7 +59,7 @@ class Case:
     gamma : float
         Incline of the track, degrees.
     velocity : float
-        Known mean velocity [m s-1], of core/validation.
+        Known mean velocity [m s-1], of core/assurance.
     """
 
     name: str

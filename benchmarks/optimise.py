@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from core.accuracy.optimisers import answer
+from core.assurance.accuracy.optimisers import answer
 from core.intake import parse_study
 from core.kinds import run_study
 from core.mechanics.arrays import Array

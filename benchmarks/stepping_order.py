@@ -1,7 +1,7 @@
 """Prints the error of the time stepping against the step, its order, and its speed.
 
 `python -m benchmarks.stepping_order`. Exact values: theory 13.8 (v), (vi), the worked means
-of core/validation, and the reference method in space.
+of core/assurance, and the reference method in space.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.motions import planar_stepped_motion, reference_motion, stepped_motion, stepped_path
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.accuracy.curves import fitted_slope
+from core.assurance.accuracy.curves import fitted_slope
 
 STEPS = (100, 300, 1000, 3000, 10000, 30000, 100000)
 REST = {"drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0}

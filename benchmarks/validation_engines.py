@@ -22,16 +22,16 @@ import numpy as np
 
 from benchmarks.best_wave import motions
 from benchmarks.engine_drivers import BLOCKS
+from core.assurance.case import KnownProblem
+from core.assurance.catalogue import problems
+from core.assurance.forms.formulas import GRAVITY
+from core.assurance.forms.laws import LATER, turning_phase
+from core.assurance.judge import outputs_of
 from core.motion.systems import SYSTEMS
 from core.motion.waves import ALONG, NORMAL, speed
 from core.plan.equations import run_equations
 from core.plan.plan import plan_scene
 from core.quantities import QUANTITIES
-from core.validation.catalogue import problems
-from core.validation.formulas import GRAVITY
-from core.validation.laws import LATER, turning_phase
-from core.validation.problem import KnownProblem
-from core.validation.run import outputs_of
 
 GENERATED = Path(__file__).parents[1] / "docs" / "generated"
 RESULTS, PICTURE = GENERATED / "validation-engines.json", GENERATED / "validation-engines.png"

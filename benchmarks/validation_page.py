@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.validation_engines import NAMES, PICTURE, RESULTS, STEPS, cases
+from core.assurance.case import RELATIONS, TRUTHS
+from core.assurance.catalogue import FAMILIES, NOT_CLAIMED, problems
+from core.assurance.forms import Form, forms
+from core.assurance.judge import Outcome, solve
+from core.assurance.tables import expected, number
+from core.assurance.worked import rail
 from core.dataset.markdown import markdown_table
-from core.validation import rail
-from core.validation.catalogue import FAMILIES, NOT_CLAIMED, problems
-from core.validation.forms import Form, forms
-from core.validation.problem import RELATIONS, TRUTHS
-from core.validation.run import Outcome, solve
-from core.validation.shown import expected, number
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "validation.md"
@@ -177,8 +177,8 @@ def _worked(outcomes: list[Outcome]) -> Iterator[str]:
     yield ""
     yield (
         "Numbers that were worked out without this program, by closed forms and by another method "
-        "of events (`core/validation/worked_values.toml`), and figures of the thesis that show one "
-        "number."
+        "of events (`core/assurance/worked/values.toml`), and figures of the thesis that show "
+        "one number."
     )
     yield ""
     rows = []

@@ -1,4 +1,4 @@
-"""Worked values, to which tests and benchmarks are held: the rows of a file of `core.validation`.
+"""Worked values, to which tests and benchmarks are held: the rows of a file of `core.assurance`.
 
 Where they come from stands there.
 """
@@ -6,15 +6,13 @@ Where they come from stands there.
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
+from core.assurance.worked.values import worked_values
+
 GRAVITY = 9.8  # m s-2, of the mean velocities
-TABLES = tomllib.loads(
-    (Path(__file__).parents[1] / "core" / "validation" / "worked_values.toml").read_text("utf-8")
-)
+TABLES = worked_values()
 
 
 @dataclass(frozen=True)

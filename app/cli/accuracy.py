@@ -8,11 +8,11 @@ from pathlib import Path
 
 from app.cli import console
 from app.jobs.accuracy import PAGE, draw
-from core.accuracy import extremes, leaving_out
-from core.accuracy.families import SECONDS
-from core.accuracy.hard_cases import HARD_CASES
-from core.accuracy.page import PageSection, head_of, sections_of, write_page
-from core.accuracy.report import machine, measure_study
+from core.assurance import extremes, leaving_out
+from core.assurance.accuracy.families import SECONDS
+from core.assurance.accuracy.page import PageSection, head_of, sections_of, write_page
+from core.assurance.accuracy.report import machine, measure_study
+from core.assurance.hard_cases import HARD_CASES
 from core.dataset.files import whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table

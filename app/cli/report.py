@@ -11,7 +11,7 @@ from app.cli import console
 from app.cli.accuracy import EXTREMES, dataset_of, write_report
 from app.cli.options import FAILED
 from app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
-from core.accuracy.families import families_of
+from core.assurance.accuracy.families import families_of
 from core.errors import Problem, StudyError
 
 

@@ -15,11 +15,10 @@ from app.cli.layout import plain_lines
 from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
 from app.cli.texts import refuse_taken, write_text
-from core.errors import Problem, StudyError
-from core.validation import catalogue
-from core.validation.answers import read_answers
-from core.validation.run import judge, solve, summaries
-from core.validation.shown import (
+from core.assurance import catalogue
+from core.assurance.answers import read_answers
+from core.assurance.judge import judge, solve, summaries
+from core.assurance.tables import (
     COLUMNS,
     FAMILY_COLUMNS,
     document,
@@ -28,12 +27,13 @@ from core.validation.shown import (
     rows,
     sentence,
 )
+from core.errors import Problem, StudyError
 from core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.validation.answers import ProgramAnswers
-    from core.validation.problem import KnownProblem
-    from core.validation.run import Outcome
+    from core.assurance.answers import ProgramAnswers
+    from core.assurance.case import KnownProblem
+    from core.assurance.judge import Outcome
 
 COMMAND = Path("validate")  # what problems are said to be of
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import xarray
 
 from app.jobs.store import Store
-from core.accuracy.families import families_of
-from core.accuracy.kept import keep, kept
-from core.accuracy.page import head_of, sections_of, write_page
-from core.accuracy.report import machine, measure_family, part_of
+from core.assurance.accuracy.families import families_of
+from core.assurance.accuracy.kept import keep, kept
+from core.assurance.accuracy.page import head_of, sections_of, write_page
+from core.assurance.accuracy.report import machine, measure_family, part_of
 from core.extras import installing
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared

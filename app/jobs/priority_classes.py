@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from app.jobs.ledger import Work
 from app.jobs.store import Store
 from app.settings import Settings
-from core.accuracy.families import SECONDS
+from core.assurance.accuracy.families import SECONDS
 from core.kinds import KINDS
 
 SHORT = 10  # blocks' time; what takes longer is long

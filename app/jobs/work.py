@@ -18,7 +18,7 @@ from app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from app.jobs.store import Store
 from app.jobs.studies import identifier
 from app.settings import Settings
-from core.accuracy.families import families_of
+from core.assurance.accuracy.families import families_of
 from core.errors import StoppedError
 from core.kinds import KINDS
 from core.plan.pieces import Cut, cells_of_piece, join

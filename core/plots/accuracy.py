@@ -31,7 +31,7 @@ def draw_accuracy(dataset: xarray.Dataset, family: str, style: Style = LIGHT) ->
     Parameters
     ----------
     dataset : xarray.Dataset
-        The report, as `core.accuracy` makes it or as its file is read.
+        The report, as `core.assurance.accuracy` makes it or as its file is read.
     family : str
         One of its families.
     """

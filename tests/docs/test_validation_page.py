@@ -10,7 +10,7 @@ import pytest
 from benchmarks.engine_drivers import follow
 from benchmarks.validation_engines import PICTURE, RESULTS, answer, cases, jobs
 from benchmarks.validation_page import PAGE, page
-from core.validation.catalogue import problems
+from core.assurance.catalogue import problems
 
 NUMBER = re.compile(r"(?<![\w.-])-?\d+\.\d+(?:e-?\d+)?")
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.accuracy import extremes
-from core.accuracy.extremes import (
+from core.assurance import extremes
+from core.assurance.extremes import (
     ComputedCase,
     carry_out,
     judge,
@@ -23,9 +23,9 @@ from core.accuracy.extremes import (
     to_table,
     worst_of_families,
 )
-from core.accuracy.hard_cases import HARD_CASES, HardCase
-from core.accuracy.hard_cases.studies import WORKED
-from core.accuracy.textbook import TextbookValue, exact
+from core.assurance.hard_cases import HARD_CASES, HardCase
+from core.assurance.hard_cases.studies import WORKED
+from core.assurance.textbook import TextbookValue, exact
 from core.motion import cells
 from core.watch import Watch
 

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 from app.cli import app
 from app.cli.accuracy import write_report
-from core.accuracy.curves import FAMILIES
-from core.accuracy.report import families_of
-from core.accuracy.textbook import TextbookValue
+from core.assurance.accuracy.curves import FAMILIES
+from core.assurance.accuracy.report import families_of
+from core.assurance.textbook import TextbookValue
 from core.intake import prepare_content, read_content
 
 ROOT = Path(__file__).parents[3]
@@ -172,8 +172,8 @@ def test_a_folder_that_cannot_be_made_is_told(study):
 @pytest.fixture
 def few_extremes(monkeypatch):
     """Let the catalogue and the scenes be two cases and one scene."""
-    from core.accuracy import extremes, leaving_out
-    from core.accuracy.hard_cases import HARD_CASES
+    from core.assurance import extremes, leaving_out
+    from core.assurance.hard_cases import HARD_CASES
 
     easy = next(case for case in HARD_CASES if case.name == "every axis of one value")
     wrong = replace(easy, name="wrong", answer=lambda: TextbookValue(-1.0, 1e-9, "made up"))

@@ -9,8 +9,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.accuracy import closed_forms
-from core.accuracy.cells import random_cells
+from core.assurance.accuracy import closed_forms
+from core.assurance.accuracy.cells import random_cells
 from core.intake import prepare_content, read_content
 from core.plan.equations import run_equations
 from core.plan.plan import make_plan, scene_parameters

@@ -1,0 +1,36 @@
+"""The families of measurements that a study has."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from core.assurance.accuracy.curves import FAMILIES
+from core.errors import Problem, StudyError
+from core.kinds import KINDS
+from core.plan.prepared import Prepared
+
+SECONDS = 60.0
+"""Of one family; what is fast takes less."""
+
+
+def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
+    """Return the families that a study has, in order.
+
+    Raises
+    ------
+    StudyError
+        If `only` names one that there is not, or that this kind of study has not.
+    """
+    kind = prepared.study.kind
+    known = KINDS[kind].measures
+    if not known:
+        measured = (name for name, one in KINDS.items() if one.measures)
+        message = f"the accuracy of a study of kind '{kind}' is not measured"
+        raise StudyError([Problem("kind", message, f"Measure one of kind {' or '.join(measured)}")])
+    wrong = [name for name in only if name not in known]
+    if wrong:
+        what = (
+            "is not a family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
+        )
+        raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
+    return tuple(name for name in known if not only or name in only)

@@ -1,0 +1,181 @@
+"""The closed forms themselves, against the true motion of the part over the user's range."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.assurance.accuracy.cells import random_cells, sample_size
+from core.assurance.accuracy.curves import Curve, Measured, Point, single
+from core.assurance.accuracy.motion import is_point_part
+from core.errors import StudyError
+from core.intake import parse_study
+from core.mechanics.arrays import Array
+from core.motion.prepare import Simulation, prepare
+from core.motion.result import ANSWERED, STATUS
+from core.motion.systems import SYSTEMS
+from core.plan.equations import regimes, run_equations
+from core.plan.plan import plan_scene, scene_parameters
+from core.quantities import QUANTITIES, REGIMES
+from core.study.simulate_study import SimulateStudy
+from core.sweep.plain import Sweep
+from core.watch import Watch
+
+CELLS = 2000
+VELOCITY = "m s-1"
+VELOCITIES = (
+    "transport_velocity",
+    "mean_velocity",
+    "velocity_at_time",
+    "terminal_velocity",
+    "velocity_bound",
+)
+"""Outputs that stand for how fast a part travels."""
+
+ACCELERATIONS = ("starting_acceleration", "acceleration_x")
+"""Outputs by which drives are put in order."""
+RESTING = 1e-9  # of the drive's speed
+OUTPUTS = (
+    "conveying_velocity",
+    "conveying_velocity_error",
+    "throw_number",
+    "drive_number",
+    "velocity_scale",
+    "motion_status",
+    "regime",
+)
+
+
+def motion_of_sweep(sweep: Sweep) -> Simulation | None:
+    """Return the motion that belongs to scene and parameters of a sweep, None if there is none."""
+    content = sweep.study.content()
+    scene = SYSTEMS.get(sweep.plan.scene.name)
+    if scene is None or not is_point_part(scene):
+        return None
+    used = {name for method in scene.variants for name in scene_parameters(scene, method)}
+    given = {name: value for name, value in content["parameters"].items() if name in used}
+    study: Any = {"kind": "simulate", "scene": scene.name, "parameters": given}
+    try:
+        asked = parse_study(study)
+        assert isinstance(asked, SimulateStudy)
+        return prepare(asked)
+    except StudyError:
+        return None  # the parameters do not tell the motion: no friction, say
+
+
+def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
+    """Return how far the outputs of a sweep are from the true mean velocity, by regime."""
+    names = {*sweep.plan.parameters, *motion.grid.axes, *motion.grid.fixed}
+    cells = sample_size(sweep.grid, cells)
+    given = random_cells(sweep.grid, cells, names)
+    system = motion.plan.scene
+    plan = plan_scene(system, motion.plan.variant, OUTPUTS, tuple(motion.study.values()))
+    known = run_equations(plan, {n: given[n] for n in plan.parameters}, watch)
+
+    def spread(values: Any) -> NDArray[Any]:
+        return np.broadcast_to(values, cells)
+
+    true = spread(known["conveying_velocity"])
+    drive = spread(known["drive_number"] * known["velocity_scale"])
+    answered = np.isin(known["motion_status"], [STATUS[name] for name in ANSWERED])
+    kept = spread(answered) & np.isfinite(true)
+    reached = int(np.sum(spread(known["motion_status"]) != STATUS["not_computed"]))
+    kind = spread(regimes(plan, known))
+    with np.errstate(all="ignore"):  # where a form has no value, that is told
+        closed = run_equations(sweep.plan, {n: given[n] for n in sweep.plan.parameters})
+    moves = kept & (np.abs(true) > RESTING * drive)
+    outputs = [n for n in sweep.plan.outputs if n in (*VELOCITIES, *ACCELERATIONS)]
+    curves = [_curve(name, spread(closed[name]), true, moves, kind) for name in outputs]
+    estimate = spread(known["conveying_velocity_error"] / drive)[kept]
+    notes = [
+        f"{reached:,} different random cells of {sweep.cells:,} (seed 2004), each followed by the "
+        f"method {plan.variant}; {kept.sum():,} have a mean velocity, {moves.sum():,} of them "
+        f"travel. By its own estimate the motion's error is at most {_most(estimate):.1e} of the "
+        f"drive's speed A w, and {_median(estimate):.1e} in half of the cells.",
+        "Error: |formula - true| over the true mean velocity, for velocities. Rank correlation "
+        "(Spearman): 1 where the formula orders the drives as the true motion does, whatever its "
+        "size; the only comparison that an acceleration allows. A negative ratio: the part travels "
+        "the other way.",
+    ]
+    if reached < cells:
+        notes.append(f"The time given ran out: {reached:,} of {cells:,} cells were followed.")
+    velocities = [name for name in outputs if name in VELOCITIES]
+    singles = {
+        "throw_number": single(_chosen(known["throw_number"], moves, cells), "throw number", "1"),
+        "true_velocity": single(true[moves], "mean velocity of the true motion", VELOCITY),
+        "regime": single(
+            kind[moves],
+            "regime of the true motion",
+            "1",
+            flag_values=np.array([REGIMES[n].value for n in plan.regimes], dtype=np.int8),
+            flag_meanings=" ".join(plan.regimes),
+        ),
+    }
+    for name in velocities:
+        values = spread(closed[name])[moves]
+        singles[name] = single(values, QUANTITIES[name].label, VELOCITY)
+    return Measured("model", tuple(curves), tuple(notes), singles)
+
+
+def _curve(
+    output: str,
+    found: Array,
+    true: Array,
+    moves: NDArray[np.bool_],
+    kind: NDArray[np.int8],
+) -> Curve:
+    """Return the errors of one output, over all cells and in each regime of the motion."""
+    points = []
+    is_velocity = output in VELOCITIES
+    groups = {"all that travel": moves}
+    groups |= {name.replace("_", " "): moves & (kind == r.value) for name, r in REGIMES.items()}
+    for name, where in groups.items():
+        here = where & np.isfinite(found)
+        if not here.any():
+            continue
+        ratio = found[here] / true[here]
+        more = {"rank_correlation": rank_correlation(found[here], true[here])}
+        error = np.abs(ratio - 1)
+        if is_velocity:
+            more |= {
+                "ratio": float(np.median(ratio)),
+                "within_tenth": float(np.mean(error <= 0.1)),
+                "within_factor_two": float(np.mean((ratio >= 0.5) & (ratio <= 2))),
+            }
+        else:
+            error = np.full(1, np.nan)
+        points.append(
+            Point(name, np.nan, float(np.median(error)), float(error.max()), np.nan,
+                  int(here.sum()), more)
+        )  # fmt: skip
+    return Curve("model", output, "formula", tuple(points))
+
+
+def rank_correlation(one: Array, other: Array) -> float:
+    """Return the correlation of the ranks of two rows of values; NaN where one does not vary."""
+    ranks = [_ranks(values) for values in (one, other)]
+    if min(np.ptp(values) for values in ranks) == 0:
+        return float("nan")
+    return float(np.asarray(np.corrcoef(ranks))[0, 1])
+
+
+def _ranks(values: Array) -> Array:
+    """Return ranks, the mean one where values are equal."""
+    _, where, counts = np.unique(values, return_inverse=True, return_counts=True)
+    last = np.cumsum(counts)
+    ranks = np.asarray((2 * last - counts - 1) / 2)
+    return ranks[where]
+
+
+def _chosen(values: Any, where: NDArray[np.bool_], cells: int) -> Array:
+    return np.asarray(np.broadcast_to(values, cells)[where], dtype=np.float64)
+
+
+def _most(values: Array) -> float:
+    return float(values.max()) if values.size else float("nan")
+
+
+def _median(values: Array) -> float:
+    return float(np.median(values)) if values.size else float("nan")

@@ -1,0 +1,202 @@
+"""Optimisers on the same designs: gap of the objective and error of the variables, over time."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import statistics
+import time
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.assurance.accuracy.cells import SEED, random_cells, sample_size
+from core.assurance.accuracy.curves import Curve, Measured, Point
+from core.mechanics.arrays import Array
+from core.optimise.codes import STATUS
+from core.optimise.known_answers import is_closed, is_compiled
+from core.optimise.methods import METHODS, refusal
+from core.optimise.optimisation import Optimisation
+from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
+from core.optimise.run import with_limit
+from core.study.optimise_study import Pareto
+from core.watch import Watch
+
+DESIGNS = 20
+DESIGNS_MOTION = 4
+REPEATS = 5
+SHORT = 0.1  # s; what takes longer is timed once
+MISSED = 1e-4
+"""A design whose objective is farther from the best, as a share of its scale, was missed."""
+FRONT_LIMIT = 0.25  # of the other output's scale: the point of a front that is compared
+
+
+@dataclass(frozen=True)
+class OptimiserResult:
+    """What a method gives for some designs.
+
+    Attributes
+    ----------
+    value : ndarray, shape (cells,)
+        Objective at the variables found; -inf where none were.
+    x : ndarray, shape (variables, cells)
+        Those variables, SI units.
+    seconds : float
+        Wall time for one design.
+    evaluations : ndarray, shape (cells,)
+        Points at which the outputs were computed.
+    done : ndarray of bool, shape (cells,)
+        The designs that were reached before it was stopped.
+    """
+
+    value: Array
+    x: Array
+    seconds: float
+    evaluations: Array
+    done: NDArray[np.bool_]
+
+
+def answer(
+    name: str,
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+    seconds: float = math.inf,
+) -> OptimiserResult:
+    """Return what a method finds in some seconds, after a first design that loads and compiles it.
+
+    scipy's methods, which take long for each design, have nothing to compile.
+    """
+    solve, first = METHODS[name].solve, slice(0, 1)
+    if METHODS[name].at_once:
+        one = chosen_cells(design, first), chosen_cells(scales, first)
+        solve(problem, *one, replace(watch, progress=None))
+    else:
+        importlib.import_module("scipy.optimize")
+    late = min(time.monotonic() + seconds, watch.deadline or math.inf)
+    started = time.perf_counter()
+    watch = replace(watch, progress=None, deadline=late)
+    found = solve(problem, design, scales, watch)
+    times = [time.perf_counter() - started]
+    cells = cells_of(design)
+    done = np.asarray(found.status != STATUS["not_computed"])
+    while done.all() and times[0] < SHORT and len(times) < REPEATS and not watch.stopped():
+        started = time.perf_counter()
+        solve(problem, design, scales, watch)
+        times.append(time.perf_counter() - started)
+    seconds = statistics.median(times) / max(1, done.sum())
+    lost = np.isnan(found.x).any(axis=0)
+    x = np.where(lost, problem.lower[:, None], found.x)
+    value = np.broadcast_to(problem.judged(x, design, scales)[0], cells)
+    used = np.broadcast_to(np.asarray(found.evaluations, dtype=np.float64), cells)
+    return OptimiserResult(np.where(lost, -np.inf, value), found.x, seconds, used, done)
+
+
+def measure(
+    optimisation: Optimisation, watch: Watch, seconds: float, methods: Collection[str] = METHODS
+) -> Measured:
+    """Return gap, error of the variables and time of methods for the study's problem.
+
+    They share the seconds.
+    """
+    problem = optimisation.problem
+    notes = []
+    count = DESIGNS_MOTION if problem.is_motion else DESIGNS
+    grid = optimisation.designs
+    count = sample_size(grid, count)
+    given = random_cells(grid, count, [*grid.axes, *grid.fixed])
+    design = with_limit(problem, given, count)
+    scales = problem.scales(design)
+    if isinstance(problem.criterion, Pareto):
+        against = problem.criterion.against
+        problem = problem.limited()
+        design = {**design, LIMIT: FRONT_LIMIT * scales[against]}
+        notes.append(
+            f"Of the front, the point is compared at which |{against}| is at most "
+            f"{FRONT_LIMIT:g} of its scale."
+        )
+    names = [name for name in methods if refusal(name, problem) is None]
+    answers: dict[str, OptimiserResult] = {}
+    ends = time.monotonic() + seconds
+    for position, name in enumerate(names):
+        if watch.stopped():
+            break
+        # What a fast method leaves over, the slow ones after it share.
+        each = (ends - time.monotonic()) / (len(names) - position)
+        answers[name] = answer(name, problem, design, scales, watch, max(each, 0.0))
+        watch.advance(1 / len(names))
+    late = [name for name in names if name not in answers or not answers[name].done.all()]
+    known = next((n for n in ("exact", "newton") if n in answers), None)
+    if not answers:
+        return Measured("optimisers", (), ("It was stopped before the first method.",))
+    values = np.stack([one.value for one in answers.values()])
+    winner = np.asarray(values.argmax(axis=0))
+    best = values.max(axis=0)
+    x = np.stack([one.x for one in answers.values()])[winner, :, np.arange(winner.size)].T
+    if known:
+        exact = answers[known]
+        has = np.isfinite(exact.value)
+        best, x = np.where(has, exact.value, best), np.where(has, exact.x, x)
+        notes.append(f"Reference: {_kind(known, problem)}; its own gap is 0 by definition.")
+    else:
+        notes.append(
+            "Reference: the best that any method found, since there is no exact answer; a gap that "
+            "all share would not show."
+        )
+    answered = np.isfinite(best)
+    notes.insert(
+        0,
+        f"{count} different random designs of {grid.cells:,} (seed {SEED}), {answered.sum()} of "
+        "them with an answer. Gap: of the objective, as a share of its scale, the largest size of "
+        "the output over the bounds. Error of the variables: distance to the reference's, as a "
+        "share of their range; where the objective hardly depends on them it is large and does "
+        f"not matter. Missed: a gap above {MISSED:g}. Time: wall time for one design, all designs "
+        "in one call.",
+    )
+    if late:
+        notes.append(f"Stopped before all designs were done: {', '.join(late)}.")
+    if not answered.any():
+        return Measured("optimisers", (), (*notes, "No design has an answer."))
+    size = np.broadcast_to(problem.scale(scales), answered.shape)
+    span = (problem.upper - problem.lower)[:, None]
+    curves = []
+    for name, one in answers.items():
+        used = answered & one.done
+        if not used.any():
+            continue
+        lost = ~np.isfinite(one.value[used])
+        value = np.where(lost, best[used], one.value[used])
+        gap = np.where(lost, np.inf, np.abs(best[used] - value) / size[used])
+        apart = (np.abs(one.x - x) / span).max(axis=0)[used]
+        point = Point(
+            name,
+            np.nan,
+            float(np.median(gap)),
+            float(gap.max()),
+            one.seconds,
+            int(used.sum()),
+            {
+                "variable_error": float(np.median(_found(apart))),
+                "missed": float(np.mean(gap > MISSED)),
+                "evaluations": float(np.median(one.evaluations[used])),
+            },
+        )
+        curves.append(Curve("optimisers", problem.criterion.output, name, (point,)))
+    return Measured("optimisers", tuple(curves), tuple(notes))
+
+
+def _found(apart: Array) -> NDArray[np.float64]:
+    """Return distances, 1 where a method found nothing."""
+    return np.where(np.isnan(apart), 1.0, apart)
+
+
+def _kind(name: str, problem: OptimisationProblem) -> str:
+    tests: dict[str, tuple[Callable[[OptimisationProblem], bool], str]] = {
+        "exact": (is_closed, "the closed form (method exact)"),
+        "newton": (is_compiled, "the batch solver (method newton), at its own tolerance of 1e-10"),
+    }
+    test, words = tests[name]
+    return words if test(problem) else name

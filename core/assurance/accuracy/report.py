@@ -1,0 +1,221 @@
+"""All measurements of one study, and the dataset of them."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import core
+from core.assurance.accuracy import closed_forms, model, motion, optimisers, storage
+from core.assurance.accuracy.curves import Measured, tabulate_curves
+from core.assurance.accuracy.families import SECONDS, families_of
+from core.dataset.table import Table
+from core.kinds import share_left_out, tabulate
+from core.plan.grid import Grid
+from core.plan.labels import global_attributes
+from core.plan.prepared import Prepared
+from core.study.values import Points
+from core.sweep import Sweep
+from core.watch import Watch
+
+MOST_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
+MOST_CELLS_MOTION = 2_000  # of one whose cells take milliseconds
+LIBRARIES = ("numpy", "numba", "scipy", "mpmath", "netCDF4")
+
+
+@dataclass(frozen=True)
+class ReportPart:
+    """The measurements of one study.
+
+    Attributes
+    ----------
+    name : str
+        The study as the user named it: the path of its file.
+    title, scene : str
+        Its title, and its scene with variant or method.
+    measured : tuple of Measured
+        One a family.
+    table : Table
+        All points as one dataset.
+    """
+
+    name: str
+    title: str
+    scene: str
+    measured: tuple[Measured, ...]
+    table: Table
+
+
+def measure_study(
+    prepared: Prepared,
+    *,
+    name: str,
+    watch: Watch | None = None,
+    seconds: float = SECONDS,
+    only: Collection[str] = (),
+) -> ReportPart:
+    """Return the measurements of a study.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+    name : str
+        What to call it; the page prints it within commands.
+    watch : Watch, optional
+        Told of progress; may stop it early: what is measured by then is kept.
+    seconds : float
+        After which a family starts nothing new.
+    only : collection of str
+        The families to measure; all that the study has if empty.
+
+    Raises
+    ------
+    StudyError
+        If `only` names a family that the study has not.
+    """
+    watch = watch or Watch()
+    families = families_of(prepared, only)
+    measured = []
+    for family in families:
+        if watch.stopped():
+            break
+        share = watch.part(1 / len(families))
+        found = measure_family(prepared, family, share, seconds)
+        if found is not None:
+            measured.append(found)
+    return part_of(prepared, name, measured, machine())
+
+
+def measure_family(
+    prepared: Prepared, family: str, watch: Watch, seconds: float = SECONDS
+) -> Measured | None:
+    """Return what one family gives for a study; None if it has nothing to say.
+
+    After so many seconds it starts nothing new.
+    """
+    ends = min(time.monotonic() + seconds, watch.deadline or math.inf)
+    return _measure(family, prepared, replace(watch, deadline=ends), seconds)
+
+
+def part_of(
+    prepared: Prepared, name: str, measured: Sequence[Measured], facts: Mapping[str, str]
+) -> ReportPart:
+    """Return the measurements of a study together; `facts` is what `machine` told."""
+    plan = prepared.plan
+    return ReportPart(
+        name,
+        prepared.study.title or plan.scene.title,
+        f"{plan.scene.name}, {plan.scene.choice} {plan.variant}",
+        tuple(measured),
+        tabulate_curves(measured, {**global_attributes(prepared, "accuracy report"), **facts}),
+    )
+
+
+def machine() -> dict[str, str]:
+    """Return what the numbers depend on besides the program: machine, date, versions."""
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    return {
+        "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}{_load()}",
+        "date": datetime.now(UTC).date().isoformat(),
+        "versions": f"vibrafeed {core.__version__}, Python {platform.python_version()}, "
+        f"{libraries}",
+    }
+
+
+def _processor() -> str:
+    """Return the name of the processor as the system has it."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _load() -> str:
+    """Return how many other processes compete for the cores, where the system tells."""
+    if not hasattr(os, "getloadavg"):
+        return ""
+    return f", load {os.getloadavg()[0]:.1f} over the last minute"
+
+
+def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measured | None:
+    measures: dict[str, Callable[[], Measured | None]] = {
+        "closed_forms": lambda: closed_forms.measure(prepared, watch),
+        "model": lambda: _model(prepared, watch),
+        "motion": lambda: _motion(prepared, watch),
+        "optimisers": lambda: optimisers.measure(prepared, watch, seconds),
+        "storage": lambda: _storage(prepared, watch),
+    }
+    return measures[family]()
+
+
+def _model(prepared: Sweep, watch: Watch) -> Measured | None:
+    moving = model.motion_of_sweep(prepared)
+    if moving is None:
+        note = "Scene and parameters of this sweep do not define a motion in time."
+        return Measured("model", (), (note,))
+    return model.measure(prepared, moving, watch)
+
+
+def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
+    moving: Any = prepared
+    if prepared.plan.scene.choice == "method":  # it is a motion itself
+        if not motion.is_point_part(prepared.plan.scene):
+            note = "A tumbling part has no mean velocity to compare."
+            return Measured("motion", (), (note,))
+    else:
+        moving = model.motion_of_sweep(moving)
+    return None if moving is None else motion.measure(moving, watch)
+
+
+def _storage(prepared: Prepared, watch: Watch) -> Measured:
+    is_fast = prepared.not_lazy is None or prepared.plan.variant == "events"
+    most = MOST_CELLS if is_fast else MOST_CELLS_MOTION
+    half = watch.part(0.5)
+    # Half of the time to compute the result, half to write it; what is missing by then is NaN.
+    first = half
+    if half.deadline is not None:
+        now = time.monotonic()
+        first = replace(half, deadline=now + (half.deadline - now) / 2)
+    smaller = replace(prepared, grid=thinned(prepared.grid, most))
+    table = tabulate(smaller.unverified(), first)
+    measured = storage.measure(table, half)
+    notes = []
+    if smaller.cells < prepared.cells:
+        notes.append(
+            f"{smaller.cells:,} of the study's {prepared.cells:,} cells: axes are thinned evenly."
+        )
+    missing = share_left_out(table)
+    if missing:
+        notes.append(f"The time given ran out: {missing:.0%} of these cells have no value.")
+    return replace(measured, notes=(*notes, *measured.notes))
+
+
+def thinned(grid: Grid, most: int) -> Grid:
+    """Return a grid of at most so many cells: fewer values of the longest axes, evenly chosen."""
+    sizes = dict(grid.shape)
+    while math.prod(sizes.values()) > most:
+        longest = max(sizes, key=lambda name: sizes[name])
+        others = math.prod(sizes.values()) // sizes[longest]
+        second = max((size for name, size in sizes.items() if name != longest), default=1)
+        sizes[longest] = max(1, most // others, min(second, sizes[longest] - 1))
+    axes = {}
+    for name, axis in grid.axes.items():
+        if sizes[name] == axis.size:
+            axes[name] = axis
+            continue
+        places = {round(k * (axis.size - 1) / max(1, sizes[name] - 1)) for k in range(sizes[name])}
+        values = (float(axis.array(k, k + 1)[0]) for k in sorted(places))
+        axes[name] = Points(tuple(values))
+    return Grid(axes, grid.fixed)

@@ -1,0 +1,159 @@
+"""Files of a result: error of what is read back, against size and time to write."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+from numpy.typing import NDArray
+
+from core.assurance.accuracy.cells import median_seconds
+from core.assurance.accuracy.curves import Curve, Measured, Point
+from core.dataset.netcdf import write_netcdf
+from core.dataset.table import Table
+from core.watch import Watch
+
+REPEATS = 3
+
+BITS = {"float32": 23}
+"""Binary digits of the fraction of types that are shorter than the result's."""
+
+
+@dataclass(frozen=True)
+class StorageFormat:
+    """A way to store a result.
+
+    Attributes
+    ----------
+    dtype : str
+        Type of float.
+    level : int
+        Of the compression; 0 is none.
+    bits : int, optional
+        Binary digits of the fraction that are kept; all of the type if left out.
+    """
+
+    dtype: str = "float64"
+    level: int = 1
+    bits: int | None = None
+
+    @property
+    def half_quantum(self) -> float:
+        """Largest error of a normal number as a share of it; 0 if nothing is cut off.
+
+        A float32 of fewer bits is rounded twice.
+        """
+        cuts = [BITS["float32"]] if self.dtype == "float32" else []
+        cuts += [self.bits] if self.bits else []
+        return float(sum(2.0 ** -(bits + 1) for bits in cuts))
+
+    def __str__(self) -> str:
+        kept = f" {self.bits} bits" if self.bits else ""
+        return f"{self.dtype}{kept} level {self.level}" if self.level else f"{self.dtype} plain"
+
+
+SERIES: dict[str, tuple[StorageFormat, ...]] = {
+    "compression": tuple(StorageFormat(level=level) for level in (0, 1, 2, 4, 6, 9)),
+    "float32": tuple(StorageFormat("float32", level) for level in (0, 1, 4, 9)),
+    "quantised": tuple(StorageFormat(bits=bits) for bits in (36, 28, 20, 16, 12, 8)),
+    "float32 quantised": tuple(StorageFormat("float32", bits=bits) for bits in (20, 16, 12, 8)),
+}
+"""What is compared, by the name of its curve."""
+
+
+def measure(table: Table, watch: Watch) -> Measured:
+    """Return error, size and time of the formats for a result."""
+    values = {n: v.values for n, v in table.variables.items() if v.values.dtype.kind == "f"}
+    count = sum(variable.values.size for variable in table.variables.values())
+    everything = sum(len(formats) for formats in SERIES.values())
+    curves = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "result.nc"
+        for name, formats in SERIES.items():
+            points = []
+            for one in formats:
+                if watch.stopped():
+                    break
+                points.append(_point(table, values, one, path, count))
+                watch.advance(1 / everything)
+            if not points:
+                continue
+            cut = "quantised" in name
+            curves.append(
+                Curve("storage", "the result", name, tuple(points), "1" if cut else "",
+                      1.0 if cut else math.nan, cost="half_quantum", of="largest")
+            )  # fmt: skip
+    notes = [
+        f"The study's own result, {count:,} values of {len(table.variables)} variables, written "
+        "as `vibrafeed run` writes it (which is float64 at level 1) and read back.",
+        "Error: largest and median of the values, each as a share of itself. Size: of the whole "
+        f"file over all values. Time: to write a value and have it on the disk, median of "
+        f"{REPEATS} repeats after a warm-up.",
+        "Expected: no error at any level of compression; else at most half a quantum, which is "
+        "2^-(bits + 1) of a value of that many binary digits, and 2^-24 in float32, for what is a "
+        "normal number of the type.",
+    ]
+    if sum(len(curve.points) for curve in curves) < everything:
+        notes.append("The time given ran out: formats that were not reached are left out.")
+    return Measured("storage", tuple(curves), tuple(notes))
+
+
+def write_as(table: Table, path: Path, one: StorageFormat) -> None:
+    """Write a table in a format."""
+    if one.dtype == "float32":
+        # Coordinates stay as they are: a cell is to be found again.
+        table = replace(
+            table,
+            variables={
+                name: replace(v, values=_short(v.values)) if v.values.dtype == np.float64 else v
+                for name, v in table.variables.items()
+            },
+        )
+    write_netcdf(
+        table,
+        path,
+        compression=bool(one.level),
+        level=one.level or 1,
+        significant_bits=one.bits,
+    )
+
+
+def _short(values: NDArray[np.float64]) -> NDArray[np.float32]:
+    with np.errstate(over="ignore"):  # an infinite error tells
+        return values.astype(np.float32)
+
+
+def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np.float64]:
+    """Return the error of each finite value of a file that is not 0, as a share of it."""
+    errors = []
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        for name, true in values.items():
+            read = np.asarray(file[name][...], dtype=np.float64)
+            known = np.isfinite(true) & (true != 0)
+            errors.append(np.abs(read[known] - true[known]) / np.abs(true[known]))
+    return np.concatenate(errors) if errors else np.zeros(0)
+
+
+def _point(
+    table: Table, values: Mapping[str, NDArray[Any]], one: StorageFormat, path: Path, count: int
+) -> Point:
+    write: Callable[[], None] = lambda: write_as(table, path, one)  # noqa: E731
+    seconds = median_seconds(write, REPEATS, least=0.0) / count
+    errors = errors_of_file(path, values)
+    middle, largest = (float(np.median(errors)), float(errors.max())) if errors.size else (0.0, 0.0)
+    return Point(
+        str(one),
+        float(one.bits) if one.bits else math.nan,
+        middle,
+        largest,
+        seconds,
+        int(errors.size),
+        {"bytes_per_value": path.stat().st_size / count, "half_quantum": one.half_quantum},
+    )

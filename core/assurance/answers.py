@@ -1,0 +1,137 @@
+"""Answers of other programs: a JSON file of numbers by the names of problems.
+
+    {"format": "vibrafeed-answers-1", "program": "Another 1", "answers": {"Q-two-levels-1": 15.88}}
+
+A program may leave problems out, and may answer members with random inputs of any seed: their names
+tell which they are. `null` says that it tried and has no answer.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from core.assurance.case import KnownProblem
+from core.assurance.catalogue import FAMILIES, problems
+from core.assurance.forms import forms
+from core.errors import MOST_PROBLEMS, Problem, StudyError
+from core.suggestions import suggestion
+
+FORMAT = "vibrafeed-answers-1"
+MOST_RANDOM = 10_000
+"""Members of a form under one seed."""
+MOST_SEEDS = 100
+
+_RANDOM = re.compile(r"(.+)-r(\d{1,9})\.(\d{1,9})")
+_KEYS = {"format", "program", "answers"}
+
+
+@dataclass(frozen=True)
+class ProgramAnswers:
+    """The answers of a program.
+
+    Attributes
+    ----------
+    program : str
+        Its name, as it says.
+    problems : tuple of KnownProblem
+        What it answers.
+    values : mapping of str to float or None
+        Its answers, by the names of the problems.
+    """
+
+    program: str
+    problems: tuple[KnownProblem, ...]
+    values: Mapping[str, float | None]
+
+
+def read_answers(path: Path) -> ProgramAnswers:
+    """Return the answers in a file.
+
+    Raises
+    ------
+    StudyError
+        With everything that is wrong with it.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        fix = "Name a JSON file of answers"
+        raise StudyError([Problem("answers", error.strerror or str(error), fix)]) from None
+    except ValueError as error:
+        raise StudyError([Problem("answers", f"it is not JSON: {error}", _FORM)]) from None
+    return answers_of(content)
+
+
+_FORM = f'Write {{"format": "{FORMAT}", "program": "...", "answers": {{"Q-two-levels-1": 15.88}}}}'
+
+
+def answers_of(content: object) -> ProgramAnswers:
+    """Return the answers that a mapping holds; raise `StudyError` with all that is wrong."""
+    if not isinstance(content, Mapping):
+        raise StudyError([Problem("answers", "it is not a JSON object", _FORM)])
+    wrong = [
+        Problem(str(key)[:40], "it is not a key of the answers", suggestion(str(key), _KEYS))
+        for key in content
+        if key not in _KEYS
+    ]
+    if content.get("format") != FORMAT:
+        wrong.append(Problem("format", "it is not given, or another one", f'Write "{FORMAT}"'))
+    program = content.get("program", "the program")
+    if not isinstance(program, str) or len(program) > 200:
+        wrong.append(Problem("program", "it is not a name", 'Write text, such as "Another 1.2"'))
+    answers = content.get("answers")
+    if not isinstance(answers, Mapping) or not answers:
+        wrong.append(Problem("answers", "there are none", _FORM))
+        raise StudyError(wrong)
+    asked, unknown = _asked(answers)
+    wrong += unknown
+    wrong += [
+        Problem(
+            f"answers.{name}"[:80], f"{str(value)[:40]} is not a number", "Write a number or null"
+        )
+        for name, value in answers.items()
+        if not _is_answer(value)
+    ]
+    if wrong:
+        raise StudyError(wrong[:MOST_PROBLEMS])
+    return ProgramAnswers(program, asked, answers)
+
+
+def _is_answer(value: Any) -> bool:
+    if value is None:
+        return True
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _asked(names: Collection[str]) -> tuple[tuple[KnownProblem, ...], list[Problem]]:
+    """Return the problems of some names, and what is wrong with names that are of none."""
+    letters = {name.partition("-")[0] for name in names}
+    known = {problem.id: problem for problem in problems(letters & set(FAMILIES) or {"Q"})}
+    wrong: list[Problem] = []
+    most: dict[tuple[str, int], int] = {}
+    for name in names:
+        found = _RANDOM.fullmatch(name)
+        if not (found and found[1] in forms()):
+            continue
+        key, number = (found[1], int(found[2])), int(found[3])
+        seeds = {seed for _, seed in most} | {key[1]}
+        if number > MOST_RANDOM or len(seeds) > MOST_SEEDS:
+            fix = f"Take numbers up to {MOST_RANDOM:,}, and at most {MOST_SEEDS} seeds"
+            wrong.append(Problem(f"answers.{name}", "it is too far out", fix))
+        else:
+            most[key] = max(most.get(key, 0), number)
+    for (form, seed), count in most.items():
+        known |= {problem.id: problem for problem in forms()[form].random(count, seed)}
+    told = {problem.place for problem in wrong}
+    unknown = [name for name in names if name not in known and f"answers.{name}" not in told]
+    wrong += [
+        Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
+        for name in unknown[:MOST_PROBLEMS]
+    ]
+    return tuple(problem for name, problem in known.items() if name in names), wrong

@@ -1,0 +1,134 @@
+"""All problems, and all families."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import core
+from core.assurance.case import RELATIONS, TRUTHS, KnownProblem
+from core.assurance.forms import forms
+from core.assurance.worked import rail, values
+from core.errors import Problem, StudyError
+
+FORMAT = "vibrafeed-validation-1"
+
+ABOUT = (
+    "Problems of vibratory feeding whose answer is known; g is 9.81 m/s2 unless a study says "
+    "otherwise. The terms of an answer say how it is made of outputs of vibrafeed's studies, in SI "
+    "units and degrees: times * output - minus, summed, or the root of their mean square. Any "
+    "program that computes the same number may answer; `vibrafeed validate --answers` judges it."
+)
+
+FAMILIES: Mapping[str, str] = MappingProxyType(
+    {
+        "Q": "Two-level wave",
+        "O": "Best level wave",
+        "W": "Winkler's wave",
+        "M": "Drives far above friction",
+        "S": "Symmetries of the waveform",
+        "B": "Balances of any drive",
+        "Z": "Level sine",
+        "R": "On which side a part comes to rest",
+        "Y": "A rail of cast iron, measured",
+        "V": "Worked values",
+        "F": "Figures of the thesis",
+        "H": "Hard cases with a closed form",
+    }
+)
+"""Families by their letters, in the order in which they are shown."""
+
+ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[KnownProblem]], ...]] = MappingProxyType(
+    {
+        "Y": (rail.problems,),
+        "V": (values.mean_velocities, values.reference_speeds, values.hops, values.closed_forms,
+              values.limiting_friction),
+        "F": (values.limiting_friction,),
+        "H": (values.hard_cases,),
+    }
+)  # fmt: skip
+"""What gives the problems of families that are no forms; of each those of the letter count."""
+
+NOT_CLAIMED: Mapping[str, str] = MappingProxyType(
+    {
+        "C": "Rows of parts: every study follows one part. That n equal parts in contact move as "
+        "one is why it may; unequal friction in a row is not computed.",
+        "bulk": "v = 3.81 N S of bulk conveyors, and rates that rise by 20 to 30 % with 10 % of "
+        "amplitude: rules of thumb, which judge nothing.",
+    }
+)
+"""What is known of feeders and is no claim of this program."""
+
+
+def families_of(asked: Collection[str]) -> tuple[str, ...]:
+    """Return the families that are asked for, all if none is, in the order of `FAMILIES`.
+
+    Letters may stand in one text, with commas between.
+
+    Raises
+    ------
+    StudyError
+        With every letter that is no family.
+    """
+    letters = [letter.strip().upper() for several in asked for letter in several.split(",")]
+    wrong = [
+        Problem("family", f"'{letter[:20]}' is not a family", f"Known: {', '.join(FAMILIES)}")
+        for letter in letters
+        if letter not in FAMILIES
+    ]
+    if wrong:
+        raise StudyError(wrong)
+    return tuple(letter for letter in FAMILIES if not letters or letter in letters)
+
+
+def problems(
+    families: Collection[str] = (), random: int = 0, seed: int = 1
+) -> tuple[KnownProblem, ...]:
+    """Return the problems of some families.
+
+    Parameters
+    ----------
+    families : collection of str
+        Their letters; all if empty.
+    random : int
+        How many further members of each form, with random inputs.
+    seed : int
+        What they are drawn by.
+
+    Raises
+    ------
+    StudyError
+        If a letter is no family.
+    """
+    found: list[KnownProblem] = []
+    for letter in families_of(families):
+        for form in forms().values():
+            if form.name.startswith(f"{letter}-"):
+                found += [*form.problems(), *form.random(random, seed)]
+        for make in ELSEWHERE.get(letter, ()):
+            found += [problem for problem in make() if problem.family == letter]
+    return tuple(found)
+
+
+def document(asked: Collection[KnownProblem]) -> dict[str, Any]:
+    """Return problems as plain values, with all that is needed to answer them, for JSON."""
+    letters = dict.fromkeys(problem.family for problem in asked)
+    named = {problem.form for problem in asked}
+    return {
+        "format": FORMAT,
+        "program": f"vibrafeed {core.__version__}",
+        "about": ABOUT,
+        "truths": dict(TRUTHS),
+        "relations": list(RELATIONS),
+        "families": {letter: FAMILIES[letter] for letter in letters},
+        "forms": {
+            form.name: {"title": form.title, "words": form.words, "inputs": dict(form.inputs)}
+            for form in forms().values()
+            if form.name in named
+        }
+        | ({"Y-run": {"title": "Measured speeds", "words": rail.WORDS, "inputs": rail.INPUTS}}
+           if "Y-run" in named else {}),
+        "not_claimed": dict(NOT_CLAIMED),
+        "problems": [problem.document() for problem in asked],
+    }  # fmt: skip

@@ -1,0 +1,134 @@
+"""Forms: problems of one formula, listed with the digits of their source, or with random inputs.
+
+Words, sources, tolerances and listed problems of a form are a TOML file beside this one; its
+formula, of the same name, is in one of the modules of `FORMULAS`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from core.assurance.case import KnownProblem, half_unit
+from core.assurance.forms import best_wave, fast_drives, formulas, laws, resting
+from core.assurance.forms.formulas import Formula
+
+FORMULAS: Mapping[str, Formula] = {
+    **formulas.FORMULAS,
+    **best_wave.FORMULAS,
+    **fast_drives.FORMULAS,
+    **laws.FORMULAS,
+    **resting.FORMULAS,
+}
+
+
+@dataclass(frozen=True)
+class Form:
+    """What the problems of one form have in common.
+
+    Attributes
+    ----------
+    name : str
+        Its letter and what it is, as in ``Q-two-levels``.
+    family, title, words, source, truth, relation, unit, why : str
+        Of its family in words, and what its problems say unless they say otherwise themselves.
+    inputs : mapping of str to str
+        Unit and meaning of each input.
+    tolerance : float
+        Of random members, in the unit of the form.
+    relative : bool
+        Whether that is a share of the expected value instead.
+    listed : tuple of mapping
+        The problems with the digits of their source.
+    """
+
+    name: str
+    family: str
+    title: str
+    words: str
+    source: str
+    truth: str
+    relation: str
+    unit: str
+    why: str
+    inputs: Mapping[str, str]
+    tolerance: float
+    relative: bool
+    listed: tuple[Mapping[str, Any], ...]
+
+    @property
+    def formula(self) -> Formula:
+        """The formula behind it."""
+        return FORMULAS[self.name]
+
+    def problems(self) -> Iterator[KnownProblem]:
+        """Yield the listed problems."""
+        for number, row in enumerate(self.listed, 1):
+            digits = row["expected"]
+            yield KnownProblem(
+                id=f"{self.name}-{number}",
+                title=self.title,
+                source=row.get("source", self.source),
+                truth=row.get("truth", self.truth),
+                given=row["given"],
+                terms=self.formula.terms(row["given"]),
+                relation=self.relation,
+                expected=float(digits),
+                unit=self.unit,
+                tolerance=row.get("tolerance", half_unit(digits)),
+                why=row.get("why", "half a unit of the last digit"),
+                digits=digits,
+            )
+
+    def random(self, count: int, seed: int) -> Iterator[KnownProblem]:
+        """Yield problems with random inputs; the first ones do not depend on how many."""
+        draw = np.random.default_rng([seed, zlib.crc32(self.name.encode())])
+        for number in range(1, count + 1):
+            given = self.formula.random(draw)
+            expected = self.formula.value(given)
+            size = abs(expected) if self.relative else 1.0
+            yield KnownProblem(
+                id=f"{self.name}-r{seed}.{number}",
+                title=self.title,
+                source=self.source,
+                truth=self.truth,
+                given=given,
+                terms=self.formula.terms(given),
+                relation=self.relation,
+                expected=expected,
+                unit=self.unit,
+                tolerance=self.tolerance * size,
+                why=self.why,
+            )
+
+
+@cache
+def forms() -> Mapping[str, Form]:
+    """Return all forms, by name, in the order of the files."""
+    names = sorted(
+        file.name.removesuffix(".toml")
+        for file in files(__name__).iterdir()
+        if file.name.endswith(".toml")
+    )
+    return {name: _form(name) for name in names}
+
+
+def _form(name: str) -> Form:
+    content = tomllib.loads((files(__name__) / f"{name}.toml").read_text(encoding="utf-8"))
+    relative = "relative" in content
+    same = ("family", "title", "source", "truth", "relation", "unit", "why", "inputs")
+    return Form(
+        name=name,
+        words=" ".join(content["words"].split()),
+        tolerance=content["relative" if relative else "absolute"],
+        relative=relative,
+        listed=tuple(content.get("problems", ())),
+        **{key: content[key] for key in same},
+    )

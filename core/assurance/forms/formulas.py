@@ -1,0 +1,174 @@
+"""Formulas of the forms: their studies, their values, and random inputs, one class of three each.
+
+They share nothing with `core.motion`: what is expected comes from the formula as it is published.
+Lengths and times are in SI units, accelerations in g, angles in degrees; `GRAVITY` is g.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from numpy.random import Generator
+
+from core.assurance.case import Content, Term
+
+GRAVITY = 9.81  # m s-2
+MM = 1e3  # mm in a metre
+
+Given = Mapping[str, float]
+
+
+class Formula(NamedTuple):
+    """What stands behind the problems of one form.
+
+    Attributes
+    ----------
+    terms : callable
+        Takes the inputs; returns the terms of the answer.
+    value : callable
+        Takes the inputs; returns the expected value, in the unit of the form.
+    random : callable
+        Takes a generator; returns random inputs.
+    """
+
+    terms: Callable[[Given], tuple[Term, ...]]
+    value: Callable[[Given], float]
+    random: Callable[[Generator], dict[str, float]]
+
+
+def simulation(output: str, parameters: Mapping[str, Any], **more: Any) -> Content:
+    """Return the study of a part on a plane."""
+    return {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "outputs": [output],
+        **more,
+        "parameters": {"gravity": GRAVITY, **parameters},
+    }
+
+
+def speed(parameters: Mapping[str, Any], times: float = MM, minus: float = 0.0) -> tuple[Term, ...]:
+    """Return the mean velocity of a part on a plane as the one term of an answer."""
+    output = "conveying_velocity"
+    return (Term(simulation(output, parameters), output, times=times, minus=minus),)
+
+
+def sine_cosine(degrees: float) -> tuple[float, float]:
+    """Return sine and cosine of an angle."""
+    angle = math.radians(degrees)
+    return math.sin(angle), math.cos(angle)
+
+
+# --- Q: two levels of acceleration
+
+
+def two_level_drive(given: Given) -> dict[str, float]:
+    """Return the drive that pulls gently around a sharp piece the other way."""
+    slow, fast = given["gentle"], given["sharp"]
+    first = fast / (2 * (slow + fast))
+    return {
+        "frequency": given["frequency"],
+        "acceleration_along_1": slow * GRAVITY,
+        "acceleration_along_2": -fast * GRAVITY,
+        "acceleration_along_3": slow * GRAVITY,
+        "duration_1": first,
+        "duration_2": 1 - 2 * first,
+        "duration_3": first,
+    }
+
+
+def two_levels_terms(given: Given) -> tuple[Term, ...]:
+    """Return the mean velocity under two levels of acceleration."""
+    drive = two_level_drive(given)
+    drive |= {name: given[name] for name in ("friction_static", "friction_kinetic")}
+    drive |= {"gamma": given["gamma"]} if given.get("gamma") else {}
+    drive |= {"hold_down": given["hold_down"] * GRAVITY} if given.get("hold_down") else {}
+    return speed(drive)
+
+
+def two_levels(given: Given) -> float:
+    """Return v = (T/2) a_s^2 (a_m - a_k)/((a_s + a_m)(a_s + a_k)) [mm/s].
+
+    a_k is what brakes a part that slides forward: mu_k (g cos(gamma) + F/m) + g sin(gamma).
+    """
+    slow, fast = given["gentle"], given["sharp"]
+    down, onto = sine_cosine(given.get("gamma", 0.0))
+    braking = given["friction_kinetic"] * (onto + given.get("hold_down", 0.0)) + down
+    share = slow**2 * (fast - braking) / ((slow + fast) * (slow + braking))
+    return MM * GRAVITY / (2 * given["frequency"]) * share
+
+
+def random_two_levels(random: Generator) -> dict[str, float]:
+    """Return inputs with a part that sticks at the gentle level and slips at the sharp one.
+
+    A third on the level, a third on a slope, a third held down on a slope or an upright rail.
+    """
+    kinetic = float(random.uniform(0.05, 0.6))
+    static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.6)]))
+    given = {
+        "frequency": float(random.uniform(5, 200)),
+        "friction_static": static,
+        "friction_kinetic": kinetic,
+    }
+    sort = int(random.integers(3))
+    gamma = held = 0.0
+    if sort == 1:  # not so steep that it slides off
+        gamma = 0.7 * math.degrees(math.atan(kinetic)) * float(random.uniform(-1, 1))
+    elif sort == 2:
+        gamma = float(random.choice([90.0, random.uniform(-60, 60)]))
+        held = float(random.uniform(1, 10)) / kinetic
+    down, onto = sine_cosine(gamma)
+    holds, frees = static * (onto + held) - down, static * (onto + held) + down
+    given["gentle"] = holds * float(random.uniform(0.1, 0.99))
+    given["sharp"] = max(frees, 0.0) + float(random.exponential()) + 0.01
+    return given | {"gamma": gamma, "hold_down": held}
+
+
+# --- W: in phase along and normal, half a period each
+
+
+def winkler_terms(given: Given) -> tuple[Term, ...]:
+    """Return the mean velocity under Winkler's wave."""
+    along, normal = given["along"] * GRAVITY, given["normal"] * GRAVITY
+    return speed(
+        {
+            "frequency": given["frequency"],
+            "friction_static": given["friction_static"],
+            "friction_kinetic": given["friction_kinetic"],
+            "acceleration_along_1": along,
+            "acceleration_along_2": -along,
+            "acceleration_normal_1": normal,
+            "acceleration_normal_2": -normal,
+        }
+    )
+
+
+def winkler(given: Given) -> float:
+    """Return v = (T/8)(u - a_1)(2 u + a_2 - a_1)/(u + a_2) [mm/s], a_1,2 = mu_k (g -+ q)."""
+    u, q, mu = given["along"], given["normal"], given["friction_kinetic"]
+    less, more = mu * (1 - q), mu * (1 + q)
+    share = (u - less) * (2 * u + more - less) / (u + more)
+    return MM * GRAVITY / (8 * given["frequency"]) * share
+
+
+def random_winkler(random: Generator) -> dict[str, float]:
+    """Return inputs with mu_s (g - q) < u <= mu_s (g + q), q < g."""
+    kinetic = float(random.uniform(0.05, 0.8))
+    static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.3)]))
+    q = float(random.uniform(0.15, 0.95))
+    least = max(static * (1 - q), kinetic * (1 - q)) * 1.01
+    return {
+        "frequency": float(random.uniform(5, 200)),
+        "along": float(random.uniform(least, static * (1 + q) * 0.99)),
+        "normal": q,
+        "friction_static": static,
+        "friction_kinetic": kinetic,
+    }
+
+
+FORMULAS = {
+    "Q-two-levels": Formula(two_levels_terms, two_levels, random_two_levels),
+    "W-winkler": Formula(winkler_terms, winkler, random_winkler),
+}

@@ -1,0 +1,249 @@
+"""S, B and Z: symmetries, balances, and the level sine. Any drive keeps the first two.
+
+Speeds are over the sum of A w of the track's harmonics along itself, so that a tolerance is a share
+of the drive.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.random import Generator
+
+from core.assurance.case import Term
+from core.assurance.forms.formulas import GRAVITY, Formula, Given, simulation, sine_cosine, speed
+
+SHIFT = 1.234
+"""Radian of the first harmonic by which a drive starts later."""
+
+LATER = 0.1
+"""Radian after the slip turns at which it is asked for: at the turn itself it is 0."""
+
+
+# --- waves of harmonics
+
+
+def random_harmonics(random: Generator) -> dict[str, float]:
+    """Return a part that stays on the floor, under up to three harmonics on each axis.
+
+    One coefficient of friction: then all starts lead to one motion.
+    """
+    given = {
+        "frequency": float(random.uniform(10, 120)),
+        "friction": float(random.uniform(0.1, 0.8)),
+        "gamma": float(random.uniform(-4, 4)),
+    }
+    unit = GRAVITY / (2 * math.pi * given["frequency"]) ** 2
+    for axis, most in (("along", float(random.uniform(0.5, 3))), ("normal", 0.95)):
+        count = int(random.integers(1, 4))
+        pushes = random.exponential(size=count)
+        pushes *= most / pushes.sum()
+        for order, push in enumerate(pushes, 1):
+            given[f"amplitude_{axis}_{order}"] = float(push) * unit / order**2
+            given[f"phase_{axis}_{order}"] = float(random.uniform(-180, 180))
+    return given
+
+
+def _pace(given: Given) -> float:
+    """Return what the speed of the track along itself never exceeds [m s-1]."""
+    w = 2 * math.pi * given["frequency"]
+    amplitudes = [
+        int(name[-1]) * w * value
+        for name, value in given.items()
+        if name.startswith("amplitude_along_")
+    ]
+    return math.fsum(amplitudes)
+
+
+def _compared(given: Given, other: Mapping[str, Any], sign: float) -> tuple[Term, ...]:
+    """Return the speed under one drive, plus that under another times a sign."""
+    scale = 1 / _pace(given)
+    return (*speed(given, times=scale), *speed(other, times=sign * scale))
+
+
+def nothing(given: Given) -> float:
+    """Return 0."""
+    return 0.0
+
+
+def shifted_terms(given: Given) -> tuple[Term, ...]:
+    """Return the speed under a drive, less that under the same drive later."""
+    later = {
+        name: value + math.degrees(int(name[-1]) * SHIFT) if name.startswith("phase_") else value
+        for name, value in given.items()
+    }
+    return _compared(given, _turned(later), -1.0)
+
+
+def mirrored_terms(given: Given) -> tuple[Term, ...]:
+    """Return the speed under a drive, plus that of its mirror image on the mirrored slope."""
+    image = {
+        name: value + 180.0 if name.startswith("phase_along_") else value
+        for name, value in given.items()
+    }
+    return _compared(given, _turned({**image, "gamma": -given["gamma"]}), 1.0)
+
+
+def reversed_terms(given: Given) -> tuple[Term, ...]:
+    """Return the speed under a drive, plus that with its second harmonic turned by half a turn."""
+    return _compared(given, _turned({**given, "phase_along_2": given["phase_along_2"] + 180}), 1.0)
+
+
+def random_reversed(random: Generator) -> dict[str, float]:
+    """Return inputs of two harmonics along a level track, and a constant load."""
+    found = random_harmonics(random)
+    first, second = sorted(random.uniform(0.5, 3, 2), reverse=True)
+    unit = GRAVITY / (2 * math.pi * found["frequency"]) ** 2
+    return {
+        "frequency": found["frequency"],
+        "friction": found["friction"],
+        "amplitude_along_1": float(first) * unit,
+        "amplitude_along_2": float(second) * unit / 4,
+        "phase_along_2": float(random.uniform(-180, 180)),
+    }
+
+
+def doubled_terms(given: Given) -> tuple[Term, ...]:
+    """Return the speed where the track moves along at w and normal at 2 w."""
+    return speed(given, times=1 / _pace(given))
+
+
+def random_doubled(random: Generator) -> dict[str, float]:
+    """Return inputs of a part that stays on a level floor."""
+    found = random_harmonics(random)
+    unit = GRAVITY / (2 * math.pi * found["frequency"]) ** 2
+    return {
+        "frequency": found["frequency"],
+        "friction": found["friction"],
+        "amplitude_along_1": float(random.uniform(0.5, 3)) * unit,
+        "amplitude_normal_2": float(random.uniform(0.05, 0.95)) * unit / 4,
+        "phase_normal_2": float(random.uniform(-180, 180)),
+    }
+
+
+def _turned(given: Mapping[str, float]) -> dict[str, float]:
+    """Return a drive with its phases from -180 to 180 degrees, as studies take them."""
+    return {
+        name: math.remainder(value, 360.0) if name.startswith("phase_") else value
+        for name, value in given.items()
+    }
+
+
+# --- balances over a cycle
+
+
+def work_terms(given: Given) -> tuple[Term, ...]:
+    """Return the work of the track, less heat, impacts and lift, over g times the drive's pace."""
+    scale = 1 / (GRAVITY * _pace(given))
+    lift = GRAVITY * sine_cosine(given["gamma"])[0]
+    signs = {"drive_power": 1.0, "friction_power": -1.0, "impact_power": -1.0}
+    signs["conveying_velocity"] = -lift
+    return tuple(
+        Term(simulation(output, given), output, times=sign * scale)
+        for output, sign in signs.items()
+    )
+
+
+def random_hopping(random: Generator) -> dict[str, float]:
+    """Return a part that slides or hops without rebound, under a drive along a line."""
+    given = random_harmonics(random)
+    unit = GRAVITY / (2 * math.pi * given["frequency"]) ** 2
+    return {
+        "frequency": given["frequency"],
+        "friction": given["friction"],
+        "gamma": given["gamma"],
+        "amplitude_along_1": float(random.uniform(0.5, 4)) * unit,
+        "amplitude_normal_1": float(random.uniform(0.2, 1.7)) * unit,
+        "phase_normal_1": float(random.uniform(-60, 60)),
+    }
+
+
+def velocity_terms(given: Given) -> tuple[Term, ...]:
+    """Return how far the velocity of the part is, after a cycle, from where it was."""
+    output, scale = "relative_velocity_along", 1 / _pace(given)
+    study = simulation("conveying_velocity", given, trajectory=2)
+    return (
+        Term(study, output, "last", times=scale),
+        Term(study, output, "first", times=-scale),
+    )
+
+
+# --- a level track under one sine
+
+
+def threshold(given: Given) -> float:
+    """Return the largest acceleration above which a part never sticks [g]."""
+    return math.hypot(given["friction_static"], math.pi * given["friction_kinetic"] / 2)
+
+
+def stick_terms(given: Given) -> tuple[Term, ...]:
+    """Return the share of the period in which friction holds the part."""
+    return (Term(simulation("stick_fraction", _sine(given)), "stick_fraction"),)
+
+
+def turning_phase(given: Given) -> float:
+    """Return the phase at which the slip turns, cos(theta) = pi mu g/(2 A w^2)."""
+    return math.acos(math.pi * given["friction_kinetic"] / 2 / given["push"])
+
+
+def turn_terms(given: Given) -> tuple[Term, ...]:
+    """Return the velocity of slip a little later than it turns, over A w."""
+    w = 2 * math.pi * given["frequency"]
+    later = (turning_phase(given) + LATER) / w
+    study = simulation("conveying_velocity", _sine(given), trajectory=[later])
+    scale = w / (given["push"] * GRAVITY)
+    return (Term(study, "relative_velocity_along", "first", times=scale),)
+
+
+def turned(given: Given) -> float:
+    """Return that velocity: the part is braked by mu g from the speed of the track at the turn."""
+    theta = turning_phase(given)
+    braked = math.cos(theta) - given["friction_kinetic"] / given["push"] * LATER
+    return braked - math.cos(theta + LATER)
+
+
+def _sine(given: Given) -> dict[str, float]:
+    frictions = {name: given[name] for name in ("friction_static", "friction_kinetic")}
+    amplitude = given["push"] * GRAVITY / (2 * math.pi * given["frequency"]) ** 2
+    return {"frequency": given["frequency"], "amplitude": amplitude, "beta": 0.0, **frictions}
+
+
+def sticks(given: Given) -> float:
+    """Return a share of the period that is no rounding."""
+    return 1e-8
+
+
+def random_above(random: Generator, times: float = 1 + 1e-6) -> dict[str, float]:
+    """Return inputs whose largest acceleration is the threshold times a factor."""
+    kinetic = float(random.uniform(0.05, 0.8))
+    given = {
+        "frequency": float(random.uniform(10, 120)),
+        "friction_static": kinetic * float(random.choice([1.0, random.uniform(1.0, 1.5)])),
+        "friction_kinetic": kinetic,
+    }
+    return given | {"push": threshold(given) * times}
+
+
+def random_below(random: Generator) -> dict[str, float]:
+    """Return inputs just below the threshold."""
+    return random_above(random, 1 - 1e-6)
+
+
+def random_far_above(random: Generator) -> dict[str, float]:
+    """Return inputs of a part that never sticks."""
+    return random_above(random, float(random.uniform(1.01, 4)))
+
+
+FORMULAS = {
+    "S-shift": Formula(shifted_terms, nothing, random_harmonics),
+    "S-mirror": Formula(mirrored_terms, nothing, random_harmonics),
+    "S-second-harmonic": Formula(reversed_terms, nothing, random_reversed),
+    "S-double-frequency": Formula(doubled_terms, nothing, random_doubled),
+    "B-work": Formula(work_terms, nothing, random_hopping),
+    "B-velocity": Formula(velocity_terms, nothing, random_hopping),
+    "Z-slides": Formula(stick_terms, nothing, random_above),
+    "Z-sticks": Formula(stick_terms, sticks, random_below),
+    "Z-turn": Formula(turn_terms, turned, random_far_above),
+}

@@ -1,0 +1,74 @@
+"""R, on which side a part comes to rest if it is let down with negligible momentum."""
+
+from __future__ import annotations
+
+import math
+
+from numpy.random import Generator
+
+from core.assurance.case import Term
+from core.assurance.forms.formulas import Formula, Given
+
+WIDE = 1e12
+"""Of a box that stands for a plane rectangle, over its length."""
+
+
+def _share(scene: str, output: str, **sizes: float) -> tuple[Term, ...]:
+    study = {"kind": "sweep", "scene": scene, "outputs": [output], "parameters": sizes}
+    return (Term(study, output),)
+
+
+def box_terms(given: Given) -> tuple[Term, ...]:
+    """Return the share that rests flat, the face being length by width."""
+    sizes = {"length": given["a"], "width": given["b"], "height": given["c"]}
+    return _share("rectangle-isolated", "resting_share_flat", **sizes)
+
+
+def box(given: Given) -> float:
+    """Return (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2)))."""
+    a, b, c = given["a"], given["b"], given["c"]
+    return 2 / math.pi * math.atan(a * b / (c * math.sqrt(a * a + b * b + c * c)))
+
+
+def random_box(random: Generator) -> dict[str, float]:
+    """Return sizes within two orders of magnitude."""
+    return {name: 10.0 ** float(random.uniform(-3, -1)) for name in "abc"}
+
+
+def cylinder_terms(given: Given) -> tuple[Term, ...]:
+    """Return the share that rests on the round side."""
+    return _share("cylinder-isolated", "resting_share_on_side", **given)
+
+
+def cylinder(given: Given) -> float:
+    """Return l/sqrt(l^2 + d^2)."""
+    return given["length"] / math.sqrt(given["length"] ** 2 + given["diameter"] ** 2)
+
+
+def random_cylinder(random: Generator) -> dict[str, float]:
+    """Return sizes within two orders of magnitude."""
+    return {name: 10.0 ** float(random.uniform(-3, -1)) for name in ("length", "diameter")}
+
+
+def rectangle_terms(given: Given) -> tuple[Term, ...]:
+    """Return the share that rests flat of a box so wide that no other face counts."""
+    sizes = {"length": given["long"], "width": WIDE * given["long"], "height": given["short"]}
+    return _share("rectangle-isolated", "resting_share_flat", **sizes)
+
+
+def rectangle(given: Given) -> float:
+    """Return (2/pi) atan(long/short)."""
+    return 2 / math.pi * math.atan(given["long"] / given["short"])
+
+
+def random_rectangle(random: Generator) -> dict[str, float]:
+    """Return a short and a long side."""
+    short = 10.0 ** float(random.uniform(-3, -1))
+    return {"long": short * float(random.uniform(1, 20)), "short": short}
+
+
+FORMULAS = {
+    "R-box": Formula(box_terms, box, random_box),
+    "R-cylinder": Formula(cylinder_terms, cylinder, random_cylinder),
+    "R-rectangle": Formula(rectangle_terms, rectangle, random_rectangle),
+}

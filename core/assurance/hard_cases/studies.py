@@ -1,0 +1,126 @@
+"""How hard cases are written: studies by their numbers, and answers from elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from core.assurance import textbook
+from core.assurance.hard_cases.case import Content, result_of
+from core.assurance.textbook import TextbookValue, exact
+
+DRIVE = {"frequency": 50.0, "amplitude": 4e-4, "beta": 20.0}
+# The part stays on floor and wall.
+TRACK = {**DRIVE, "amplitude": 5e-5, "alpha": 1.0, "gamma": 1.0, "delta": 5.0, "gravity": 9.80665,
+         "friction": 0.3, "radius": 0.3, "distance": 1e-5}  # fmt: skip
+K_INPUTS = ("frequency", "amplitude", "alpha", "beta", "gamma", "delta", "gravity", "friction")
+G = 9.80665
+W = 2 * math.pi * 50
+WORKED = "worked value, 14 digits (core/assurance/worked/values.toml)"
+
+
+def sweep(scene: str, output: str, **parameters: Any) -> Content:
+    """Return a sweep with one output."""
+    return {"kind": "sweep", "scene": scene, "outputs": [output], "parameters": parameters}
+
+
+def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
+    """Return study, output and answer of a velocity law on the track."""
+    given = {**TRACK, **changes}
+    if "time" in given:
+        del given["distance"]
+    return {
+        "content": sweep("rectangle-on-track", output, **given),
+        "output": output,
+        "answer": exact(formula, **given),
+    }
+
+
+def plane(output: str, formula: textbook.Formula | None = None, **given: float) -> dict[str, Any]:
+    """Return study, output and answer on the plane, of a formula of all that is given."""
+    content = sweep("rectangle-on-plane", output, **given)
+    return {
+        "content": content,
+        "output": output,
+        "answer": exact(formula, **given) if formula else None,
+    }
+
+
+def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
+    """Return study, output and answer of a corner that slips to the right."""
+    given = {"height": 0.03, "length": 0.02, "pitch": 5.0, "pitch_rate": 2.0, "gravity": G}
+    given |= changes
+    if output == "normal_response_right":
+        del given["pitch_rate"], given["gravity"]
+        content = sweep("rectangle-isolated", output, **given)
+    else:
+        content = sweep("rectangle-isolated", output, **given, velocity_along=1.0)
+    return {"content": content, "output": output, "answer": exact(formula, **given)}
+
+
+def motion(method: str = "events", output: str = "conveying_velocity", /, **given: Any) -> Content:
+    """Return a simulation of a block on a plane; settings stand among the parameters."""
+    settings: Content = {
+        name: given.pop(name)
+        for name in ("slip_speed", "contact_stiffness", "tolerance", "most_periods",
+                     "steps_per_period")
+        if name in given
+    }  # fmt: skip
+    outputs = list(dict.fromkeys((output, "conveying_velocity_error")))
+    return {
+        "kind": "simulate", "scene": "rectangle-on-plane", "method": method, "outputs": outputs,
+        **settings, "parameters": given,
+    }  # fmt: skip
+
+
+def hopping(throw: float, **changes: Any) -> dict[str, Any]:
+    """Return parameters of a drive of 50 Hz at 30 degrees with the given throw number."""
+    given = {"frequency": 50.0, "beta": 30.0, "gravity": G, "friction": 0.5} | changes
+    w, beta = 2 * math.pi * given["frequency"], math.radians(given["beta"])
+    gamma = math.radians(given.get("gamma", 0.0))
+    amplitude = throw * given["gravity"] * math.cos(gamma) / (w * w * math.sin(beta))
+    return {**given, "amplitude": amplitude}
+
+
+def known(value: Any, error: Any, source: str) -> Callable[[], TextbookValue]:
+    """Return what gives a value that stands here."""
+    return lambda: TextbookValue(value, error, source)
+
+
+def from_study(
+    content: Content, output: str, relative: float, source: str, factor: float = 1.0
+) -> Callable[[], TextbookValue]:
+    """Return what gives the output of another study, times a factor, with a relative error."""
+
+    def answer() -> TextbookValue:
+        value = factor * float(result_of(content).variables[output].values)
+        return TextbookValue(value, relative * abs(value), source)
+
+    return answer
+
+
+def near(answer: Callable[[], TextbookValue], relative: float) -> Callable[[], TextbookValue]:
+    """Return the same value with a larger error: a limit, not reached."""
+
+    def near() -> TextbookValue:
+        value = answer().value
+        return TextbookValue(
+            value, relative * abs(value), "closed form of the limit that it is near"
+        )
+
+    return near
+
+
+def by_reference(given: Content) -> Callable[[], TextbookValue]:
+    """Return what gives the mean without rebound, integrated at high order.
+
+    Hops that die out while the part slides leave the mean as it is (theory 13.5).
+    """
+
+    def answer() -> TextbookValue:
+        table = result_of(motion("reference", **given)).variables
+        value = float(table["conveying_velocity"].values)
+        return TextbookValue(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")
+
+    return answer

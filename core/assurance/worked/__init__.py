@@ -1,0 +1,1 @@
+"""Cases whose numbers stand elsewhere: worked values, measured speeds, figures of the thesis."""

@@ -1,0 +1,102 @@
+"""Y, a rail of cast iron: 67 measured speeds under two-level waves, against the formula of Q.
+
+One number was fitted to 43 of them, kappa = mu_k/m, since nothing in the data tells the moving
+mass: the studies take a mass of 1 kg, on which the speed does not depend.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+import core
+from core.assurance.case import KnownProblem, Term
+from core.assurance.forms.formulas import GRAVITY, two_levels_terms
+
+FILE = Path(core.__file__).resolve().parent.parent / "configs" / "rail-of-cast-iron.csv"
+KAPPA = 0.558  # per kg
+FRICTIONS = 0.44 / 0.34
+"""Static over kinetic, as printed."""
+CONTACT = 38.0  # N; below, the authors lose contact of the plane
+SCATTER = 3.06  # mm/s, root of the mean square of what the fit leaves
+SOURCE = "D. Yako, Y. Yuan, K. Salisbury, 2026, arXiv 2605.30780; the speeds are our reduction"
+WORDS = (
+    "A rail stands upright; it is clamped by a measured force F and driven by two-level waves. "
+    "Formula Q with a_k = kappa F + g and kappa = 0.558 per kg, fitted once to all runs with "
+    "F >= 38 N, is set beside the measured speed."
+)
+
+INPUTS = {
+    "frequency": "Hz",
+    "a_s": "g; the gentle level",
+    "a_m": "g; the sharp level",
+    "force": "N; F, which clamps the rail",
+    "speed": "mm/s, as measured",
+}
+
+
+@cache
+def runs() -> tuple[Mapping[str, float], ...]:
+    """Return the measured runs: frequency, a_s, a_m, force and speed of each."""
+    with FILE.open(encoding="utf-8", newline="") as lines:
+        rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+        return tuple({name: float(value) for name, value in row.items()} for row in rows)
+
+
+def problems() -> Iterator[KnownProblem]:
+    """Yield each run, and the scatter of those that the formula is for."""
+    judged = []
+    for number, run in enumerate(runs(), 1):
+        (term,) = two_levels_terms(_given(run))
+        on = run["force"] >= CONTACT
+        judged += [Term(term.study, term.output, times=term.times, minus=run["speed"])] * on
+        yield KnownProblem(
+            id=f"Y-run-{number}",
+            title=_title(run) + ("" if on else ", contact lost"),
+            source=SOURCE,
+            truth="measured",
+            given=run,
+            terms=(term,),
+            relation="shown",
+            expected=run["speed"],
+            unit="mm/s",
+            tolerance=SCATTER,
+            why="not judged alone: the scatter of the fit"
+            if on
+            else "not judged: below 38 N the authors lose contact of the plane",
+        )
+    yield KnownProblem(
+        id="Y-scatter-1",
+        title=f"Root mean square of what the formula leaves in {len(judged)} runs, F >= 38 N",
+        source="our fit of one number to the same runs",
+        truth="measured",
+        given={"kappa": KAPPA},
+        terms=tuple(judged),
+        relation="equals",
+        expected=SCATTER,
+        unit="mm/s",
+        tolerance=0.1,
+        why="rounding of the table and of kappa",
+        digits="3.06",
+        combine="rms",
+    )
+
+
+def _title(run: Mapping[str, float]) -> str:
+    levels = f"{run['a_s']:g} g and {run['a_m']:g} g"
+    return f"{run['frequency']:g} Hz, {levels}, {run['force']:g} N"
+
+
+def _given(run: Mapping[str, float]) -> dict[str, float]:
+    """Return the inputs of the formula for a part of 1 kg."""
+    return {
+        "frequency": run["frequency"],
+        "gentle": run["a_s"],
+        "sharp": run["a_m"],
+        "friction_static": KAPPA * FRICTIONS,
+        "friction_kinetic": KAPPA,
+        "gamma": 90.0,
+        "hold_down": run["force"] / GRAVITY,
+    }

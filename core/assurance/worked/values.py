@@ -1,0 +1,229 @@
+"""V, F and H: problems whose numbers stand elsewhere: worked values, the thesis, hard cases."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from core.assurance.case import KnownProblem, Term
+from core.assurance.hard_cases import HARD_CASES, HardCase
+from core.quantities import QUANTITIES
+
+WORKED_GRAVITY, SPEED_GRAVITY = 9.8, 9.81  # m s-2, of the tables
+EXACT = 1e-13
+"""Of a value that is given to the digits of a float."""
+
+INPUTS = ("frequency", "amplitude", "beta", "gamma", "friction_static", "friction_kinetic",
+          "restitution")  # fmt: skip
+
+
+@cache
+def worked_values() -> Mapping[str, Any]:
+    """Return the tables of worked values."""
+    text = (files("core.assurance.worked") / "values.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def _motion(output: str, given: Mapping[str, Any]) -> Term:
+    study = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": [output],
+             "parameters": given}  # fmt: skip
+    return Term(study, output)
+
+
+def _sweep(scene: str, output: str, given: Mapping[str, Any], pick: str = "value",
+           variant: str = "derived") -> Term:  # fmt: skip
+    study = {"kind": "sweep", "scene": scene, "variant": variant, "outputs": [output],
+             "parameters": given}  # fmt: skip
+    return Term(study, output, pick)
+
+
+def _known(
+    name: str, title: str, source: str, terms: tuple[Term, ...], expected: float, **more: Any
+) -> KnownProblem:
+    found: dict[str, Any] = {
+        "truth": "derived", "given": {}, "relation": "equals",
+        "unit": QUANTITIES[terms[0].output].unit,
+        "tolerance": EXACT * abs(expected), "why": "13 digits: rounding of both",
+    }  # fmt: skip
+    return KnownProblem(id=name, title=title, source=source, terms=terms, expected=expected,
+                        **{**found, **more})  # fmt: skip
+
+
+# --- worked values
+
+
+def mean_velocities() -> Iterator[KnownProblem]:
+    """Yield mean velocities that were worked out before this program."""
+    for number, row in enumerate(worked_values()["mean_velocities"], 1):
+        given = {name: row[name] for name in INPUTS} | {"gravity": WORKED_GRAVITY}
+        rebounds = row["restitution"] > 0
+        yield _known(
+            f"V-mean-velocity-{number}",
+            f"{row['name']}: mean velocity of a part that starts at rest",
+            row["source"],
+            (_motion("conveying_velocity", given),),
+            row["value"],
+            tolerance=(1e-10 if rebounds else EXACT) * row["value"],
+            why="a run of ever smaller hops is cut short" if rebounds else "13 digits: rounding",
+        )
+
+
+def reference_speeds() -> Iterator[KnownProblem]:
+    """Yield mean velocities by throw number."""
+    number = 0
+    for row in worked_values()["reference_speeds"]:
+        w, beta = 2 * math.pi * row["frequency"], math.radians(row["beta"])
+        push = row["throw_number"] * SPEED_GRAVITY * math.cos(math.radians(row["gamma"]))
+        for restitution in row["restitutions"]:
+            number += 1
+            given = {
+                "frequency": row["frequency"], "beta": row["beta"], "gamma": row["gamma"],
+                "friction": row["friction"], "restitution": restitution,
+                "amplitude": push / (w * w * math.sin(beta)), "gravity": SPEED_GRAVITY,
+            }  # fmt: skip
+            term = _motion("conveying_velocity", given)
+            yield _known(
+                f"V-speed-{number}",
+                f"{row['name']}: throw number {row['throw_number']:g}, restitution {restitution:g}",
+                row["source"],
+                (Term(term.study, term.output, times=1e3),),
+                row["value"],
+                unit="mm/s",
+                tolerance=5e-7,
+                why="half a unit of the last digit",
+                digits=f"{row['value']:.6f}",
+            )
+
+
+def hops() -> Iterator[KnownProblem]:
+    """Yield how long a part is in the air on a level track, and how fast it lands."""
+    frequency, beta = 50.0, math.radians(30.0)
+    w = 2 * math.pi * frequency
+    for number, row in enumerate(worked_values()["hops"], 1):
+        amplitude = row["throw_number"] * WORKED_GRAVITY / (w * w * math.sin(beta))
+        given = {"frequency": frequency, "beta": 30.0, "friction": 0.5, "amplitude": amplitude,
+                 "gravity": WORKED_GRAVITY}  # fmt: skip
+        flight, landing = (_motion(name, given) for name in ("flight_fraction", "landing_speed"))
+        for name, term, what in (
+            ("length", Term(flight.study, flight.output, times=2 * math.pi), "length of the hop"),
+            ("landing_speed", Term(landing.study, landing.output, times=w / WORKED_GRAVITY),
+             "speed of landing"),
+        ):  # fmt: skip
+            yield _known(
+                f"V-hop-{name.replace('_', '-')}-{number}",
+                f"Throw number {row['throw_number']:g}: {what}",
+                row["source"],
+                (term,),
+                row[name],
+                unit="rad" if name == "length" else "g/w",
+                tolerance=1e-11,
+                why="twelve digits, and the condition of throw number 1.2",
+            )
+
+
+def closed_forms() -> Iterator[KnownProblem]:
+    """Yield outputs of closed forms, each as printed, corrected and with real contacts."""
+    for number, row in enumerate(worked_values()["closed_forms"], 1):
+        few = row.get("half_unit")
+        term = _sweep(row["scene"], row["output"], row["given"], variant=row["variant"])
+        yield _known(
+            f"V-closed-form-{number}",
+            f"{row['output']} of {row['scene']}, variant {row['variant']}",
+            row["source"],
+            (term,),
+            row["value"],
+            **({"tolerance": few, "why": "half a unit of the last digit"} if few else {}),
+        )
+
+
+# --- the thesis
+
+
+def limiting_friction() -> Iterator[KnownProblem]:
+    """Yield the friction up to which the contact of a corner is unique, and figures 3.3, 3.15."""
+    worked = {row["name"]: row for row in worked_values()["limiting_friction"]}
+    square = {"height": 0.01, "length": 0.01}
+    half = {"why": "half a unit of the last digit"}
+    row = worked["rectangle"]
+    yield _known(
+        "V-limiting-friction-1", "Limiting friction of a rectangle at a corner angle of 60 degrees",
+        row["source"],
+        (_sweep("rectangle-isolated", "limiting_friction_right", {**square, "pitch": 15}),),
+        row["value"], tolerance=row["half_unit"], **half,
+    )  # fmt: skip
+    row = worked["least of a cylinder"]
+    yield _known(
+        "V-limiting-friction-2", "Least limiting friction of a cylinder, diameter over length 2",
+        row["source"],
+        (_sweep("cylinder-isolated", "least_limiting_friction",
+                {"diameter": 0.02, "length": 0.01}),),
+        row["value"], tolerance=row["half_unit"], **half,
+    )  # fmt: skip
+    turned = {"pitch": {"start": "0 deg", "stop": "80 deg", "num": 161}}
+    lengths = ["2.5 mm", "5 mm", "10 mm", "20 mm", "40 mm"]
+    yield _known(
+        "F-3.3-1", "Figure 3.3: the contact of a rectangle is unique below 4/3, whatever its shape",
+        "J. Díaz González, 2004, figure 3.3",
+        (_sweep("rectangle-isolated", "limiting_friction_right",
+                {"height": "10 mm", "length": lengths, **turned}, "least", "thesis"),),
+        4 / 3, truth="thesis figure", relation="at least", tolerance=1e-12,
+        why="rounding; the bound is 2 sqrt(1 + k)/k with k = 3",
+    )  # fmt: skip
+    for number, (ratio, expected, words) in enumerate(
+        (
+            (1.29846, 1.2, "unique below 1.2, which holds up to a diameter of 1.29846 lengths"),
+            (1e9, math.sqrt(5) / 2, "of a thin disc the bound is lower, sqrt(5)/2 = 1.118"),
+            (1e-9, 4 / 3, "of a needle it is higher, 4/3"),
+        ),
+        1,
+    ):
+        yield _known(
+            f"F-3.15-{number}", f"Figure 3.15: the contact of a cylinder is {words}"
+            if number == 1 else f"Figure 3.15: {words}",
+            "J. Díaz González, 2004, figure 3.15" if number == 1 else "derived by us, theory 2.5",
+            (_sweep("cylinder-isolated", "least_limiting_friction",
+                    {"diameter": ratio, "length": 1.0}),),
+            expected, truth="thesis figure" if number == 1 else "derived",
+            tolerance=5e-7 if number == 1 else 1e-12,
+            why="half a unit of the last digit of the diameter" if number == 1 else "rounding",
+        )  # fmt: skip
+
+
+# --- hard cases
+
+
+@cache
+def hard_cases() -> tuple[KnownProblem, ...]:
+    """Return the hard cases that a closed form answers; their answers take a second."""
+    found = map(of_hard_case, HARD_CASES)
+    return tuple(problem for problem in found if problem is not None)
+
+
+def of_hard_case(case: HardCase) -> KnownProblem | None:
+    """Return a hard case as a problem; None if another run is its reference, or if none is."""
+    if case.answer is None or case.attempt is not None or case.says:
+        return None
+    parameters = case.content["parameters"].values()
+    if any(isinstance(value, list | tuple | dict) for value in parameters):
+        return None  # an axis
+    if "slip_speed" in case.content or "contact_stiffness" in case.content:
+        return None  # what a stiff integrator gives is within its own error
+    answer = case.answer()
+    if not isinstance(answer.value, float | int) or not math.isfinite(answer.value):
+        return None
+    if not math.isfinite(answer.error):
+        return None
+    return _known(
+        f"H-{'-'.join(re.findall('[a-z0-9.+-]+', case.name.lower()))}",
+        f"{case.name}: {case.why}",
+        answer.source,
+        (Term(case.content, case.output),),
+        float(answer.value),
+        tolerance=float(answer.error),
+        why="what one rounding of each input does, times 8, unless the source says otherwise",
+    )
