@@ -28,7 +28,8 @@ DIGITS = 10  # of what is found: all processors agree on them
 HEAD = """\
 # Validation
 
-What is known to be true about parts on vibrating tracks, and what vibrafeed answers: exact
+Does vibrafeed give the values that are known? This page has what is known about parts on vibrating
+tracks, and what vibrafeed says: exact
 solutions from the literature and our own, limits, laws that every drive keeps, a measured set,
 worked values, and general physics engines on the same problems. Written by `python -m
 benchmarks.validation_page`.
@@ -85,7 +86,7 @@ counts where the load is near 0 for a while, as under the ellipse.
 [extra](install.md#extras) `engines` brings MuJoCo, PyBullet and pymunk, `pip install dartpy`
 DART, Debian's package `python3-siconos` (4.4.0, which calls itself 4.5.0) Siconos, for Debian's
 own Python (`--python siconos=/usr/bin/python3`). Times depend on the machine: these are of two
-cores that others used too. [motion.md](motion.md#speed-and-accuracy) has engines with
+cores that others used too. [motion-accuracy.md](motion-accuracy.md) has engines with
 a plate that moves."""
 
 

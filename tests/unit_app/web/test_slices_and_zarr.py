@@ -22,7 +22,7 @@ from posted_sweeps import STUDY, TRILLION, problem
 
 
 def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
-    """Read a binary slice by `docs/api.md` alone."""
+    """Read a binary slice by `docs/api-reference.md` alone."""
     (length,) = struct.unpack_from("<Q", content)
     header = json.loads(content[8 : 8 + length])
     values = content[8 + length :]
