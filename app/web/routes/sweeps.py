@@ -312,7 +312,7 @@ def _not_made(key: str) -> Response:
 
 
 def binary(piece: dict[str, Any]) -> bytes:
-    """Return a slice as a header in JSON and raw values after it: docs/api-reference.md, "Slices"."""
+    """Return a slice as a header in JSON and raw values after it (docs/api-reference.md)."""
     values: list[bytes] = []
     offset = 0
 
