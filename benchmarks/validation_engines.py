@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,8 @@ import numpy as np
 
 from benchmarks.best_wave import motions
 from benchmarks.engine_drivers import BLOCKS
-from core.assurance.case import KnownProblem
-from core.assurance.catalogue import problems
+from core.assurance.case import Case
+from core.assurance.catalogue import cases
 from core.assurance.forms.formulas import GRAVITY
 from core.assurance.forms.laws import LATER, turning_phase
 from core.assurance.judge import outputs_of
@@ -44,48 +44,32 @@ NAMES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Case:
-    """A problem that engines can answer, with one coefficient of friction.
-
-    Attributes
-    ----------
-    id, title : str
-        The problem, and what it is.
-    before : int
-        Periods until the motion repeats.
-    truth : float
-        The answer to all digits, in the unit of the problem.
-    """
-
-    id: str
-    title: str
-    before: int
-    truth: float
+ASKED = {
+    "Q-two-levels-3": ("Two-level wave", 10),
+    "W-winkler-1": ("Winkler's wave", 10),
+    "W-winkler-2": ("Winkler's wave, load near 0", 10),
+    "M-ellipse-4": ("Fast ellipse", 40),
+    "Z-turn-1": ("Level sine: where slip turns", 10),
+}
+"""Cases that engines can run, with one coefficient of friction: title, and periods until the motion
+repeats."""
 
 
-def cases() -> list[Case]:
-    """Return the problems that are run."""
-    found = {problem.id: problem for problem in problems()}
-    return [
-        Case("Q-two-levels-3", "Two-level wave", 10, _truth(found["Q-two-levels-3"])),
-        Case("W-winkler-1", "Winkler's wave", 10, _truth(found["W-winkler-1"])),
-        Case("W-winkler-2", "Winkler's wave, load near 0", 10, _truth(found["W-winkler-2"])),
-        Case("M-ellipse-4", "Fast ellipse", 40, _truth(found["M-ellipse-4"])),
-        Case("Z-turn-1", "Level sine: where slip turns", 10, _truth(found["Z-turn-1"])),
-    ]
+@cache
+def asked_cases() -> Mapping[str, tuple[Case, float]]:
+    """Return each case with all digits of its result: those of `events`, which it holds right."""
+    found = {}
+    for case in cases():
+        if case.id in ASKED:
+            value = float(case.result(outputs_of(case.terms)))
+            assert case.holds(value)
+            found[case.id] = (case, value)
+    return {name: found[name] for name in ASKED}
 
 
-def _truth(problem: KnownProblem) -> float:
-    """Return all digits of an answer: those of `events`, which the problem holds to its own."""
-    found = problem.answer(outputs_of(problem.terms))
-    assert problem.holds(found)
-    return found
-
-
-def jobs(problem: KnownProblem, before: int) -> list[dict[str, Any]]:
-    """Return what the drivers are told of a problem, one job a number of steps."""
-    given = _parameters(problem)
+def jobs(case: Case) -> list[dict[str, Any]]:
+    """Return what the drivers are told of a case, one job a number of steps."""
+    given = _parameters(case)
     frequency = given["frequency"]
     found = []
     for steps in STEPS:
@@ -99,16 +83,16 @@ def jobs(problem: KnownProblem, before: int) -> list[dict[str, Any]]:
                 "step": step,
                 "friction": given.get("friction", given.get("friction_kinetic")),
                 "gravities": gravity.tolist(),
-                "before": before,
+                "before": ASKED[case.id][1],
                 "during": DURING,
             }
         )
     return found
 
 
-def _parameters(problem: KnownProblem) -> dict[str, float]:
-    """Return the parameters of a problem's study, in SI units and radians."""
-    given = problem.terms[0].study["parameters"]
+def _parameters(case: Case) -> dict[str, float]:
+    """Return the parameters of a case's study, in SI units and radians."""
+    given = case.terms[0].study["parameters"]
     return {
         name: math.radians(value) if QUANTITIES[name].is_angle else value
         for name, value in given.items()
@@ -132,20 +116,18 @@ def _track(given: Mapping[str, float], phases: np.ndarray) -> tuple[np.ndarray, 
     return found[0], found[1]
 
 
-def answer(problem: KnownProblem, steps: int, told: Mapping[str, Any]) -> float:
-    """Return an engine's answer to a problem, in its unit."""
-    (term,) = problem.terms
+def answer(case: Case, steps: int, told: Mapping[str, Any]) -> float:
+    """Return an engine's result of a case, in its unit."""
+    (term,) = case.terms
     if term.output == "conveying_velocity":
         return term.times * told["mean"] - term.minus
-    at = (
-        (turning_phase(problem.given) + LATER) / (2 * math.pi) * steps
-    )  # speeds are at ends of steps
+    at = (turning_phase(case.inputs) + LATER) / (2 * math.pi) * steps  # speeds are at ends of steps
     return term.times * float(np.interp(at, range(1, steps + 1), told["speeds"]))
 
 
-def ours(problem: KnownProblem) -> float:
+def ours(case: Case) -> float:
     """Return the seconds of processor time that a cell takes `events`: 2,000 cells at once."""
-    given, cells = _parameters(problem), 2000
+    given, cells = _parameters(case), 2000
     arrays = {name: np.full(cells, value) for name, value in given.items()}
     arrays["gravity"] = GRAVITY * (1 + 1e-9 * np.arange(cells))  # equal cells are computed once
     outputs = ("conveying_velocity",)
@@ -166,35 +148,31 @@ def ours(problem: KnownProblem) -> float:
 
 def rows(pythons: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     """Yield a row for each engine, problem and step."""
-    known = {problem.id: problem for problem in problems()}
-    asked = cases()
-    for case in asked:
+    for name, (case, truth) in asked_cases().items():
         yield {
-            "engine": "vibrafeed", "version": "", "problem": case.id, "steps": 0,
-            "found": case.truth, "error": 0.0, "seconds": ours(known[case.id]),
+            "engine": "vibrafeed", "version": "", "problem": name, "steps": 0,
+            "found": truth, "error": 0.0, "seconds": ours(case),
         }  # fmt: skip
     for name in BLOCKS:
-        told = _run(name, pythons.get(name, sys.executable), known, asked)
+        told = _run(name, pythons.get(name, sys.executable))
         if told is None:
             continue
-        answers = iter(told["answers"])
-        for case in asked:
+        results = iter(told["answers"])
+        for case, truth in asked_cases().values():
             for steps in STEPS:
-                one = next(answers)
-                found = answer(known[case.id], steps, one)
-                periods = (case.before + DURING) / DURING
+                result = next(results)
+                found = answer(case, steps, result)
+                periods = (ASKED[case.id][1] + DURING) / DURING
                 yield {
                     "engine": name, "version": told["version"], "problem": case.id,
-                    "steps": steps, "found": found, "error": abs(found / case.truth - 1),
-                    "seconds": one["seconds"] * DURING * periods,
+                    "steps": steps, "found": found, "error": abs(found / truth - 1),
+                    "seconds": result["seconds"] * DURING * periods,
                 }  # fmt: skip
 
 
-def _run(
-    name: str, python: str, known: Mapping[str, KnownProblem], asked: list[Case]
-) -> dict[str, Any] | None:
+def _run(name: str, python: str) -> dict[str, Any] | None:
     """Return what an engine found; None, and a line, where it is not installed."""
-    work = [job for case in asked for job in jobs(known[case.id], case.before)]
+    work = [job for case, _ in asked_cases().values() for job in jobs(case)]
     done = subprocess.run(
         [python, DRIVERS, name], input=json.dumps(work), capture_output=True, text=True, check=False
     )
@@ -214,22 +192,21 @@ def draw(found: list[dict[str, Any]]) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    asked = cases()
     figure = Figure(figsize=(11.0, 6.6), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
     looks = dict(zip(NAMES, ("osD^v"), strict=True))
-    for panel, case in zip(panels, asked, strict=False):
-        mine = [row for row in found if row["problem"] == case.id]
-        for number, (name, look) in enumerate(looks.items()):
-            line = [row for row in mine if row["engine"] == name]
+    for panel, (name, (title, _)) in zip(panels, ASKED.items(), strict=False):
+        mine = [row for row in found if row["problem"] == name]
+        for number, (engine, look) in enumerate(looks.items()):
+            line = [row for row in mine if row["engine"] == engine]
             panel.loglog(
                 [row["seconds"] for row in line], [max(row["error"], 1e-6) for row in line],
-                f"{look}-", color=f"C{number}", label=NAMES[name], markersize=4, linewidth=1.2,
+                f"{look}-", color=f"C{number}", label=NAMES[engine], markersize=4, linewidth=1.2,
             )  # fmt: skip
         (own,) = [row for row in mine if row["engine"] == "vibrafeed"]
         panel.axvline(own["seconds"], color="k", linewidth=1.0, label="vibrafeed, exact")
-        panel.set_title(f"{case.title} ({case.id})", fontsize=9)
+        panel.set_title(f"{title} ({name})", fontsize=9)
         panel.grid(visible=True, which="major", linewidth=0.4, color="0.85")
         panel.xaxis.set_tick_params(labelbottom=True)
     panels[5].axis("off")

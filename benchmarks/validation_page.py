@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.validation_engines import NAMES, PICTURE, RESULTS, STEPS, cases
-from core.assurance.case import RELATIONS, TRUTHS
-from core.assurance.catalogue import FAMILIES, NOT_CLAIMED, problems
+from benchmarks.validation_engines import ASKED, NAMES, PICTURE, RESULTS, STEPS
+from core.assurance.case import EVIDENCE, RELATIONS
+from core.assurance.catalogue import FAMILIES, NOT_CLAIMED, cases
 from core.assurance.forms import Form, forms
-from core.assurance.judge import Outcome, solve
+from core.assurance.judge import Outcome, run_cases
 from core.assurance.tables import expected, number
 from core.assurance.worked import rail
 from core.dataset.markdown import markdown_table
@@ -92,11 +92,11 @@ a plate that moves."""
 
 def page() -> str:
     """Return the page."""
-    outcomes = solve(problems())
+    outcomes = run_cases(cases())
     lines = [HEAD, "", *_kinds(), "", "## Anchors", ""]
     families = list(FAMILIES)
     for form in sorted(forms().values(), key=lambda form: families.index(form.name[0])):
-        mine = [one for one in outcomes if one.problem.form == form.name]
+        mine = [one for one in outcomes if one.case.form == form.name]
         lines += [*_form(form, mine), ""]
     lines += [*_measured(outcomes), "", *_worked(outcomes), "", *_thesis(), "", ENTER, ""]
     lines += [*_engines(), "", *_not_claimed()]
@@ -106,7 +106,7 @@ def page() -> str:
 def _kinds() -> Iterator[str]:
     yield "| kind of truth | |"
     yield "| --- | --- |"
-    for name, words in TRUTHS.items():
+    for name, words in EVIDENCE.items():
         yield f"| {name} | {words} |"
 
 
@@ -130,30 +130,30 @@ def _form(form: Form, outcomes: list[Outcome]) -> Iterator[str]:
 
 
 def _row(outcome: Outcome) -> tuple[str, ...]:
-    problem = outcome.problem
-    given = ", ".join(f"{name} {value:.9g}" for name, value in problem.given.items())
-    nothing = abs(outcome.found) < 1e-3 * problem.tolerance  # rounding, or how a limit is missed
+    case = outcome.case
+    given = ", ".join(f"{name} {value:.9g}" for name, value in case.inputs.items())
+    nothing = abs(outcome.value) < 1e-3 * case.right.tolerance  # rounding, or how a limit is missed
     return (
-        problem.id,
+        case.id,
         given,
-        expected(problem),
-        "0" if nothing else number(outcome.found, problem.tolerance, DIGITS),
-        f"{problem.tolerance:.1g}: {problem.why}",
+        expected(case),
+        "0" if nothing else number(outcome.value, case.right.tolerance, DIGITS),
+        f"{case.right.tolerance:.1g}: {case.why}",
         "right" if outcome.passed else "**wrong**",
     )
 
 
 def _measured(outcomes: list[Outcome]) -> Iterator[str]:
     """Yield the measured set."""
-    mine = [one for one in outcomes if one.problem.family == "Y"]
+    mine = [one for one in outcomes if one.case.family == "Y"]
     (scatter,) = (one for one in mine if one.judged)
     yield "## Measured: a rail of cast iron"
     yield ""
     yield f"{rail.WORDS} Source: {rail.SOURCE} (`configs/{rail.FILE.name}`)."
     yield ""
     yield (
-        f"What is left is {scatter.found:.2f} mm/s as a root of the mean square, "
-        f"{scatter.problem.digits} being expected. The moving mass is not settled by these data: "
+        f"What is left is {scatter.value:.2f} mm/s as a root of the mean square, "
+        f"{scatter.case.digits} being expected. The moving mass is not settled by these data: "
         "only mu_k/m counts, "
         "and with 0.358 kg and the printed mu_k of 0.34 three times as much is left. Below 38 N "
         "the authors lose contact of the plane; those runs are shown and not judged."
@@ -162,7 +162,7 @@ def _measured(outcomes: list[Outcome]) -> Iterator[str]:
     rows = [
         (
             f"{run['frequency']:g}", f"{run['a_s']:g}", f"{run['a_m']:g}", f"{run['force']:g}",
-            f"{run['speed']:.2f}", f"{one.found:.2f}", f"{one.found - run['speed']:+.2f}",
+            f"{run['speed']:.2f}", f"{one.value:.2f}", f"{one.value - run['speed']:+.2f}",
             "" if run["force"] >= rail.CONTACT else "contact lost",
         )
         for run, one in zip(rail.runs(), mine, strict=False)
@@ -184,19 +184,19 @@ def _worked(outcomes: list[Outcome]) -> Iterator[str]:
     yield ""
     rows = []
     for outcome in outcomes:
-        problem = outcome.problem
-        if problem.family in "VF":
-            unit = "" if problem.unit == "1" else problem.unit
-            said = problem.digits or number(problem.expected, problem.tolerance, DIGITS)
+        case = outcome.case
+        if case.family in "VF":
+            unit = "" if case.unit == "1" else case.unit
+            said = case.digits or number(case.right.value, case.right.tolerance, DIGITS)
             rows.append(
                 (
-                    problem.id, problem.title, RELATIONS[problem.relation] + said,
-                    number(outcome.found, problem.tolerance, DIGITS), unit,
+                    case.id, case.title, RELATIONS[case.relation] + said,
+                    number(outcome.value, case.right.tolerance, DIGITS), unit,
                     "right" if outcome.passed else "**wrong**",
                 )
             )  # fmt: skip
     yield from markdown_table(("problem", "what", "expected", "found", "unit", "is"), rows)
-    hard = [outcome for outcome in outcomes if outcome.problem.family == "H"]
+    hard = [outcome for outcome in outcomes if outcome.case.family == "H"]
     right = sum(outcome.passed for outcome in hard)
     yield ""
     yield (
@@ -227,21 +227,22 @@ def _engines() -> Iterator[str]:
     yield ""
     yield f"![Error of each engine over the time of an answer](generated/{PICTURE.name})"
     yield ""
-    asked = cases()
     columns = ["engine", "steps a period"]
-    columns += [text for case in asked for text in (f"{case.title} ({case.id})", "time")]
+    columns += [
+        text for name, (title, _) in ASKED.items() for text in (f"{title} ({name})", "time")
+    ]
     rows = []
     versions = {row["engine"]: row["version"] for row in found}
     for name in [name for name in NAMES if name in versions]:
         for steps in STEPS:
             cells = [f"{NAMES[name]} {versions[name]}", f"{steps:,}"]
-            for case in asked:
-                row = _only(found, name, case.id, steps)
+            for case in ASKED:
+                row = _only(found, name, case, steps)
                 cells += [f"{100 * row['error']:.2g} %", _seconds(row["seconds"])]
             rows.append(cells)
     own = ["vibrafeed, events", ""]
-    for case in asked:
-        own += ["rounding", _seconds(_only(found, "vibrafeed", case.id, 0)["seconds"])]
+    for case in ASKED:
+        own += ["rounding", _seconds(_only(found, "vibrafeed", case, 0)["seconds"])]
     yield from markdown_table(columns, [*rows, own])
     yield ""
     yield AFTER.format(during=20)

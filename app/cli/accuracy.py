@@ -8,11 +8,13 @@ from pathlib import Path
 
 from app.cli import console
 from app.jobs.accuracy import PAGE, draw
-from core.assurance import extremes, leaving_out
+from core.assurance import leaving_out
 from core.assurance.accuracy.families import SECONDS
 from core.assurance.accuracy.page import PageSection, head_of, sections_of, write_page
 from core.assurance.accuracy.report import machine, measure_study
 from core.assurance.hard_cases import HARD_CASES
+from core.assurance.judge import run_cases
+from core.assurance.tables import hard_cases_markdown, hard_cases_table
 from core.dataset.files import whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table
@@ -102,16 +104,16 @@ def dataset_of(folder: Path, name: str) -> Path:
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageSection], bool]:
     """Return the tables and sections of what is asked of no study, and whether all is right."""
     with console.progress("hard cases") as advance:
-        outcomes = extremes.run_catalogue(Watch(advance, stopped))
+        outcomes = run_cases(HARD_CASES, Watch(advance, stopped))
     with console.progress("what a scene leaves out") as advance:
         rows = leaving_out.footprints(watch=Watch(advance, stopped))
     by = "`vibrafeed report --extremes`\n\n"
     tables: dict[str, Table] = {}
     sections: list[PageSection] = []
     if outcomes:
-        tables[EXTREMES[0]] = extremes.to_table(outcomes)
+        tables[EXTREMES[0]] = hard_cases_table(outcomes)
         untried = len(HARD_CASES) - len(outcomes) if stopped() else 0
-        sections.append(PageSection("Hard cases", by + extremes.to_markdown(outcomes, untried)))
+        sections.append(PageSection("Hard cases", by + hard_cases_markdown(outcomes, untried)))
     if rows:
         tables[EXTREMES[1]] = leaving_out.to_table(rows)
         sections.append(PageSection("What a scene leaves out", by + leaving_out.to_markdown(rows)))

@@ -17,7 +17,7 @@ from app.cli.studies import interruption, refuse
 from app.cli.texts import refuse_taken, write_text
 from core.assurance import catalogue
 from core.assurance.answers import read_answers
-from core.assurance.judge import judge, solve, summaries
+from core.assurance.judge import judge_results, run_cases, summaries
 from core.assurance.tables import (
     COLUMNS,
     FAMILY_COLUMNS,
@@ -32,7 +32,7 @@ from core.watch import Watch
 
 if TYPE_CHECKING:
     from core.assurance.answers import ProgramAnswers
-    from core.assurance.case import KnownProblem
+    from core.assurance.case import Case
     from core.assurance.judge import Outcome
 
 COMMAND = Path("validate")  # what problems are said to be of
@@ -97,13 +97,13 @@ def validate(
     except StudyError as error:
         _refuse(error.problems, answers)
     if problems:
-        found = catalogue.problems(letters, random, seed)
+        found = catalogue.cases(letters, random, seed)
         _write(catalogue.document(found), output)
         if output:
             console.say(f"wrote {output}: {len(found):,} problems")
         return
     if given is None:
-        outcomes, program = _own(catalogue.problems(letters, random, seed))
+        outcomes, program = _own(catalogue.cases(letters, random, seed))
     else:
         outcomes, program = _others(given, letters)
     form = form or (SUFFIXES.get(output.suffix.lower()) if output else None) or Form.TEXT
@@ -128,10 +128,10 @@ def _read(path: Path) -> ProgramAnswers:
     return read_answers(path)
 
 
-def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
+def _own(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
     """Return this program's outcomes, and its name; exit if it was stopped."""
     with console.progress("validate") as advance, interruption() as interrupted:
-        outcomes = solve(problems, Watch(advance, interrupted))
+        outcomes = run_cases(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
         console.fail(f"It was stopped after {len(outcomes):,} of {len(problems):,} problems.")
         raise typer.Exit(FAILED)
@@ -140,22 +140,22 @@ def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
 
 def _others(given: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
     """Return the outcomes of another program in some families, and its name."""
-    asked = [problem for problem in given.problems if problem.family in letters]
+    asked = [problem for problem in given.cases if problem.family in letters]
     if not asked:
-        fix = f"Families that it answers: {', '.join(sorted({p.family for p in given.problems}))}"
+        fix = f"Families that it answers: {', '.join(sorted({p.family for p in given.cases}))}"
         _refuse([Problem("family", "it answers no problem of these", fix)])
-    return judge(asked, given.values), given.program
+    return judge_results(asked, given.values), given.program
 
 
 def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
     """Print outcomes: every problem, or a row a family and what is wrong."""
     wrong = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
-        console.table(COLUMNS, rows(outcomes))
+        console.table((*COLUMNS,), rows(outcomes))
     else:
         console.table(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
         if wrong:
-            console.table(COLUMNS, rows(wrong))
+            console.table((*COLUMNS,), rows(wrong))
     console.say(sentence(outcomes, program))
     if not listed:
         console.tell(
@@ -166,7 +166,13 @@ def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
 def _text(outcomes: Sequence[Outcome], program: str) -> str:
     """Return a row a family, then every problem, as plain lines."""
     families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
-    lines = [*families, "", *plain_lines(COLUMNS, rows(outcomes)), "", sentence(outcomes, program)]
+    lines = [
+        *families,
+        "",
+        *plain_lines((*COLUMNS,), rows(outcomes)),
+        "",
+        sentence(outcomes, program),
+    ]
     return "\n".join(lines) + "\n"
 
 

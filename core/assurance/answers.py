@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from core.assurance.case import KnownProblem
-from core.assurance.catalogue import FAMILIES, problems
+from core.assurance.case import Case
+from core.assurance.catalogue import FAMILIES, cases
 from core.assurance.forms import forms
 from core.errors import MOST_PROBLEMS, Problem, StudyError
 from core.suggestions import suggestion
@@ -39,14 +39,14 @@ class ProgramAnswers:
     ----------
     program : str
         Its name, as it says.
-    problems : tuple of KnownProblem
+    cases : tuple of Case
         What it answers.
     values : mapping of str to float or None
         Its answers, by the names of the problems.
     """
 
     program: str
-    problems: tuple[KnownProblem, ...]
+    cases: tuple[Case, ...]
     values: Mapping[str, float | None]
 
 
@@ -109,10 +109,10 @@ def _is_answer(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _asked(names: Collection[str]) -> tuple[tuple[KnownProblem, ...], list[Problem]]:
+def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
     """Return the problems of some names, and what is wrong with names that are of none."""
     letters = {name.partition("-")[0] for name in names}
-    known = {problem.id: problem for problem in problems(letters & set(FAMILIES) or {"Q"})}
+    known = {problem.id: problem for problem in cases(letters & set(FAMILIES) or {"Q"})}
     wrong: list[Problem] = []
     most: dict[tuple[str, int], int] = {}
     for name in names:

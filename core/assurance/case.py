@@ -1,16 +1,21 @@
-"""A problem whose answer is known, and how an answer is judged."""
+"""A case: a study whose right result is known, with the tolerance and the source of that."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array
 
 Content = Mapping[str, Any]
 
-TRUTHS: Mapping[str, str] = MappingProxyType(
+EVIDENCE: Mapping[str, str] = MappingProxyType(
     {
         "exact": "a published closed form",
         "derived": "a closed form of our own, or digits computed without this program",
@@ -20,7 +25,7 @@ TRUTHS: Mapping[str, str] = MappingProxyType(
         "thesis figure": "what a figure of the thesis is said to show",
     }
 )
-"""Kinds of truth, from the strongest claim about the program to the weakest."""
+"""Kinds of evidence, from the strongest claim about the program to the weakest."""
 
 RELATIONS: Mapping[str, str] = MappingProxyType(
     {
@@ -30,7 +35,7 @@ RELATIONS: Mapping[str, str] = MappingProxyType(
         "shown": "",
     }
 )
-"""What an answer has to do with the expected value, and how that is written before it.
+"""How a result relates to the right value, and how that is written before it.
 
 ``shown`` is a value that is set beside the answer and not judged.
 """
@@ -38,7 +43,7 @@ RELATIONS: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Term:
-    """One output of one study: its part of an answer is ``times * output - minus``.
+    """One output of one study: its part of a result is ``times * output - minus``.
 
     Attributes
     ----------
@@ -47,8 +52,8 @@ class Term:
     output : str
         The output, in SI units and degrees, as files hold it.
     pick : str
-        What is taken of the output: its one `value`, the `least` or `largest` over the study, or
-        that of the `first` or `last` time of its trajectory.
+        What is taken of the output: its `value` at every cell, the `least` or `largest` over the
+        study, or that of the `first` or `last` time of its trajectory.
     times, minus : float
     """
 
@@ -59,101 +64,160 @@ class Term:
     minus: float = 0.0
 
 
+class Truth(NamedTuple):
+    """The right value, the largest error of a result that is still right, and the source.
+
+    Value and tolerance are numbers, or arrays over the cells of the study.
+    """
+
+    value: Any
+    tolerance: Any
+    source: str
+
+
 @dataclass(frozen=True)
-class KnownProblem:
-    """A problem whose answer is known.
+class Computed:
+    """What the studies of a case gave.
+
+    Attributes
+    ----------
+    value : ndarray
+        The judged result, a number or one a cell.
+    statuses : frozenset of str
+        Names of the statuses (of motion) or regimes (of a sweep) of all cells.
+    explained : bool
+        True where one of them says why a value is missing.
+    stated : ndarray or None
+        The error that the method states for its conveying velocity; None where it states none.
+    note : str
+        What to say beside the verdict instead of the source of the truth.
+    """
+
+    value: Array
+    statuses: frozenset[str] = frozenset()
+    explained: bool = False
+    stated: Array | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A study whose right result is known.
 
     Attributes
     ----------
     id : str
-        Its name: that of its form and a number, as in ``Q-two-levels-1``. Of random members the
-        number tells the seed and the place, as in ``Q-two-levels-r1.20``.
+        Its name. Of a member of a form the name of the form and a number, as in
+        ``Q-two-levels-1``; of random members the number holds the seed and the place, as in
+        ``Q-two-levels-r1.20``.
+    family : str
+        The letter of its family, or what a hard case is hard for.
     title : str
-        What it is, in a line; the words of its form say what happens, and what is asked.
-    source : str
-        Who found the expected value, or how it was derived.
-    truth : str
-        One of `TRUTHS`.
-    given : mapping of str to float
-        The inputs, in the units that the form names; empty where the study says all.
+        What it is, in a line, or why it is hard.
     terms : tuple of Term
-        What the answer is made of.
-    combine : str
-        ``sum`` of the terms, or their ``rms``: the root of the mean of their squares.
+        What the result is made of.
+    known : Truth or callable, optional
+        The truth, or what computes it; None where the study has to be refused, or where only
+        status and finiteness are judged.
+    evidence : str
+        One of `EVIDENCE`.
+    unit : str
+        Of result, truth and tolerance.
+    why : str
+        Why the tolerance is that large.
+    inputs : mapping of str to float
+        The inputs, in the units that the form names; empty where the study says all.
     relation : str
         One of `RELATIONS`.
-    expected : float
+    combine : str
+        ``sum`` of the terms, or their ``rms``: the root of the mean of their squares.
     digits : str
-        The expected value as its source writes it; empty where all digits are known.
-    unit : str
-        Of the answer and the expected value.
-    tolerance : float
-        By how much an answer may miss, in that unit.
-    why : str
-        Why it is that large.
+        The right value as its source writes it; empty where all digits are known.
+    status : tuple of str
+        The statuses or regimes that are right; empty for any.
+    refused : str
+        The place that the `StudyError` has to name, where the study has to be refused.
+    states_error : bool
+        True where the result states its own error, which is then added to the tolerance.
+    blunt : str
+        Why that stated error may be larger than what it is stated for; empty where it may not.
+    compute : callable, optional
+        Runs in the place of the studies.
     """
 
     id: str
+    family: str
     title: str
-    source: str
-    truth: str
-    given: Mapping[str, float]
     terms: tuple[Term, ...]
-    relation: str
-    expected: float
-    unit: str
-    tolerance: float
-    why: str
-    digits: str = ""
+    known: Truth | Callable[[], Truth] | None = field(repr=False)
+    evidence: str = "derived"
+    unit: str = "1"
+    why: str = ""
+    inputs: Mapping[str, float] = field(default_factory=dict)
+    relation: str = "equals"
     combine: str = "sum"
+    digits: str = ""
+    status: tuple[str, ...] = ()
+    refused: str = ""
+    states_error: bool = False
+    blunt: str = ""
+    compute: Callable[[], Computed] | None = None
+
+    @cached_property
+    def truth(self) -> Truth | None:
+        """The truth, computed once."""
+        return self.known() if callable(self.known) else self.known
+
+    @property
+    def right(self) -> Truth:
+        """The truth of a case that has one."""
+        assert self.truth is not None
+        return self.truth
 
     @property
     def form(self) -> str:
         """The form that it is a member of."""
         return self.id.rpartition("-")[0]
 
-    @property
-    def family(self) -> str:
-        """The letter of its family."""
-        return self.id.partition("-")[0]
-
-    def answer(self, outputs: list[float]) -> float:
-        """Return the answer, given the outputs of its terms."""
+    def result(self, outputs: Sequence[Any]) -> Any:
+        """Return the result that the outputs of the terms make; several terms are numbers."""
         parts = [
-            term.times * found - term.minus for term, found in zip(self.terms, outputs, strict=True)
+            term.times * output - term.minus
+            for term, output in zip(self.terms, outputs, strict=True)
         ]
         if self.combine == "rms":
             return math.sqrt(math.fsum(part * part for part in parts) / len(parts))
-        return math.fsum(parts)
+        return parts[0] + 0.0 if len(parts) == 1 else math.fsum(parts)  # 0 has no sign
 
-    def miss(self, found: float) -> float:
-        """Return by how much an answer misses the expected value; 0 on the right side of a bound.
+    def errors(self, value: Any) -> Array:
+        """Return the error of a result in each cell: 0 on the right side of a bound.
 
-        Infinite where there is no answer.
+        Infinite where there is no value and should be one.
         """
-        if math.isnan(found):
-            return math.inf
-        off = found - self.expected
+        right = self.right.value
+        with np.errstate(invalid="ignore"):
+            off = np.subtract(value, right, dtype=np.float64)
         if self.relation == "at most":
-            return max(off, 0.0)
-        if self.relation == "at least":
-            return max(-off, 0.0)
-        return abs(off)
+            off = np.maximum(off, 0.0)
+        elif self.relation == "at least":
+            off = np.maximum(-off, 0.0)
+        same = np.equal(value, right) | (np.isnan(value) & np.isnan(right))
+        return np.where(same, 0.0, np.where(np.isnan(off), np.inf, np.abs(off)))
 
-    def holds(self, found: float) -> bool:
-        """True if an answer is right; one that is only shown always is."""
-        return self.relation == "shown" or self.miss(found) <= self.tolerance
+    def holds(self, value: Any) -> bool:
+        """True if a result is right everywhere; one that is only shown always is."""
+        return self.relation == "shown" or bool(np.all(self.errors(value) <= self.right.tolerance))
 
     def document(self) -> dict[str, Any]:
-        """Return the problem as plain values, for JSON."""
+        """Return the case as plain values, for JSON."""
         return {
             "id": self.id,
             "family": self.family,
             "form": self.form,
             "title": self.title,
-            "source": self.source,
-            "truth": self.truth,
-            **({"given": dict(self.given)} if self.given else {}),
+            "source": self.right.source,
+            "truth": self.evidence,
+            **({"given": dict(self.inputs)} if self.inputs else {}),
             "answer": {
                 "combine": self.combine,
                 "terms": [
@@ -168,10 +232,10 @@ class KnownProblem:
                 ],
             },
             "relation": self.relation,
-            "expected": self.expected,
+            "expected": self.right.value,
             **({"digits": self.digits} if self.digits else {}),
             "unit": self.unit,
-            "tolerance": self.tolerance,
+            "tolerance": self.right.tolerance,
             "why": self.why,
         }
 

@@ -1,4 +1,4 @@
-"""All problems, and all families."""
+"""All cases with a number, and all families."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 import core
-from core.assurance.case import RELATIONS, TRUTHS, KnownProblem
+from core.assurance.case import EVIDENCE, RELATIONS, Case
 from core.assurance.forms import forms
 from core.assurance.worked import rail, values
 from core.errors import Problem, StudyError
@@ -39,9 +39,9 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
 )
 """Families by their letters, in the order in which they are shown."""
 
-ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[KnownProblem]], ...]] = MappingProxyType(
+ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[Case]], ...]] = MappingProxyType(
     {
-        "Y": (rail.problems,),
+        "Y": (rail.cases,),
         "V": (values.mean_velocities, values.reference_speeds, values.hops, values.closed_forms,
               values.limiting_friction),
         "F": (values.limiting_friction,),
@@ -82,10 +82,8 @@ def families_of(asked: Collection[str]) -> tuple[str, ...]:
     return tuple(letter for letter in FAMILIES if not letters or letter in letters)
 
 
-def problems(
-    families: Collection[str] = (), random: int = 0, seed: int = 1
-) -> tuple[KnownProblem, ...]:
-    """Return the problems of some families.
+def cases(families: Collection[str] = (), random: int = 0, seed: int = 1) -> tuple[Case, ...]:
+    """Return the cases of some families.
 
     Parameters
     ----------
@@ -101,25 +99,25 @@ def problems(
     StudyError
         If a letter is no family.
     """
-    found: list[KnownProblem] = []
+    found: list[Case] = []
     for letter in families_of(families):
         for form in forms().values():
             if form.name.startswith(f"{letter}-"):
-                found += [*form.problems(), *form.random(random, seed)]
+                found += [*form.cases(), *form.random(random, seed)]
         for make in ELSEWHERE.get(letter, ()):
-            found += [problem for problem in make() if problem.family == letter]
+            found += [case for case in make() if case.family == letter]
     return tuple(found)
 
 
-def document(asked: Collection[KnownProblem]) -> dict[str, Any]:
+def document(asked: Collection[Case]) -> dict[str, Any]:
     """Return problems as plain values, with all that is needed to answer them, for JSON."""
-    letters = dict.fromkeys(problem.family for problem in asked)
-    named = {problem.form for problem in asked}
+    letters = dict.fromkeys(case.family for case in asked)
+    named = {case.form for case in asked}
     return {
         "format": FORMAT,
         "program": f"vibrafeed {core.__version__}",
         "about": ABOUT,
-        "truths": dict(TRUTHS),
+        "truths": dict(EVIDENCE),
         "relations": list(RELATIONS),
         "families": {letter: FAMILIES[letter] for letter in letters},
         "forms": {
@@ -130,5 +128,5 @@ def document(asked: Collection[KnownProblem]) -> dict[str, Any]:
         | ({"Y-run": {"title": "Measured speeds", "words": rail.WORDS, "inputs": rail.INPUTS}}
            if "Y-run" in named else {}),
         "not_claimed": dict(NOT_CLAIMED),
-        "problems": [problem.document() for problem in asked],
+        "problems": [case.document() for case in asked],
     }  # fmt: skip

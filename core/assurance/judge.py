@@ -1,58 +1,84 @@
-"""Answers to problems: this program's own, by its studies, and how all answers are judged."""
+"""What becomes of cases: their studies are run, or another program's results read, and judged."""
 
 from __future__ import annotations
 
 import json
 import math
+import time
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from core import kinds
-from core.assurance.case import Content, KnownProblem, Term
-from core.dataset.table import Table
-from core.errors import VibrafeedError
+from core.assurance.case import Case, Computed, Content, Term
+from core.dataset.table import Table, TableVariable
+from core.errors import StudyError
 from core.intake import prepare_content
+from core.quantities import MOTION_STATUSES, REGIMES, Flag
 from core.watch import Watch
+
+STATED = "conveying_velocity_error"
+
+WITHOUT_VALUE = {"unbounded", "no_motion", "stopped"}
+"""Valid regimes that explain a value that is not finite; all that are not valid do so too."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a problem.
+    """What became of a case.
 
     Attributes
     ----------
-    problem : KnownProblem
-    found : float
-        The answer; NaN where there is none.
+    case : Case
+    value : float
+        The result; NaN where there is none. Of arrays, here and below, that of the cell where the
+        error is the largest share of what is allowed.
+    error, allowed : float
+        The error, and the largest that is right; NaN where none is judged.
+    passed : bool
+        True where status and error are as they should be; of a result that is only shown, where
+        there is one.
+    status : str
+        Statuses or regimes of the cells; `refused`, `warning` or `error` where there are none.
     note : str
-        Why there is none.
+        What is wrong besides the error, or how the case was judged.
+    seconds : float
+        How long it took.
     """
 
-    problem: KnownProblem
-    found: float
+    case: Case
+    value: float = math.nan
+    error: float = math.nan
+    allowed: float = math.nan
+    passed: bool = False
+    status: str = ""
     note: str = ""
-
-    @property
-    def passed(self) -> bool:
-        """Whether the answer is right; one that is only shown is if there is one."""
-        return not self.note and self.problem.holds(self.found)
+    seconds: float = 0.0
 
     @property
     def judged(self) -> bool:
-        """Whether the answer is judged at all."""
-        return self.problem.relation != "shown"
+        """True where the result is compared, not only shown."""
+        return self.case.relation != "shown"
 
     @property
-    def miss(self) -> float:
-        """By how much the answer misses; infinite where there is none."""
-        return self.problem.miss(self.found)
+    def remark(self) -> str:
+        """The note, or where the truth comes from."""
+        return self.note or (self.case.right.source if self.case.known else "")
+
+    @property
+    def share(self) -> float:
+        """The error over the allowed one; 0 where there is none to judge, infinite if it failed."""
+        if not self.passed:
+            return math.inf
+        return self.error / self.allowed if self.error > 0 else 0.0
 
 
 @dataclass(frozen=True)
 class Summary:
-    """How many problems of a family were judged and right, and the one nearest to its tolerance."""
+    """How many cases of a family were judged and right, and the one nearest to its tolerance."""
 
     family: str
     judged: int
@@ -60,29 +86,100 @@ class Summary:
     worst: Outcome | None
 
 
-def solve(problems: Sequence[KnownProblem], watch: Watch | None = None) -> list[Outcome]:
-    """Return this program's own outcomes, in order; `watch` may stop it early."""
+def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome]:
+    """Return the outcomes of this program, in order; those not begun when stopped are left out."""
     watch = watch or Watch()
-    outcomes: list[Outcome] = []
-    for problem in problems:
+    outcomes = []
+    for case in cases:
         if watch.stopped():
             break
-        outcomes.append(_solved(problem))
-        watch.advance(1 / len(problems))
+        outcomes.append(run_case(case)[0])
+        watch.advance(1 / len(cases))
     return outcomes
 
 
-def _solved(problem: KnownProblem) -> Outcome:
-    """Return what this program's studies answer."""
-    try:
-        outputs = outputs_of(problem.terms)
-    except VibrafeedError as error:
-        return Outcome(problem, math.nan, f"refused: {error}")
-    found = problem.answer(outputs)
-    return Outcome(problem, found, "" if math.isfinite(found) else "it has no value")
+def run_case(case: Case) -> tuple[Outcome, Computed | None]:
+    """Return what becomes of a case, and what was computed, if it was; warnings are errors."""
+    started = time.perf_counter()
+    computed = None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            computed = case.compute() if case.compute else _computed(case)
+            outcome = judge(case, computed)
+        except StudyError as refusal:
+            named = [problem.place for problem in refusal.problems] == [case.refused]
+            note = str(refusal.problems[0]) if named else f"refused: {refusal}"
+            outcome = Outcome(case, passed=named, status="refused", note=note)
+        except Exception as failure:  # a case must not end the others, whatever is wrong
+            status = "warning" if isinstance(failure, Warning) else "error"
+            outcome = Outcome(case, status=status, note=f"{type(failure).__name__}: {failure}")
+    return replace(outcome, seconds=time.perf_counter() - started), computed
 
 
-def outputs_of(terms: Sequence[Term]) -> list[float]:
+def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) -> list[Outcome]:
+    """Return the outcomes of another program's results; what it left out is no outcome."""
+    return [
+        Outcome(case, note="it has no answer")
+        if (value := results[case.id]) is None
+        else judge(case, Computed(np.asarray(value, dtype=np.float64)))
+        for case in cases
+        if case.id in results
+    ]
+
+
+def judge(case: Case, computed: Computed) -> Outcome:
+    """Return the verdict on what was computed for a case; nothing is computed anew."""
+    value, stated = computed.value, computed.stated
+    status = ", ".join(sorted(computed.statuses))
+    wrong = Outcome(case, status=status)
+    if case.refused:
+        return replace(wrong, status="accepted", note=f"{case.refused} should be refused")
+    if case.status and not computed.statuses <= set(case.status):
+        return replace(wrong, note=f"not {' or '.join(case.status)}")
+    finite = np.isfinite(value)
+    if not computed.explained and not np.all(finite):
+        return replace(wrong, note="not finite, and nothing says why")
+    if stated is not None and not np.all(np.isfinite(stated[finite])):
+        return replace(wrong, note="finite, with a stated error that is not")
+    if case.truth is None:
+        return replace(wrong, passed=True, note="judged by its status")
+    allowed = np.broadcast_to(case.truth.tolerance, np.shape(value))
+    if stated is not None and not case.blunt and case.terms[0].output == "conveying_velocity":
+        size = np.abs(np.broadcast_to(case.truth.value, np.shape(value)))
+        size = np.where(size == 0, _drive_speed(case.terms[0].study), size)
+        if np.any(stated[finite] > size[finite]):
+            return replace(wrong, note="the stated error is larger than what it is stated for")
+    if case.states_error:
+        if stated is None:
+            return replace(wrong, note="no error is stated")
+        allowed = allowed + np.where(finite, stated, 0.0)
+    errors = case.errors(value)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        shares = np.where(errors == 0, 0.0, errors / allowed)
+    worst = np.unravel_index(np.argmax(shares), shares.shape)
+    error, most = float(errors[worst]), float(allowed[worst])
+    passed = case.relation == "shown" or error <= most
+    return Outcome(case, float(value[worst]), error, most, passed, status, computed.note)
+
+
+def summaries(outcomes: Sequence[Outcome]) -> list[Summary]:
+    """Return a summary of each family, in the order of the outcomes."""
+    found = []
+    for family in dict.fromkeys(outcome.case.family for outcome in outcomes):
+        judged = [o for o in outcomes if o.case.family == family and o.judged]
+        worst = max(judged, key=lambda outcome: outcome.share, default=None)
+        passed = sum(outcome.passed for outcome in judged)
+        found.append(Summary(family, len(judged), passed, worst))
+    return found
+
+
+def results_of(content: Content) -> Table:
+    """Return the results of a study as a user writes it."""
+    return kinds.tabulate(prepare_content(content))
+
+
+def outputs_of(terms: Sequence[Term]) -> list[Any]:
     """Return the output of each term; what differs in outputs alone is one study.
 
     Raises
@@ -90,54 +187,82 @@ def outputs_of(terms: Sequence[Term]) -> list[float]:
     StudyError
         If a study is refused.
     """
-    studies: dict[str, Content] = {}
-    keys = []
+    return _outputs(terms, _tables(terms))
+
+
+def _computed(case: Case) -> Computed:
+    """Return what the studies of a case give."""
+    if case.refused:
+        prepare_content(case.terms[0].study)
+        return Computed(np.asarray(math.nan))
+    tables = _tables(case.terms)
+    flags = [_statuses(table.variables) for table in tables.values()]
+    stated = None
+    if len(tables) == 1:
+        (table,) = tables.values()
+        if STATED in table.variables:
+            stated = np.asarray(table.variables[STATED].values, dtype=np.float64)
+    return Computed(
+        np.asarray(case.result(_outputs(case.terms, tables)), dtype=np.float64),
+        frozenset[str]().union(*(names for names, _ in flags)),
+        any(explained for _, explained in flags),
+        stated,
+    )
+
+
+def _key(term: Term) -> str:
+    rest = {name: value for name, value in term.study.items() if name != "outputs"}
+    return json.dumps(rest, sort_keys=True)
+
+
+def _tables(terms: Sequence[Term]) -> dict[str, Table]:
+    """Return the results of each different study."""
+    studies: dict[str, dict[str, Any]] = {}
     for term in terms:
-        rest = {name: value for name, value in term.study.items() if name != "outputs"}
-        key = json.dumps(rest, sort_keys=True)
-        keys.append(key)
-        before = studies.get(key, {"outputs": ()})["outputs"]
+        before = studies.get(_key(term), {"outputs": ()})["outputs"]
         names = list(dict.fromkeys((*before, *term.study["outputs"])))
-        studies[key] = {**term.study, "outputs": names}
-    tables = {key: kinds.tabulate(prepare_content(content)) for key, content in studies.items()}
-    return [_picked(tables[key], term) for key, term in zip(keys, terms, strict=True)]
+        studies[_key(term)] = {**term.study, "outputs": names}
+    return {key: results_of(content) for key, content in studies.items()}
 
 
-def _picked(table: Table, term: Term) -> float:
-    """Return the one number of an output that a term names."""
+def _outputs(terms: Sequence[Term], tables: Mapping[str, Table]) -> list[Any]:
+    return [_picked(tables[_key(term)], term) for term in terms]
+
+
+def _picked(table: Table, term: Term) -> Any:
+    """Return what a term takes of an output."""
     values = np.asarray(table.variables[term.output].values, dtype=np.float64)
     if term.pick == "value":
-        return values.item()
+        return values
     ends = {"first": 0, "last": -1}
     if term.pick in ends:
         return float(values[ends[term.pick]])
     return float(values.min() if term.pick == "least" else values.max())
 
 
-def judge(problems: Iterable[KnownProblem], answers: Mapping[str, float | None]) -> list[Outcome]:
-    """Return the outcomes of another program's answers; what it left out is no outcome."""
-    return [
-        Outcome(problem, math.nan, "it has no answer")
-        if answers[problem.id] is None
-        else Outcome(problem, float(answers[problem.id] or 0.0))
-        for problem in problems
-        if problem.id in answers
-    ]
+def _drive_speed(content: Mapping[str, Any]) -> float:
+    """Return the largest speed of the track, which a stated error of a value of 0 stands beside."""
+    frequency, amplitude = (
+        float(np.max(content["parameters"][name])) for name in ("frequency", "amplitude")
+    )
+    return 2 * math.pi * frequency * amplitude
 
 
-def summaries(outcomes: Sequence[Outcome]) -> list[Summary]:
-    """Return a summary of each family, in the order of the outcomes."""
-    found = []
-    for family in dict.fromkeys(outcome.problem.family for outcome in outcomes):
-        judged = [o for o in outcomes if o.problem.family == family and o.judged]
-        worst = max(judged, key=_share, default=None)
-        passed = sum(outcome.passed for outcome in judged)
-        found.append(Summary(family, len(judged), passed, worst))
-    return found
+def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
+    """Return the names of the statuses of all cells, and whether one explains a missing value."""
+    regimes = _present(variables["regime"], REGIMES) if "regime" in variables else {}
+    statuses = regimes
+    if "motion_status" in variables:
+        statuses = _present(variables["motion_status"], MOTION_STATUSES)
+    explained = (
+        all(not flag.valid or name in WITHOUT_VALUE for name, flag in flags.items())
+        for flags in (statuses, regimes)
+        if flags
+    )
+    return set(statuses), any(explained)
 
 
-def _share(outcome: Outcome) -> float:
-    """Return how much of its tolerance a miss takes."""
-    if not outcome.passed:
-        return math.inf
-    return outcome.miss / outcome.problem.tolerance if outcome.miss > 0 else 0.0
+def _present(variable: TableVariable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
+    """Return the flags that stand in a variable."""
+    values = set(np.unique(variable.values).tolist())
+    return {name: flag for name, flag in flags.items() if flag.value in values}

@@ -1,20 +1,20 @@
-"""Outcomes for people and programs: a table in words, Markdown, JSON."""
+"""Outcomes for people and programs: rows of words, Markdown, JSON, a dataset."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from core.assurance.case import RELATIONS, KnownProblem
+import numpy as np
+
+from core.assurance.case import RELATIONS, Case
 from core.assurance.catalogue import FAMILIES, NOT_CLAIMED
 from core.assurance.judge import Outcome, Summary, summaries
 from core.dataset.markdown import markdown_table
+from core.dataset.table import CONVENTIONS, Table, TableVariable
 
 FORMAT = "vibrafeed-outcomes-1"
-FAMILY_COLUMNS = ("family", "problems", "right", "closest call", "found", "expected",
-                  "off by", "allowed")  # fmt: skip
-COLUMNS = ("problem", "what", "found", "expected", "unit", "off by", "allowed", "is")
 
 
 def number(value: float, tolerance: float, most: int = 15) -> str:
@@ -29,41 +29,75 @@ def number(value: float, tolerance: float, most: int = 15) -> str:
     return f"{value:.{min(max(digits, 3), most)}g}"
 
 
-def expected(problem: KnownProblem) -> str:
+def expected(case: Case) -> str:
     """Return what is expected, as its source writes it if that has few digits."""
-    said = problem.digits or number(problem.expected, problem.tolerance)
-    return f"{RELATIONS[problem.relation]}{said}"
+    said = case.digits or number(case.right.value, case.right.tolerance)
+    return f"{RELATIONS[case.relation]}{said}"
 
 
 def verdict(outcome: Outcome) -> str:
-    """Return what became of a problem, in a word or two."""
-    if outcome.note:
-        return f"wrong: {outcome.note}"
-    if not outcome.judged:
-        return "not judged"
-    return "right" if outcome.passed else "wrong"
+    """Return what became of a case, in a word or two."""
+    if outcome.passed:
+        return "right" if outcome.judged else "not judged"
+    return f"wrong: {outcome.note}" if outcome.note else "wrong"
 
 
-def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
-    """Return a row of `COLUMNS` for each outcome."""
-    return [
-        (
-            outcome.problem.id,
-            outcome.problem.title,
-            number(outcome.found, outcome.problem.tolerance),
-            expected(outcome.problem),
-            "" if outcome.problem.unit == "1" else outcome.problem.unit,
-            _off(outcome),
-            f"{outcome.problem.tolerance:.1g}" if outcome.judged else "",
-            verdict(outcome),
-        )
-        for outcome in outcomes
-    ]
+def _value(outcome: Outcome) -> str:
+    return number(outcome.value, outcome.case.right.tolerance)
 
 
-def family_rows(found: Sequence[Summary]) -> list[tuple[str, ...]]:
+def _off(outcome: Outcome) -> str:
+    error = outcome.error
+    if math.isnan(error):
+        return ""
+    return f"{error:.1e}" if 0 < error < 1e-2 else f"{error:.3g}"
+
+
+def _unit(outcome: Outcome) -> str:
+    return "" if outcome.case.unit == "1" else outcome.case.unit
+
+
+def _two_digits(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.2g}"
+
+
+Columns = Mapping[str, Callable[[Outcome], str]]
+
+COLUMNS: Columns = {
+    "problem": lambda outcome: outcome.case.id,
+    "what": lambda outcome: outcome.case.title,
+    "found": _value,
+    "expected": lambda outcome: expected(outcome.case),
+    "unit": _unit,
+    "off by": _off,
+    "allowed": lambda o: f"{o.case.right.tolerance:.1g}" if o.judged else "",
+    "is": verdict,
+}
+"""Columns of `vibrafeed validate`."""
+
+HARD_COLUMNS: Columns = {
+    "case": lambda outcome: outcome.case.id,
+    "status": lambda outcome: outcome.status,
+    "error": lambda outcome: _two_digits(outcome.error),
+    "allowed": lambda outcome: _two_digits(outcome.allowed),
+    "seconds": lambda outcome: f"{outcome.seconds:.2f}",
+    "is": lambda outcome: "right" if outcome.passed else "**wrong**",
+    "note": lambda outcome: outcome.remark,
+}
+"""Columns of the hard cases in a report."""
+
+FAMILY_COLUMNS = ("family", "problems", "right", "closest call", "found", "expected",
+                  "off by", "allowed")  # fmt: skip
+
+
+def rows(outcomes: Sequence[Outcome], columns: Columns = COLUMNS) -> list[tuple[str, ...]]:
+    """Return a row for each outcome."""
+    return [tuple(cell(outcome) for cell in columns.values()) for outcome in outcomes]
+
+
+def family_rows(families: Sequence[Summary]) -> list[tuple[str, ...]]:
     """Return a row of `FAMILY_COLUMNS` for each family."""
-    return [_family_row(summary) for summary in found]
+    return [_family_row(summary) for summary in families]
 
 
 def _family_row(summary: Summary) -> tuple[str, ...]:
@@ -71,22 +105,9 @@ def _family_row(summary: Summary) -> tuple[str, ...]:
     counts = (name, f"{summary.judged:,}", f"{summary.passed:,}")
     if summary.worst is None:
         return (*counts, "", "", "", "", "")
-    problem = summary.worst.problem
-    unit = "" if problem.unit == "1" else f" {problem.unit}"
-    return (
-        *counts,
-        problem.id,
-        number(summary.worst.found, problem.tolerance) + unit,
-        expected(problem) + unit,
-        _off(summary.worst),
-        f"{problem.tolerance:.1g}",
-    )
-
-
-def _off(outcome: Outcome) -> str:
-    if outcome.note:
-        return ""
-    return f"{outcome.miss:.1e}" if 0 < outcome.miss < 1e-2 else f"{outcome.miss:.3g}"
+    unit = f" {_unit(summary.worst)}".rstrip()
+    case, _, value, right, _, off, allowed, _ = rows([summary.worst])[0]
+    return (*counts, case, value + unit, right + unit, off, allowed)
 
 
 def sentence(outcomes: Sequence[Outcome], program: str) -> str:
@@ -110,33 +131,104 @@ def document(outcomes: Sequence[Outcome], program: str) -> dict[str, Any]:
         "right": sum(outcome.passed for outcome in judged),
         "families": [
             {
-                "family": one.family, "title": FAMILIES[one.family], "judged": one.judged,
-                "right": one.passed, "worst": one.worst.problem.id if one.worst else None,
+                "family": family.family, "title": FAMILIES[family.family], "judged": family.judged,
+                "right": family.passed, "worst": family.worst.case.id if family.worst else None,
             }
-            for one in summaries(outcomes)
+            for family in summaries(outcomes)
         ],
         "outcomes": [_outcome(outcome) for outcome in outcomes],
     }  # fmt: skip
 
 
 def _outcome(outcome: Outcome) -> Mapping[str, Any]:
-    problem = outcome.problem
+    case = outcome.case
     return {
-        "id": problem.id, "family": problem.family, "title": problem.title,
-        "source": problem.source, "truth": problem.truth, "found": outcome.found,
-        "relation": problem.relation, "expected": problem.expected, "unit": problem.unit,
-        "difference": outcome.miss, "tolerance": problem.tolerance, "judged": outcome.judged,
-        "right": outcome.passed, "note": outcome.note,
+        "id": case.id, "family": case.family, "title": case.title, "source": case.right.source,
+        "truth": case.evidence, "found": outcome.value, "relation": case.relation,
+        "expected": case.right.value, "unit": case.unit,
+        "difference": math.inf if math.isnan(outcome.error) else outcome.error,
+        "tolerance": case.right.tolerance, "judged": outcome.judged, "right": outcome.passed,
+        "note": outcome.note,
     }  # fmt: skip
 
 
 def markdown(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return outcomes as a page: families first, then every problem."""
+    """Return outcomes as a page: families first, then every case."""
     lines = ["# Validation", "", sentence(outcomes, program), ""]
     lines += [*markdown_table(FAMILY_COLUMNS, family_rows(summaries(outcomes))), ""]
-    for family in dict.fromkeys(outcome.problem.family for outcome in outcomes):
-        mine = [outcome for outcome in outcomes if outcome.problem.family == family]
-        lines += [f"## {family}: {FAMILIES[family]}", "", *markdown_table(COLUMNS, rows(mine)), ""]
+    for family in dict.fromkeys(outcome.case.family for outcome in outcomes):
+        mine = [outcome for outcome in outcomes if outcome.case.family == family]
+        lines += [
+            f"## {family}: {FAMILIES[family]}",
+            "",
+            *markdown_table((*COLUMNS,), rows(mine)),
+            "",
+        ]
     lines += ["## No claim of this program", ""]
     lines += [f"- {name}: {words}" for name, words in NOT_CLAIMED.items()]
     return "\n".join(lines) + "\n"
+
+
+def hard_cases_table(outcomes: Sequence[Outcome]) -> Table:
+    """Return outcomes of hard cases as variables over the dimension `case`."""
+
+    def variable(values: Sequence[Any], kind: type, label: str, **more: Any) -> TableVariable:
+        return TableVariable(("case",), np.array(values, kind), {"long_name": label, **more})
+
+    def text(name: str, label: str) -> TableVariable:
+        return variable([getattr(outcome, name) for outcome in outcomes], object, label)
+
+    def real(name: str, label: str, unit: str) -> TableVariable:
+        values = [getattr(outcome, name) for outcome in outcomes]
+        return variable(values, np.float64, label, units=unit)
+
+    names = [outcome.case.id for outcome in outcomes]
+    families = [outcome.case.family for outcome in outcomes]
+    flags = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed passed"}
+    passed = [outcome.passed for outcome in outcomes]
+    return Table(
+        {"case": variable(names, object, "Name of the case")},
+        {
+            "family": variable(families, object, "What it is hard for"),
+            "status": text("status", "Status or regime"),
+            "error": real("error", "Error, in the unit of the judged output", "1"),
+            "stated_error": real("allowed", "Largest error that is right", "1"),
+            "seconds": real("seconds", "Run time", "s"),
+            "passed": variable(passed, np.int8, "Whether it is right", **flags),
+            "note": text("remark", "Source of the reference, or what is wrong"),
+        },
+        {"Conventions": CONVENTIONS, "title": "Hard cases"},
+    )
+
+
+def hard_cases_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
+    """Return outcomes of hard cases as Markdown: the worst of each family first, then all.
+
+    `untried` is how many cases were left when it was stopped.
+    """
+    failed = sum(not outcome.passed for outcome in outcomes)
+    took = sum(outcome.seconds for outcome in outcomes)
+    stopped = f"It was stopped: {untried} of {untried + len(outcomes)} cases were not tried."
+    worst = [family.worst for family in summaries(outcomes) if family.worst]
+    with_family: Columns = {"family": lambda outcome: outcome.case.family, **HARD_COLUMNS}
+    return "\n".join(
+        [
+            *([stopped, ""] if untried else []),
+            f"{len(outcomes)} hard cases in {took:.0f} s: {len(outcomes) - failed} right, "
+            f"{failed} wrong. Warnings count as wrong, and so does what is not finite if no status "
+            "says why.",
+            "",
+            "Error: of the judged output, in its unit. Allowed: what is stated for it, by the "
+            "method itself or by the reference that the note names; where both are left out the "
+            "case is judged by its status, or has to be refused.",
+            "",
+            "### Worst of each family",
+            "",
+            *markdown_table((*with_family,), rows(worst, with_family)),
+            "",
+            "### All cases",
+            "",
+            *markdown_table((*HARD_COLUMNS,), rows(outcomes, HARD_COLUMNS)),
+            "",
+        ]
+    )

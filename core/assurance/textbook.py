@@ -7,9 +7,11 @@ digits make up for the cancellation. Inputs are in the units of studies, angles 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from mpmath import mp, mpf
+
+from core.assurance.case import Truth
 
 DIGITS = 700
 """Enough for 1 - exp(-s) at s = 1e-300."""
@@ -22,31 +24,13 @@ BAR = 8
 Formula = Callable[..., Any]
 
 
-class TextbookValue(NamedTuple):
-    """What is right, and by how much a result may miss it.
-
-    Attributes
-    ----------
-    value : float or ndarray
-        The right value, in the unit of the output.
-    error : float or ndarray
-        The largest error that is still right.
-    source : str
-        Where the value comes from, and why the error is that large.
-    """
-
-    value: Any
-    error: Any
-    source: str
-
-
-def exact(formula: Formula, **given: float) -> Callable[[], TextbookValue]:
+def exact(formula: Formula, **given: float) -> Callable[[], Truth]:
     """Return what gives the exact value of a formula, with an error of 8 kappa ulp.
 
     kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
     """
 
-    def answer() -> TextbookValue:
+    def truth() -> Truth:
         with mp.workdps(DIGITS):
             inputs = {name: mpf(value) for name, value in given.items()}
             value = formula(**inputs)
@@ -59,25 +43,25 @@ def exact(formula: Formula, **given: float) -> Callable[[], TextbookValue]:
                     total += abs(after - before) / 2 / mpf(10) ** -20
             # A value in the subnormal range has an absolute rounding.
             error = BAR * float(total) * EPSILON + BAR * 5e-324
-            return TextbookValue(float(value), error, "closed form in 700 digits; 8 kappa ulp")
+            return Truth(float(value), error, "closed form in 700 digits; 8 kappa ulp")
 
-    return answer
+    return truth
 
 
-def exact_of_floats(formula: Formula, **given: float) -> Callable[[], TextbookValue]:
+def exact_of_floats(formula: Formula, **given: float) -> Callable[[], Truth]:
     """Return what gives the exact value of a formula, with an error of 8 ulp of the value itself.
 
     For formulas whose inputs cancel without a rounding, so that their condition does not count: of
     two floats within a factor of 2 of each other the difference is exact (Sterbenz).
     """
 
-    def answer() -> TextbookValue:
+    def truth() -> Truth:
         with mp.workdps(DIGITS):
             value = float(formula(**{name: mpf(number) for name, number in given.items()}))
         error = BAR * abs(value) * EPSILON + BAR * 5e-324
-        return TextbookValue(value, error, "closed form of the floats in 700 digits; 8 ulp")
+        return Truth(value, error, "closed form of the floats in 700 digits; 8 ulp")
 
-    return answer
+    return truth
 
 
 def _radians(degrees: Any) -> Any:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from core.assurance.case import KnownProblem, half_unit
+from core.assurance.case import Case, Truth, half_unit
 from core.assurance.forms import best_wave, fast_drives, formulas, laws, resting
 from core.assurance.forms.formulas import Formula
 
@@ -64,47 +64,54 @@ class Form:
     listed: tuple[Mapping[str, Any], ...]
 
     @property
+    def letter(self) -> str:
+        """The letter of its family."""
+        return self.name.partition("-")[0]
+
+    @property
     def formula(self) -> Formula:
         """The formula behind it."""
         return FORMULAS[self.name]
 
-    def problems(self) -> Iterator[KnownProblem]:
-        """Yield the listed problems."""
+    def cases(self) -> Iterator[Case]:
+        """Yield the listed cases."""
         for number, row in enumerate(self.listed, 1):
             digits = row["expected"]
-            yield KnownProblem(
+            yield Case(
                 id=f"{self.name}-{number}",
+                family=self.letter,
                 title=self.title,
-                source=row.get("source", self.source),
-                truth=row.get("truth", self.truth),
-                given=row["given"],
                 terms=self.formula.terms(row["given"]),
-                relation=self.relation,
-                expected=float(digits),
+                known=Truth(
+                    float(digits),
+                    row.get("tolerance", half_unit(digits)),
+                    row.get("source", self.source),
+                ),
+                evidence=row.get("truth", self.truth),
                 unit=self.unit,
-                tolerance=row.get("tolerance", half_unit(digits)),
+                inputs=row["given"],
+                relation=self.relation,
                 why=row.get("why", "half a unit of the last digit"),
                 digits=digits,
             )
 
-    def random(self, count: int, seed: int) -> Iterator[KnownProblem]:
-        """Yield problems with random inputs; the first ones do not depend on how many."""
+    def random(self, count: int, seed: int) -> Iterator[Case]:
+        """Yield cases with random inputs; the first ones do not depend on how many."""
         draw = np.random.default_rng([seed, zlib.crc32(self.name.encode())])
         for number in range(1, count + 1):
             given = self.formula.random(draw)
             expected = self.formula.value(given)
             size = abs(expected) if self.relative else 1.0
-            yield KnownProblem(
+            yield Case(
                 id=f"{self.name}-r{seed}.{number}",
+                family=self.letter,
                 title=self.title,
-                source=self.source,
-                truth=self.truth,
-                given=given,
                 terms=self.formula.terms(given),
-                relation=self.relation,
-                expected=expected,
+                known=Truth(expected, self.tolerance * size, self.source),
+                evidence=self.truth,
                 unit=self.unit,
-                tolerance=self.tolerance * size,
+                inputs=given,
+                relation=self.relation,
                 why=self.why,
             )
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from core.assurance import textbook
-from core.assurance.hard_cases.case import HardCase
+from core.assurance.case import Case, Truth
 from core.assurance.hard_cases.studies import (
     G,
     W,
     corner,
     from_study,
+    hard_case,
     hopping,
-    known,
     motion,
     near,
     plane,
@@ -20,7 +20,7 @@ from core.assurance.hard_cases.studies import (
 from core.assurance.textbook import exact
 
 
-def regime_borders() -> list[HardCase]:
+def regime_borders() -> list[Case]:
     """Return cases at throw number 1, where hop follows hop, and where periods double."""
     family = "throw number 1, and regime borders"
     cases = []
@@ -29,12 +29,12 @@ def regime_borders() -> list[HardCase]:
     for offset in (-1e-14, -1e-15, 0.0, 1e-15, 1e-14):
         case = plane("throw_number", textbook.throw_number, **upright, gravity=P / (1 + offset))
         sure = ("contact",) if offset < -5e-15 else ("flight",) if offset > 5e-15 else ()
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"throw number 1{offset:+g}", family, "drive and gravity cancel to the last digits",
             status=sure or ("contact", "flight"), **case,
         ))  # fmt: skip
         # Continuous: a hop of 4 sqrt(2 offset) moves the part by its cube, 3e-20 of the drive.
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"motion, throw number 1{offset:+g}", family, "a hop that is as long as the root of "
             "the rounding", motion(**hopping(1 + offset)), "conveying_velocity",
             from_study(motion(**hopping(1.0)), "conveying_velocity", 1e-12,
@@ -46,25 +46,25 @@ def regime_borders() -> list[HardCase]:
     for name, throw in (("1e-12 above", first * (1 + 1e-12)), ("1e-15 above", first * (1 + 1e-15)),
                         ("at", first)):  # fmt: skip
         # A rest on the floor of a rounding's length is possible on either side.
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"motion, {name} the start of hop after hop", family, "the hop ends where it begins",
             motion(**hopping(throw, friction=2.0)), "conveying_velocity", near(formula, 1e-7),
-            ("periodic",), says=True,
+            ("periodic",), states_error=True,
         ))  # fmt: skip
-    cases.append(HardCase(
+    cases.append(hard_case(
         "motion, just below period doubling", family, "a cycle whose multiplier is nearly -1",
         motion(**hopping(3.7241, friction=2.0)), "conveying_velocity", formula, ("periodic",),
-        says=True,
+        states_error=True,
     ))  # fmt: skip
-    cases.append(HardCase(
+    cases.append(hard_case(
         "motion, just above period doubling", family, "it repeats after two periods, by a hair",
         motion(**hopping(3.7243, friction=2.0)), "conveying_velocity",
-        near(formula, 0.02), ("periodic",), says=True,
+        near(formula, 0.02), ("periodic",), states_error=True,
     ))  # fmt: skip
     return cases
 
 
-def painleve() -> list[HardCase]:
+def painleve() -> list[Case]:
     """Return cases of a corner whose response to a force vanishes."""
     family = "m tau to 0 (Painleve)"
     s = math.atan2(0.03, 0.02) + math.radians(5.0)
@@ -72,12 +72,12 @@ def painleve() -> list[HardCase]:
     cases = []
     for offset in (-1e-3, -1e-9, -1e-13, 0.0, 1e-13, 1e-9, 1e-3):
         mu = limit * (1 + offset)
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"m tau, mu = mu_c (1{offset:+g})", family, "the response to a force vanishes",
             **corner("normal_response_right", textbook.normal_response, friction=mu),
         ))  # fmt: skip
     for offset in (-1e-3, -1e-9, -1e-12):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"contact force, mu = mu_c (1{offset:+g})", family, "it grows as 1/tau",
             status=("sliding",), **corner(
                 "floor_acceleration", textbook.contact_acceleration,
@@ -89,10 +89,10 @@ def painleve() -> list[HardCase]:
                        friction=limit * (1 + offset), pitch_rate=rate)  # fmt: skip
         if status != "two_solutions":
             value = math.nan if status == "no_solution" else 0.0
-            given["answer"] = known(value, 0.0, "table of theory 2.3")
+            given["known"] = Truth(value, 0.0, "table of theory 2.3")
         if rate == 60.0:
             given["content"]["parameters"]["velocity_along"] = 10.0
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"{status.replace('_', ' ')}, mu = mu_c (1{offset:+g})", family,
             "the other side of tau = 0", status=(status,), **given,
         ))  # fmt: skip

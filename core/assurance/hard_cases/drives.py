@@ -7,15 +7,15 @@ import math
 import numpy as np
 
 from core.assurance import textbook
-from core.assurance.hard_cases.case import HardCase
+from core.assurance.case import Case, Truth
 from core.assurance.hard_cases.studies import (
     DRIVE,
     TRACK,
     G,
     W,
     from_study,
+    hard_case,
     hopping,
-    known,
     motion,
     sweep,
     track,
@@ -23,14 +23,14 @@ from core.assurance.hard_cases.studies import (
 from core.assurance.textbook import EPSILON
 
 
-def slow_and_fast_drives() -> list[HardCase]:
+def slow_and_fast_drives() -> list[Case]:
     """Return cases of frequencies from 1e-9 to 1e12 Hz."""
     family = "frequencies of 1e-3 and 1e5 Hz"
     cases = []
     for frequency in (1e-9, 1e-3, 1e5, 1e12):
         for throw, friction in ((0.9, 0.3), (1.5, 0.5), (3.5, 0.5)):
             base = motion(**hopping(throw, friction=friction))
-            cases.append(HardCase(
+            cases.append(hard_case(
                 f"motion, {frequency:g} Hz, throw number {throw:g}", family,
                 "amplitudes from 1e-25 m to 1e17 m",
                 motion(**hopping(throw, friction=friction, frequency=frequency)),
@@ -41,13 +41,13 @@ def slow_and_fast_drives() -> list[HardCase]:
                 ("periodic",),
             ))  # fmt: skip
     for frequency in (1e-3, 1e5):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"v(x), {frequency:g} Hz", family, "the drive is 4e-10 or 4e6 times the usual",
             **track("transport_velocity", textbook.velocity_after, frequency=frequency, gamma=-1.0,
                     delta=-2.0),
         ))  # fmt: skip
     for frequency in (0.0, 1e-10, 1e13):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"motion, {frequency:g} Hz", family, "no period to take a mean over",
             motion(frequency=frequency, amplitude=1e-4, beta=30.0, friction=0.3),
             refused="parameters.frequency",
@@ -55,7 +55,7 @@ def slow_and_fast_drives() -> list[HardCase]:
     return cases
 
 
-def subnormal_amplitudes() -> list[HardCase]:
+def subnormal_amplitudes() -> list[Case]:
     """Return cases of amplitudes that are no normal floats."""
     family = "subnormal amplitudes"
     cases = []
@@ -63,56 +63,56 @@ def subnormal_amplitudes() -> list[HardCase]:
         given = {"frequency": 50.0, "amplitude": amplitude, "beta": 0.0}
         P = amplitude * (W * W)  # A0 w would be rounded to a multiple of 5e-324
         cases += [
-            HardCase(
+            hard_case(
                 f"drive, A0 = {amplitude:g} m", family, "fewer digits than usual",
                 sweep("rectangle-on-plane", "vibration_acceleration", frequency=50.0,
                       amplitude=amplitude),
                 "vibration_acceleration",
-                known(P, 8 * EPSILON * P + 5e-324 * W,
+                Truth(P, 8 * EPSILON * P + 5e-324 * W,
                       "A0 w^2; 8 ulp, and the rounding of A0 w to a multiple of 5e-324, times w"),
             ),
-            HardCase(
+            hard_case(
                 f"v(x), A0 = {amplitude:g} m", family, "K underflows with mu",
                 sweep("rectangle-on-track", "transport_velocity", **given, friction=0.3,
                       radius=0.3, distance=1e-3),
                 "transport_velocity",
                 # v^2 = 2 K x, and K has the relative error of a subnormal product.
-                known(math.sqrt(2 * 1e-3) * math.sqrt(P) * math.sqrt(math.exp(-1e-3)),
+                Truth(math.sqrt(2 * 1e-3) * math.sqrt(P) * math.sqrt(math.exp(-1e-3)),
                       math.sqrt(2e-3) * math.sqrt(P) * (1e-6 + 5e-324 / amplitude / W),
                       "sqrt(2 K x phi), phi = 1 - 1e-3 to 1e-6; A0 w is a multiple of 5e-324"),
                 ("faster_than_track",),
             ),
-            HardCase(
+            hard_case(
                 f"motion, A0 = {amplitude:g} m", family, "every group is subnormal",
                 motion(**given, friction=0.3), "conveying_velocity",
-                known(0.0, 0.0, "held"), ("at_rest",),
+                Truth(0.0, 0.0, "held"), ("at_rest",),
             ),
-            HardCase(
+            hard_case(
                 f"motion without friction, A0 = {amplitude:g} m", family, "speeds below 1e-300",
                 motion(**given, friction=0.0), "conveying_velocity",
-                known(amplitude * W, 1e-4 * amplitude * W + 5e-322, "A0 w, of few digits"),
+                Truth(amplitude * W, 1e-4 * amplitude * W + 5e-322, "A0 w, of few digits"),
                 ("neutral",),
             ),
         ]  # fmt: skip
-    cases.append(HardCase(
+    cases.append(hard_case(
         "efficiency of a part that slides down, A0 = 1e-310 m", family,
         "a speed over next to nothing",
         {**motion("time-stepping", "efficiency", frequency=50.0, amplitude=1e-310, beta=0.0,
                   friction=0.1, gamma=0.0, steps_per_period=100, most_periods=20), },
-        "efficiency", known(0.0, 0.0, "held"), ("at_rest",),
+        "efficiency", Truth(0.0, 0.0, "held"), ("at_rest",),
     ))  # fmt: skip
     for amplitude in (0.0, 1e-320):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"efficiency of a part that creeps, A0 = {amplitude:g} m", family,
             "regularised friction lets it creep, at a speed over next to nothing",
             motion("regularised", "efficiency", frequency=50.0, amplitude=amplitude, beta=0.0,
                    gamma=3.0, gravity=G, friction=0.3),
-            "efficiency", known(-math.inf, 0.0, "v < 0, beyond the floats"), ("periodic",),
+            "efficiency", Truth(-math.inf, 0.0, "v < 0, beyond the floats"), ("periodic",),
         ))  # fmt: skip
     return cases
 
 
-def angles() -> list[HardCase]:
+def angles() -> list[Case]:
     """Return cases of angles at their limits, and an ulp beyond."""
     family = "angles at and beyond their limits"
     P = 4e-4 * W * W
@@ -121,40 +121,40 @@ def angles() -> list[HardCase]:
                               ("alpha", 90.0, 0.0), ("alpha", 180.0, -1.0),
                               ("alpha", -180.0, -1.0)):  # fmt: skip
         given = {"frequency": 50.0, "amplitude": 4e-4, "alpha": 0.0, "beta": 0.0, name: value}
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"drive along, {name} = {value:g}", family, "a cosine that is 0 is 6e-17 in floats",
             sweep("rectangle-on-plane", "drive_along", **given), "drive_along",
-            known(sign * P, 8 * EPSILON * P, "exact angle; 8 ulp of the drive"),
+            Truth(sign * P, 8 * EPSILON * P, "exact angle; 8 ulp of the drive"),
         ))  # fmt: skip
     for gamma, status in ((90.0, "runaway"), (-90.0, "runaway")):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"motion, gamma = {gamma:g}", family, "a wall: nothing presses on it",
             motion(**{**DRIVE, "friction": 0.3, "gamma": gamma}), "conveying_velocity",
-            known(math.nan, 0.0, "it falls"), (status,),
+            Truth(math.nan, 0.0, "it falls"), (status,),
         ))  # fmt: skip
-    cases.append(HardCase(
+    cases.append(hard_case(
         "throw number, gamma = 90", family, "gravity onto the floor is 6e-17 g",
         sweep("rectangle-on-plane", "throw_number", **DRIVE, gravity=G, gamma=90.0),
         "throw_number",
-        known(math.inf, 0.0, "nothing presses on an upright floor"), ("flight",),
+        Truth(math.inf, 0.0, "nothing presses on an upright floor"), ("flight",),
     ))  # fmt: skip
     for beta, throw in ((1e-300, "at_rest"), (90.0, "periodic"), (180.0, "periodic")):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"motion, beta = {beta:g}", family, "the drive is all along or all normal",
             motion(frequency=50.0, amplitude=1.5e-4, beta=beta, friction=2.0 if throw == "at_rest"
                    else 0.3, gravity=G), "conveying_velocity",
-            known(0.0, 1e-9 if beta == 180.0 else 1e-17, "symmetry"), (throw, "at_rest"),
+            Truth(0.0, 1e-9 if beta == 180.0 else 1e-17, "symmetry"), (throw, "at_rest"),
         ))  # fmt: skip
     for name, value in (("beta", 180.0), ("alpha", 180.0), ("gamma", 90.0), ("delta", 90.0)):
         for sign in (1, -1):
             beyond = sign * np.nextafter(value, np.inf)
             given = {**TRACK, name: float(beyond)}
-            cases.append(HardCase(
+            cases.append(hard_case(
                 f"{name} an ulp beyond {sign * value:g}", family, "just out of bounds",
                 sweep("rectangle-on-track", "transport_velocity", **given),
                 refused=f"parameters.{name}",
             ))  # fmt: skip
-    cases.append(HardCase(
+    cases.append(hard_case(
         "beta = 1e300", family, "far out of bounds", sweep(
             "rectangle-on-plane", "drive_along", **{**DRIVE, "beta": 1e300}),
         refused="parameters.beta",

@@ -7,32 +7,33 @@ import math
 import numpy as np
 
 from core.assurance import textbook
-from core.assurance.hard_cases.case import Content, HardCase
+from core.assurance.case import Case, Truth
 from core.assurance.hard_cases.studies import (
     DRIVE,
+    Content,
     G,
     W,
     by_reference,
     from_study,
+    hard_case,
     hopping,
-    known,
     motion,
     sweep,
 )
-from core.assurance.textbook import EPSILON, TextbookValue, exact
+from core.assurance.textbook import EPSILON, exact
 
 
-def masses_and_sizes() -> list[HardCase]:
+def masses_and_sizes() -> list[Case]:
     """Return cases of masses and lengths over twelve decades."""
     family = "masses and sizes over twelve decades"
     cases = []
     for mass in (1e-9, 1e-3, 1e3):
         given = {**DRIVE, "mass": mass, "gravity": G}
         P = 4e-4 * W * W * math.sin(math.radians(20))
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"floor force of {mass:g} kg", family, "forces from 1e-8 N to 1e4 N",
             sweep("rectangle-on-plane", "floor_force", **{**given, "amplitude": 1e-5}),
-            "floor_force", known(mass * (G - P / 40), 16 * EPSILON * mass * G,
+            "floor_force", Truth(mass * (G - P / 40), 16 * EPSILON * mass * G,
                                  "m (g - P sin(beta)); 16 ulp"),
         ))  # fmt: skip
     for small, large in ((1e-9, 1e3), (1e3, 1e-9), (1e-9, 1e-9)):
@@ -45,13 +46,13 @@ def masses_and_sizes() -> list[HardCase]:
                 "width_2": size, "mass_2": large, "restitution": 0.5,
             }  # fmt: skip
             after = -1.0 + 1.5 * large / (small + large)
-            cases.append(HardCase(
+            cases.append(hard_case(
                 f"impact of {small:g} kg on {large:g} kg, {size:g} m", family,
                 "two Delassus numbers that differ by 1e12",
                 {**sweep("rectangle-pair-impact", "velocity_y_1_after", **given),
                  "variant": "frictionless"},
                 "velocity_y_1_after",
-                known(after, 64 * EPSILON, "central impact; 64 ulp of the velocity"), ("impact",),
+                Truth(after, 64 * EPSILON, "central impact; 64 ulp of the velocity"), ("impact",),
             ))  # fmt: skip
     oblique = {
         "angle_1": 20.0, "velocity_x_1": 0.3, "velocity_y_1": -1.0, "spin_1": 0.0, "angle_2": 0.0,
@@ -68,7 +69,7 @@ def masses_and_sizes() -> list[HardCase]:
                         mass_1=mass, mass_2=2 * mass), "variant": "pfeiffer_glocker"}  # fmt: skip
 
     for size, mass in ((1e-6, 1e-9), (1e6, 1e3), (1e-6, 1e3), (1e6, 1e-9)):
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"oblique impact, {size:g} m, {mass:g} kg", family,
             "velocities do not depend on either",
             scaled(size, mass), "velocity_y_1_after",
@@ -85,7 +86,7 @@ def masses_and_sizes() -> list[HardCase]:
                                    "restitution": 0.3, "drop_height": size, "pitch": 20.0,
                                    "gravity": G, "duration": 20 * math.sqrt(size)}}  # fmt: skip
 
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"tumbling, {size:g} m", family, "times from 1e-3 s to 1e3 s",
             falls(size), "settling_time",
             from_study(falls(1.0), "settling_time", 1e-9, "the same at 1 m: times grow as the "
@@ -95,70 +96,70 @@ def masses_and_sizes() -> list[HardCase]:
     return cases
 
 
-def grids() -> list[HardCase]:
+def grids() -> list[Case]:
     """Return cases of axes with one value, very many, or the same twice."""
     family = "grids: one point, 10^7 on an axis, repeated values"
     given = {**DRIVE, "amplitude": 5e-5, "gravity": G}
     one = {name: [value] for name, value in given.items()}
     long_axis = {"start": 1.0, "stop": 100.0, "num": 10_000_000}
 
-    def throws() -> TextbookValue:
+    def throws() -> Truth:
         frequencies = np.linspace(1.0, 100.0, 10_000_000)
         scale = 5e-5 * 4 * math.pi**2 * math.sin(math.radians(20)) / G
         values = scale * frequencies**2
-        return TextbookValue(values, 16 * EPSILON * values, "C f^2; 16 ulp")
+        return Truth(values, 16 * EPSILON * values, "C f^2; 16 ulp")
 
     quarters = hopping(0.88)
 
-    def equal() -> TextbookValue:
+    def equal() -> Truth:
         # A0 w^2 is that of (50 Hz, A0) and (100 Hz, A0/4): one motion, at half the speed.
         once = by_reference(quarters)()
         hops = exact(textbook.hop_after_hop, frequency=100.0, beta=30.0, gamma=0.0, gravity=G)()
         value = np.array([[0.0, once.value], [once.value / 2, hops.value]])
-        error = np.array([[0.0, once.error], [once.error / 2, hops.error]])
-        return TextbookValue(value, error, "held, reference method, half of it, hop after hop")
+        error = np.array([[0.0, once.tolerance], [once.tolerance / 2, hops.tolerance]])
+        return Truth(value, error, "held, reference method, half of it, hop after hop")
 
     return [
-        HardCase(
+        hard_case(
             "every axis of one value", family, "axes that are none",
             sweep("rectangle-on-plane", "throw_number", **one), "throw_number",
             exact(textbook.throw_number, **given),
         ),
-        HardCase(
+        hard_case(
             "10^7 values on one axis", family, "no cell may be stored",
             sweep("rectangle-on-plane", "throw_number", **{**given, "frequency": long_axis}),
             "throw_number", throws,
         ),
-        HardCase(
+        hard_case(
             "a value that stands twice", family, "a label that names two cells",
             sweep("rectangle-on-plane", "throw_number", **{**given, "frequency": [50, 50, 60]}),
             refused="parameters.frequency",
         ),
-        HardCase(
+        hard_case(
             "a range from a value to itself", family, "a range of no length",
             sweep("rectangle-on-plane", "throw_number",
                   **{**given, "frequency": {"start": 50, "stop": 50, "num": 3}}),
             refused="parameters.frequency",
         ),
-        HardCase(
+        hard_case(
             "values an ulp apart", family, "two labels that print alike",
             sweep("rectangle-on-plane", "throw_number",
                   **{**given, "frequency": [50.0, float(np.nextafter(50.0, 60.0))]}),
-            "throw_number", lambda: TextbookValue(
+            "throw_number", lambda: Truth(
                 np.full(2, exact(textbook.throw_number, **given)().value),
-                np.full(2, 2 * exact(textbook.throw_number, **given)().error),
+                np.full(2, 2 * exact(textbook.throw_number, **given)().tolerance),
                 "the first, and 2 ulp"),
         ),
-        HardCase(
+        hard_case(
             "more values than an axis holds", family, "memory",
             sweep("rectangle-on-plane", "throw_number",
                   **{**given, "frequency": {"start": 1, "stop": 2, "num": 10**9}}),
             refused="parameters.frequency",
         ),
-        HardCase(
+        hard_case(
             "equal cells of motion", family, "computed once, given twice",
             motion(**{**quarters, "frequency": [50.0, 100.0],
                       "amplitude": [quarters["amplitude"] / 4, quarters["amplitude"]]}),
-            "conveying_velocity", equal, ("at_rest", "periodic"), says=True,
+            "conveying_velocity", equal, ("at_rest", "periodic"), states_error=True,
         ),
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""How hard cases are written: studies by their numbers, and answers from elsewhere."""
+"""How hard cases are written: studies by their numbers, and truths from elsewhere."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 from core.assurance import textbook
-from core.assurance.hard_cases.case import Content, result_of
-from core.assurance.textbook import TextbookValue, exact
+from core.assurance.case import Case, Term, Truth
+from core.assurance.judge import results_of
+from core.assurance.textbook import exact
+
+Content = dict[str, Any]
 
 DRIVE = {"frequency": 50.0, "amplitude": 4e-4, "beta": 20.0}
 # The part stays on floor and wall.
@@ -20,35 +23,59 @@ W = 2 * math.pi * 50
 WORKED = "worked value, 14 digits (core/assurance/worked/values.toml)"
 
 
+def hard_case(
+    name: str,
+    family: str,
+    why: str,
+    content: Content,
+    output: str = "",
+    known: Truth | Callable[[], Truth] | None = None,
+    status: tuple[str, ...] = (),
+    **more: Any,
+) -> Case:
+    """Return a study at the edge of what numbers or methods bear, judged by one output.
+
+    Parameters
+    ----------
+    name, family, why : str
+        What it is called, what it is hard for, and why.
+    content, output
+        The study, and the output that is judged.
+    known, status, more
+        As those of `Case`.
+    """
+    return Case(name, family, why, (Term(content, output),), known, status=status, **more)
+
+
 def sweep(scene: str, output: str, **parameters: Any) -> Content:
     """Return a sweep with one output."""
     return {"kind": "sweep", "scene": scene, "outputs": [output], "parameters": parameters}
 
 
 def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
-    """Return study, output and answer of a velocity law on the track."""
+    """Return study, output and truth of a velocity law on the track."""
     given = {**TRACK, **changes}
     if "time" in given:
         del given["distance"]
     return {
         "content": sweep("rectangle-on-track", output, **given),
         "output": output,
-        "answer": exact(formula, **given),
+        "known": exact(formula, **given),
     }
 
 
 def plane(output: str, formula: textbook.Formula | None = None, **given: float) -> dict[str, Any]:
-    """Return study, output and answer on the plane, of a formula of all that is given."""
+    """Return study, output and truth on the plane, of a formula of all that is given."""
     content = sweep("rectangle-on-plane", output, **given)
     return {
         "content": content,
         "output": output,
-        "answer": exact(formula, **given) if formula else None,
+        "known": exact(formula, **given) if formula else None,
     }
 
 
 def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
-    """Return study, output and answer of a corner that slips to the right."""
+    """Return study, output and truth of a corner that slips to the right."""
     given = {"height": 0.03, "length": 0.02, "pitch": 5.0, "pitch_rate": 2.0, "gravity": G}
     given |= changes
     if output == "normal_response_right":
@@ -56,7 +83,7 @@ def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str
         content = sweep("rectangle-isolated", output, **given)
     else:
         content = sweep("rectangle-isolated", output, **given, velocity_along=1.0)
-    return {"content": content, "output": output, "answer": exact(formula, **given)}
+    return {"content": content, "output": output, "known": exact(formula, **given)}
 
 
 def motion(method: str = "events", output: str = "conveying_velocity", /, **given: Any) -> Content:
@@ -83,44 +110,37 @@ def hopping(throw: float, **changes: Any) -> dict[str, Any]:
     return {**given, "amplitude": amplitude}
 
 
-def known(value: Any, error: Any, source: str) -> Callable[[], TextbookValue]:
-    """Return what gives a value that stands here."""
-    return lambda: TextbookValue(value, error, source)
-
-
 def from_study(
     content: Content, output: str, relative: float, source: str, factor: float = 1.0
-) -> Callable[[], TextbookValue]:
+) -> Callable[[], Truth]:
     """Return what gives the output of another study, times a factor, with a relative error."""
 
-    def answer() -> TextbookValue:
-        value = factor * float(result_of(content).variables[output].values)
-        return TextbookValue(value, relative * abs(value), source)
+    def truth() -> Truth:
+        value = factor * float(results_of(content).variables[output].values)
+        return Truth(value, relative * abs(value), source)
 
-    return answer
+    return truth
 
 
-def near(answer: Callable[[], TextbookValue], relative: float) -> Callable[[], TextbookValue]:
+def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
     """Return the same value with a larger error: a limit, not reached."""
 
-    def near() -> TextbookValue:
-        value = answer().value
-        return TextbookValue(
-            value, relative * abs(value), "closed form of the limit that it is near"
-        )
+    def near() -> Truth:
+        value = truth().value
+        return Truth(value, relative * abs(value), "closed form of the limit that it is near")
 
     return near
 
 
-def by_reference(given: Content) -> Callable[[], TextbookValue]:
+def by_reference(given: Content) -> Callable[[], Truth]:
     """Return what gives the mean without rebound, integrated at high order.
 
     Hops that die out while the part slides leave the mean as it is (theory 13.5).
     """
 
-    def answer() -> TextbookValue:
-        table = result_of(motion("reference", **given)).variables
+    def truth() -> Truth:
+        table = results_of(motion("reference", **given)).variables
         value = float(table["conveying_velocity"].values)
-        return TextbookValue(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")
+        return Truth(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")
 
-    return answer
+    return truth

@@ -9,27 +9,27 @@ from typing import Any
 from mpmath import mp
 
 from core.assurance import textbook
-from core.assurance.hard_cases.case import HardCase
+from core.assurance.case import Case, Truth
 from core.assurance.hard_cases.studies import (
     K_INPUTS,
     TRACK,
     W,
     from_study,
+    hard_case,
     hopping,
-    known,
     motion,
     sweep,
     track,
 )
-from core.assurance.textbook import EPSILON, TextbookValue, exact, exact_of_floats
+from core.assurance.textbook import EPSILON, exact, exact_of_floats
 
 
-def large_and_small_bowls() -> list[HardCase]:
+def large_and_small_bowls() -> list[Case]:
     """Return cases whose radius goes to infinity, or to half the part's length."""
     family = "radius to infinity, and just above h/2"
     h = 0.05
     cases = [
-        HardCase(
+        hard_case(
             f"{output}, R = {R:g} m", family, "R/mu times 1 - exp(-2 mu x/R) cancels",
             status=("slip",), **track(output, formula, radius=R),
         )
@@ -39,27 +39,27 @@ def large_and_small_bowls() -> list[HardCase]:
     ]  # fmt: skip
     for ulps in (0, 1, 10, 1000):
         R = h / 2 * (1 + ulps * EPSILON)
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"R = h/2 and {ulps} ulp", family, "cos(sigma) goes to 0 as a root",
             sweep("rectangle-on-track", "chord_cosine", length=h, radius=R), "chord_cosine",
             # (R - h/2)(R + h/2): the difference is exact, five roundings follow.
             exact_of_floats(textbook.chord_cosine, length=h, radius=R),
             ("contact", "invalid_geometry", "not_assessed"),
         ))  # fmt: skip
-    cases.append(HardCase(
+    cases.append(hard_case(
         "R = h/2 less 4 ulp", family, "no corner fits", sweep(
             "rectangle-on-track", "chord_cosine", length=h, radius=h / 2 * (1 - 4 * EPSILON)),
         refused="parameters.length",
     ))  # fmt: skip
     forces = {**TRACK, "radius": h / 2 * (1 + 1e-12), "length": h, "width": 1e-3, "mass": 0.01}
     del forces["distance"]
-    cases.append(HardCase(
+    cases.append(hard_case(
         "corner forces at R = h/2 (1 + 1e-12)", family, "a force over cos(sigma) = 1e-6",
         sweep("rectangle-on-track", "wall_force_front", **forces), "wall_force_front",
         _corner_force(forces),
     ))  # fmt: skip
     straight = {**hopping(1.5), "delta": 5.0}
-    cases.append(HardCase(
+    cases.append(hard_case(
         "motion, R = 1e15 m", family, "a curve that is none",
         {**motion("time-stepping", **straight, radius=1e15, steps_per_period=200),
          "scene": "rectangle-on-track"},
@@ -74,7 +74,7 @@ def large_and_small_bowls() -> list[HardCase]:
     return cases
 
 
-def _corner_force(given: Mapping[str, float]) -> Callable[[], TextbookValue]:
+def _corner_force(given: Mapping[str, float]) -> Callable[[], Truth]:
     """Return what gives lambda2 of theory 4.4 at rest: m s (h + mu a)/(2 h c)."""
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
@@ -90,7 +90,7 @@ def _corner_force(given: Mapping[str, float]) -> Callable[[], TextbookValue]:
     return exact(force, **{name: given[name] for name in names})
 
 
-def start_within_ulps() -> list[HardCase]:
+def start_within_ulps() -> list[Case]:
     """Return cases whose starting acceleration is a rounding away from 0."""
     family = "K within ulps of 0"
     amplitude = 1e-4
@@ -100,19 +100,19 @@ def start_within_ulps() -> list[HardCase]:
     cases = []
     for ulps in (-3, -1, 0, 1, 3):
         g = P * (1 + ulps * EPSILON)
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"K, gravity {ulps:+d} ulp from the drive", family, "two accelerations cancel",
             sweep("rectangle-on-track", "starting_acceleration", **steep, gravity=g),
             "starting_acceleration", exact(textbook.starting_acceleration, **steep, gravity=g),
             ("flight",),  # the floor is upright: nothing presses on it
         ))  # fmt: skip
         # |K| is at most the roundings of P and g: 64 ulp of P.
-        cases.append(HardCase(
+        cases.append(hard_case(
             f"v(x), gravity {ulps:+d} ulp from the drive", family,
             "the sign of K decides between motion and none", sweep(
                 "rectangle-on-track", "transport_velocity", **steep, gravity=g, radius=0.3,
                 distance=1e-3),
-            "transport_velocity", known(0.0, math.sqrt(2 * 64 * EPSILON * P * 1e-3),
+            "transport_velocity", Truth(0.0, math.sqrt(2 * 64 * EPSILON * P * 1e-3),
                                         "limit: v^2 = 2 K x with K up to 64 ulp of P"),
             ("flight",),
         ))  # fmt: skip
@@ -121,40 +121,40 @@ def start_within_ulps() -> list[HardCase]:
              "speed": 0.1}  # fmt: skip
     s = 2 * 0.3 * 0.01 / 0.3
     cases += [
-        HardCase(
+        hard_case(
             "v(x) at K = 0", family, "between the branches for K > 0 and K < 0", sweep(
                 "rectangle-on-track", "transport_velocity", **level, distance=0.01),
             "transport_velocity",
-            known(0.1 * math.exp(-s / 2), 8 * EPSILON * 0.1, "v0 exp(-s/2); 8 ulp"),
+            Truth(0.1 * math.exp(-s / 2), 8 * EPSILON * 0.1, "v0 exp(-s/2); 8 ulp"),
             ("faster_than_track",),
         ),
-        HardCase(
+        hard_case(
             "t(x) at K = 0", family, "between atanh and atan", sweep(
                 "rectangle-on-track", "travel_time", **level, distance=0.01),
-            "travel_time", known(math.expm1(s / 2) / 0.1, 16 * EPSILON * s,
+            "travel_time", Truth(math.expm1(s / 2) / 0.1, 16 * EPSILON * s,
                                  "(R/(mu v0)) (exp(s/2) - 1); 16 ulp"), ("slip",),
         ),
-        HardCase(
+        hard_case(
             "t(x) at K = 0, beyond the floats", family, "the time grows as exp(s/2), s = 4e9",
             sweep("rectangle-on-track", "travel_time", **{**level, "radius": 1e-7},
                   distance=1e3),
-            "travel_time", known(math.inf, 0.0, "exp(1e9) is not a double"), ("unbounded",),
+            "travel_time", Truth(math.inf, 0.0, "exp(1e9) is not a double"), ("unbounded",),
         ),
-        HardCase(
+        hard_case(
             "stopping distance at K = 0", family, "never stops", sweep(
                 "rectangle-on-track", "stopping_distance", **level),
-            "stopping_distance", known(math.inf, 0.0, "limit of R/(2 mu) log1p(mu v0^2/(|K| R))"),
+            "stopping_distance", Truth(math.inf, 0.0, "limit of R/(2 mu) log1p(mu v0^2/(|K| R))"),
             ("unbounded",),
         ),
     ]  # fmt: skip
     return cases
 
 
-def long_and_short_ways() -> list[HardCase]:
+def long_and_short_ways() -> list[Case]:
     """Return cases of distances and times from 1e-30 to 1e9."""
     family = "distance and time from 1e-30 to 1e9"
     lengths = [
-        HardCase(
+        hard_case(
             f"{output}, x = {x:g} m", family, "1 - exp(-s) cancels at one end, saturates at the "
             "other", status=("slip", "faster_than_track"), **track(output, formula, distance=x),
         )
@@ -163,7 +163,7 @@ def long_and_short_ways() -> list[HardCase]:
         for x in (1e-30, 1e-9, 1.0, 1e9)
     ]  # fmt: skip
     times = [
-        HardCase(
+        hard_case(
             f"{output}, t = {t:g} s", family, "cosh overflows at one end, ln cosh vanishes at the "
             "other", status=("slip", "faster_than_track"), **track(output, formula, time=t),
         )

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 import core
-from core.assurance.case import KnownProblem, Term
+from core.assurance.case import Case, Term, Truth
 from core.assurance.forms.formulas import GRAVITY, two_levels_terms
 
 FILE = Path(core.__file__).resolve().parent.parent / "configs" / "rail-of-cast-iron.csv"
@@ -45,39 +45,36 @@ def runs() -> tuple[Mapping[str, float], ...]:
         return tuple({name: float(value) for name, value in row.items()} for row in rows)
 
 
-def problems() -> Iterator[KnownProblem]:
+def cases() -> Iterator[Case]:
     """Yield each run, and the scatter of those that the formula is for."""
     judged = []
     for number, run in enumerate(runs(), 1):
         (term,) = two_levels_terms(_given(run))
         on = run["force"] >= CONTACT
         judged += [Term(term.study, term.output, times=term.times, minus=run["speed"])] * on
-        yield KnownProblem(
+        yield Case(
             id=f"Y-run-{number}",
+            family="Y",
             title=_title(run) + ("" if on else ", contact lost"),
-            source=SOURCE,
-            truth="measured",
-            given=run,
             terms=(term,),
-            relation="shown",
-            expected=run["speed"],
+            known=Truth(run["speed"], SCATTER, SOURCE),
+            evidence="measured",
             unit="mm/s",
-            tolerance=SCATTER,
+            inputs=run,
+            relation="shown",
             why="not judged alone: the scatter of the fit"
             if on
             else "not judged: below 38 N the authors lose contact of the plane",
         )
-    yield KnownProblem(
+    yield Case(
         id="Y-scatter-1",
+        family="Y",
         title=f"Root mean square of what the formula leaves in {len(judged)} runs, F >= 38 N",
-        source="our fit of one number to the same runs",
-        truth="measured",
-        given={"kappa": KAPPA},
         terms=tuple(judged),
-        relation="equals",
-        expected=SCATTER,
+        known=Truth(SCATTER, 0.1, "our fit of one number to the same runs"),
+        evidence="measured",
         unit="mm/s",
-        tolerance=0.1,
+        inputs={"kappa": KAPPA},
         why="rounding of the table and of kappa",
         digits="3.06",
         combine="rms",

@@ -6,12 +6,13 @@ import math
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from core.assurance.case import KnownProblem, Term
-from core.assurance.hard_cases import HARD_CASES, HardCase
+from core.assurance.case import Case, Term, Truth
+from core.assurance.hard_cases import HARD_CASES
 from core.quantities import QUANTITIES
 
 WORKED_GRAVITY, SPEED_GRAVITY = 9.8, 9.81  # m s-2, of the tables
@@ -42,27 +43,33 @@ def _sweep(scene: str, output: str, given: Mapping[str, Any], pick: str = "value
     return Term(study, output, pick)
 
 
-def _known(
-    name: str, title: str, source: str, terms: tuple[Term, ...], expected: float, **more: Any
-) -> KnownProblem:
-    found: dict[str, Any] = {
-        "truth": "derived", "given": {}, "relation": "equals",
-        "unit": QUANTITIES[terms[0].output].unit,
-        "tolerance": EXACT * abs(expected), "why": "13 digits: rounding of both",
-    }  # fmt: skip
-    return KnownProblem(id=name, title=title, source=source, terms=terms, expected=expected,
-                        **{**found, **more})  # fmt: skip
+def _case(
+    name: str,
+    title: str,
+    source: str,
+    terms: tuple[Term, ...],
+    value: float,
+    *,
+    tolerance: float | None = None,
+    why: str = "13 digits: rounding of both",
+    **more: Any,
+) -> Case:
+    """Return a case of one number; its tolerance is 13 digits unless it says otherwise."""
+    allowed = EXACT * abs(value) if tolerance is None else tolerance
+    unit = more.pop("unit", QUANTITIES[terms[0].output].unit)
+    known = Truth(value, allowed, source)
+    return Case(name, name[0], title, terms, known, unit=unit, why=why, **more)
 
 
 # --- worked values
 
 
-def mean_velocities() -> Iterator[KnownProblem]:
+def mean_velocities() -> Iterator[Case]:
     """Yield mean velocities that were worked out before this program."""
     for number, row in enumerate(worked_values()["mean_velocities"], 1):
         given = {name: row[name] for name in INPUTS} | {"gravity": WORKED_GRAVITY}
         rebounds = row["restitution"] > 0
-        yield _known(
+        yield _case(
             f"V-mean-velocity-{number}",
             f"{row['name']}: mean velocity of a part that starts at rest",
             row["source"],
@@ -73,7 +80,7 @@ def mean_velocities() -> Iterator[KnownProblem]:
         )
 
 
-def reference_speeds() -> Iterator[KnownProblem]:
+def reference_speeds() -> Iterator[Case]:
     """Yield mean velocities by throw number."""
     number = 0
     for row in worked_values()["reference_speeds"]:
@@ -87,7 +94,7 @@ def reference_speeds() -> Iterator[KnownProblem]:
                 "amplitude": push / (w * w * math.sin(beta)), "gravity": SPEED_GRAVITY,
             }  # fmt: skip
             term = _motion("conveying_velocity", given)
-            yield _known(
+            yield _case(
                 f"V-speed-{number}",
                 f"{row['name']}: throw number {row['throw_number']:g}, restitution {restitution:g}",
                 row["source"],
@@ -100,7 +107,7 @@ def reference_speeds() -> Iterator[KnownProblem]:
             )
 
 
-def hops() -> Iterator[KnownProblem]:
+def hops() -> Iterator[Case]:
     """Yield how long a part is in the air on a level track, and how fast it lands."""
     frequency, beta = 50.0, math.radians(30.0)
     w = 2 * math.pi * frequency
@@ -114,7 +121,7 @@ def hops() -> Iterator[KnownProblem]:
             ("landing_speed", Term(landing.study, landing.output, times=w / WORKED_GRAVITY),
              "speed of landing"),
         ):  # fmt: skip
-            yield _known(
+            yield _case(
                 f"V-hop-{name.replace('_', '-')}-{number}",
                 f"Throw number {row['throw_number']:g}: {what}",
                 row["source"],
@@ -126,12 +133,12 @@ def hops() -> Iterator[KnownProblem]:
             )
 
 
-def closed_forms() -> Iterator[KnownProblem]:
+def closed_forms() -> Iterator[Case]:
     """Yield outputs of closed forms, each as printed, corrected and with real contacts."""
     for number, row in enumerate(worked_values()["closed_forms"], 1):
         few = row.get("half_unit")
         term = _sweep(row["scene"], row["output"], row["given"], variant=row["variant"])
-        yield _known(
+        yield _case(
             f"V-closed-form-{number}",
             f"{row['output']} of {row['scene']}, variant {row['variant']}",
             row["source"],
@@ -144,20 +151,20 @@ def closed_forms() -> Iterator[KnownProblem]:
 # --- the thesis
 
 
-def limiting_friction() -> Iterator[KnownProblem]:
+def limiting_friction() -> Iterator[Case]:
     """Yield the friction up to which the contact of a corner is unique, and figures 3.3, 3.15."""
     worked = {row["name"]: row for row in worked_values()["limiting_friction"]}
     square = {"height": 0.01, "length": 0.01}
     half = {"why": "half a unit of the last digit"}
     row = worked["rectangle"]
-    yield _known(
+    yield _case(
         "V-limiting-friction-1", "Limiting friction of a rectangle at a corner angle of 60 degrees",
         row["source"],
         (_sweep("rectangle-isolated", "limiting_friction_right", {**square, "pitch": 15}),),
         row["value"], tolerance=row["half_unit"], **half,
     )  # fmt: skip
     row = worked["least of a cylinder"]
-    yield _known(
+    yield _case(
         "V-limiting-friction-2", "Least limiting friction of a cylinder, diameter over length 2",
         row["source"],
         (_sweep("cylinder-isolated", "least_limiting_friction",
@@ -166,12 +173,12 @@ def limiting_friction() -> Iterator[KnownProblem]:
     )  # fmt: skip
     turned = {"pitch": {"start": "0 deg", "stop": "80 deg", "num": 161}}
     lengths = ["2.5 mm", "5 mm", "10 mm", "20 mm", "40 mm"]
-    yield _known(
+    yield _case(
         "F-3.3-1", "Figure 3.3: the contact of a rectangle is unique below 4/3, whatever its shape",
         "J. Díaz González, 2004, figure 3.3",
         (_sweep("rectangle-isolated", "limiting_friction_right",
                 {"height": "10 mm", "length": lengths, **turned}, "least", "thesis"),),
-        4 / 3, truth="thesis figure", relation="at least", tolerance=1e-12,
+        4 / 3, evidence="thesis figure", relation="at least", tolerance=1e-12,
         why="rounding; the bound is 2 sqrt(1 + k)/k with k = 3",
     )  # fmt: skip
     for number, (ratio, expected, words) in enumerate(
@@ -182,13 +189,13 @@ def limiting_friction() -> Iterator[KnownProblem]:
         ),
         1,
     ):
-        yield _known(
+        yield _case(
             f"F-3.15-{number}", f"Figure 3.15: the contact of a cylinder is {words}"
             if number == 1 else f"Figure 3.15: {words}",
             "J. Díaz González, 2004, figure 3.15" if number == 1 else "derived by us, theory 2.5",
             (_sweep("cylinder-isolated", "least_limiting_friction",
                     {"diameter": ratio, "length": 1.0}),),
-            expected, truth="thesis figure" if number == 1 else "derived",
+            expected, evidence="thesis figure" if number == 1 else "derived",
             tolerance=5e-7 if number == 1 else 1e-12,
             why="half a unit of the last digit of the diameter" if number == 1 else "rounding",
         )  # fmt: skip
@@ -198,32 +205,30 @@ def limiting_friction() -> Iterator[KnownProblem]:
 
 
 @cache
-def hard_cases() -> tuple[KnownProblem, ...]:
-    """Return the hard cases that a closed form answers; their answers take a second."""
+def hard_cases() -> tuple[Case, ...]:
+    """Return the hard cases that a closed form answers; their truths take a second."""
     found = map(of_hard_case, HARD_CASES)
-    return tuple(problem for problem in found if problem is not None)
+    return tuple(case for case in found if case is not None)
 
 
-def of_hard_case(case: HardCase) -> KnownProblem | None:
-    """Return a hard case as a problem; None if another run is its reference, or if none is."""
-    if case.answer is None or case.attempt is not None or case.says:
+def of_hard_case(case: Case) -> Case | None:
+    """Return a hard case as a member of family H; None if it has no closed form of one number."""
+    if case.known is None or case.compute or case.states_error:
         return None
-    parameters = case.content["parameters"].values()
-    if any(isinstance(value, list | tuple | dict) for value in parameters):
+    study = case.terms[0].study
+    if any(isinstance(value, list | tuple | dict) for value in study["parameters"].values()):
         return None  # an axis
-    if "slip_speed" in case.content or "contact_stiffness" in case.content:
+    if "slip_speed" in study or "contact_stiffness" in study:
         return None  # what a stiff integrator gives is within its own error
-    answer = case.answer()
-    if not isinstance(answer.value, float | int) or not math.isfinite(answer.value):
+    value, tolerance, source = case.right
+    if not isinstance(value, float | int) or not math.isfinite(value + tolerance):
         return None
-    if not math.isfinite(answer.error):
-        return None
-    return _known(
-        f"H-{'-'.join(re.findall('[a-z0-9.+-]+', case.name.lower()))}",
-        f"{case.name}: {case.why}",
-        answer.source,
-        (Term(case.content, case.output),),
-        float(answer.value),
-        tolerance=float(answer.error),
+    return replace(
+        case,
+        id=f"H-{'-'.join(re.findall('[a-z0-9.+-]+', case.id.lower()))}",
+        family="H",
+        title=f"{case.id}: {case.title}",
+        known=Truth(float(value), float(tolerance), source),
+        unit=QUANTITIES[case.terms[0].output].unit,
         why="what one rounding of each input does, times 8, unless the source says otherwise",
     )

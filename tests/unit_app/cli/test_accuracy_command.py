@@ -15,7 +15,7 @@ from app.cli import app
 from app.cli.accuracy import write_report
 from core.assurance.accuracy.curves import FAMILIES
 from core.assurance.accuracy.report import families_of
-from core.assurance.textbook import TextbookValue
+from core.assurance.case import Truth
 from core.intake import prepare_content, read_content
 
 ROOT = Path(__file__).parents[3]
@@ -172,14 +172,13 @@ def test_a_folder_that_cannot_be_made_is_told(study):
 @pytest.fixture
 def few_extremes(monkeypatch):
     """Let the catalogue and the scenes be two cases and one scene."""
-    from core.assurance import extremes, leaving_out
+    from core.assurance import leaving_out
     from core.assurance.hard_cases import HARD_CASES
 
-    easy = next(case for case in HARD_CASES if case.name == "every axis of one value")
-    wrong = replace(easy, name="wrong", answer=lambda: TextbookValue(-1.0, 1e-9, "made up"))
+    easy = next(case for case in HARD_CASES if case.id == "every axis of one value")
+    wrong = replace(easy, id="wrong", known=Truth(-1.0, 1e-9, "made up"))
     cases = [easy, wrong]
-    everything = extremes.run_catalogue
-    monkeypatch.setattr(extremes, "run_catalogue", lambda watch: everything(watch, cases))
+    monkeypatch.setattr("app.cli.accuracy.HARD_CASES", cases)
     monkeypatch.setattr(leaving_out, "SCENES", {"part": leaving_out.SCENES["rectangle-isolated"]})
     monkeypatch.setattr(leaving_out, "SYSTEMS", {})
     return cases
@@ -201,7 +200,7 @@ def test_hard_cases_and_leaving_out_need_no_study(few_extremes, tmp_path):
     assert page.index("**wrong**") < page.index("### All cases")
     with xarray.open_dataset(tmp_path / "accuracy-extremes.nc", engine="netcdf4") as dataset:
         assert dataset["passed"].values.tolist() == [1, 0]
-        assert dataset["case"].values.tolist() == [case.name for case in few_extremes]
+        assert dataset["case"].values.tolist() == [case.id for case in few_extremes]
     with xarray.open_dataset(tmp_path / "accuracy-leaving-out.nc", engine="netcdf4") as dataset:
         assert dataset.sizes == {"study": 2}
         assert (dataset["equations"] < dataset["of"]).all()
