@@ -1,109 +1,289 @@
-"""What a reduced sweep costs: nanoseconds a cell, memory, and how well the time is predicted.
+"""What a reduced sweep costs, over the cost of its cells alone and over what a user would write.
 
-    python -m benchmarks.reduce [CELLS ...]
+    python -m benchmarks.reduce [--cells 1e9] [--runs 9] [--sizes 1e9 1e10]
 
-Seven axes of the narrow track, over two of which the best speed and where it lies are asked for.
+Seven axes of the narrow track; the answers stay over two of them. In one run and in turn:
+
+- the limit: the same cells computed by the compiled loop into one tile that stays in the cache,
+  with the regime of each, which tells the cells that count;
+- each answer alone, and several at once;
+- what one would write with xarray and, where it is installed, numexpr, over fewer cells.
+
+Each line has the median of the runs by the clock, and its ratio to the limit by the clock and in
+seconds of the processor, which other processes disturb less. Then the bits of a smaller study are
+compared for threads, boxes and parts. `--sizes` prints memory, and how well time is predicted.
 """
 
 from __future__ import annotations
 
+import argparse
+import itertools
 import resource
 import statistics
-import sys
 import time
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
+import xarray
 
 from core.intake import prepare_content
 from core.kinds import tabulate
+from core.plan.grid import Grid
+from core.plan.loops.lanes import LaneLoop
+from core.plan.loops.trace import traced
+from core.reduce.answers import answers
+from core.reduce.run import Units, cores
+from core.reduce.state import State, merged
+from core.sweep.reduced import ReducedSweep
+from core.watch import Watch
 
+try:
+    import numexpr
+except ImportError:  # it is no part of vibrafeed
+    numexpr = None
+
+SPEED = "transport_velocity"
 ASKED: dict[str, dict[str, Any]] = {
+    "max": {"statistics": ["max"]},
+    "mean": {"statistics": ["mean"]},
     "argmax": {"statistics": ["argmax"]},
-    "max, mean": {"statistics": ["max", "mean"]},
+    "max, mean, argmax, regimes": {"statistics": ["max", "mean", "argmax"], "regimes": True},
     "all statistics": {"statistics": ["max", "min", "mean", "argmax", "argmin"]},
-    "regimes": {"regimes": True},
-    "share": {"shares": {"fast": ["regime == slip", "transport_velocity >= 10 mm/s"]}},
-    "level": {
-        "levels": {"reach": {"output": "transport_velocity", "level": "10 mm/s", "along": "beta"}}
-    },
+    "share": {"shares": {"fast": ["regime == slip", f"{SPEED} >= 10 mm/s"]}},
 }
+BARS = {"max": 1.3, "mean": 1.3, "argmax": 1.3, "max, mean, argmax, regimes": 2.0}
+"""What each may cost over the limit."""
+PEER_BAR = 20.0
+SLOW: dict[str, dict[str, Any]] = {
+    "level": {"levels": {"reach": {"output": SPEED, "level": "10 mm/s", "along": "beta"}}},
+    "median": {"quantiles": [0.5]},
+}
+"""What is read off stored boxes; over fewer cells."""
+FEW, PEER_CELLS, BITS_CELLS = 30_000_000, 10_000_000, 3_000_000
 TABLE = ("frequency", "amplitude")
-RUNS = 3
+SPANS = {
+    "frequency": (20, 120),
+    "amplitude": (2e-5, 2e-4),
+    "alpha": (0, 60),
+    "beta": (1, 30),
+    "gamma": (0, 30),
+    "friction": (0.1, 0.6),
+    "distance": (1e-5, 1e-4),
+}
+RADIUS, GRAVITY = 0.8, 9.80665
 
 
-def study(cells: int, asked: dict[str, Any], kept: tuple[str, ...]) -> dict[str, Any]:
+def study(cells: float, asked: dict[str, Any], kept: tuple[str, ...] = TABLE) -> dict[str, Any]:
     """Return a study of about so many cells, reduced over all axes but those that are kept."""
-    ranges = {
-        "frequency": (20, 120),
-        "amplitude": (2e-5, 2e-4),
-        "alpha": (0, 60),
-        "beta": (1, 30),
-        "gamma": (0, 30),
-        "friction": (0.1, 0.6),
-        "distance": (1e-5, 1e-4),
-    }
-    left = cells
+    left = int(cells)
     axes = {}
-    for done, (name, (start, stop)) in enumerate(ranges.items()):
-        size = max(2, round(left ** (1 / (len(ranges) - done))))
+    for done, (name, (start, stop)) in enumerate(SPANS.items()):
+        size = max(2, round(left ** (1 / (len(SPANS) - done))))
         left = -(-left // size)
         axes[name] = {"start": start, "stop": stop, "num": size}
-    over = [name for name in ranges if name not in kept]
     return {
         "kind": "sweep",
         "scene": "rectangle-on-track",
-        "outputs": ["transport_velocity"],
-        "parameters": {**axes, "radius": "0.8 m"},
-        "reduce": {"over": over, **asked},
+        "outputs": [SPEED],
+        "parameters": {**axes, "radius": f"{RADIUS} m"},
+        "reduce": {"over": [name for name in SPANS if name not in kept], **asked},
     }
 
 
-def measured(content: dict[str, Any], runs: int) -> tuple[float, list[float], int]:
-    """Return the seconds that were predicted, those of some runs, and the number of cells."""
-    predicted = prepare_content(content).work.seconds()  # type: ignore[attr-defined]
-    times = []
+def prepared(content: dict[str, Any]) -> ReducedSweep:
+    """Return a study, ready."""
+    sweep = prepare_content(content)
+    assert isinstance(sweep, ReducedSweep)
+    return sweep
+
+
+def limit(sweep: ReducedSweep) -> Callable[[], None]:
+    """Return what computes all cells, each tile into the same few rows, on all cores."""
+    plan, grid = sweep.work.boxes[0].field.plan, sweep.grid
+    plan = plan.part((SPEED,), plan.conditions)
+    graph = traced(plan, grid.axes)
+    assert graph is not None
+    whole = grid.piece({name: (0, size) for name, size in grid.shape.items()}, plan.parameters)
+    updates = [(SPEED, "store"), ("regime", "store")]
+    loop = LaneLoop(plan, graph, whole, updates, tuple(grid.axes))
+    loop.prepare()
+    order, shape = loop.order, grid.shape
+    ranges = [
+        [
+            (name, (at, min(at + order.steps[name], shape[name])))
+            for at in range(0, shape[name], order.steps[name])
+        ]
+        for name in (*order.outer, *order.inner)
+    ]
+    tiles = [dict(ends) for ends in itertools.product(*ranges)]
+
+    def some(share: Iterable[Mapping[str, tuple[int, int]]]) -> None:
+        rows = [np.empty(order.piece), np.empty(order.piece, np.int8)]
+        for tile in share:
+            loop.run(tile, {}, {}, rows)
+
+    def run() -> None:
+        with ThreadPoolExecutor(cores()) as pool:
+            list(pool.map(some, (tiles[k :: cores()] for k in range(cores()))))
+
+    return run
+
+
+def by_xarray(grid: Grid) -> xarray.DataArray:
+    """Return the largest speed by drive, as one writes it with xarray; it tells no regime."""
+    at = {name: xarray.DataArray(grid.coordinate(name), dims=name) for name in grid.axes}
+    alpha, beta, gamma = (np.deg2rad(at[name]) for name in ("alpha", "beta", "gamma"))
+    push = at["amplitude"] * (2 * np.pi * at["frequency"]) ** 2 * np.cos(beta)
+    friction = at["friction"]
+    start = push * (np.cos(alpha) + friction * np.sin(alpha)) - GRAVITY * np.sin(gamma)
+    decay = -np.expm1(-2 * friction * at["distance"] / RADIUS) * RADIUS / friction
+    return np.sqrt(start.clip(0) * decay).max([name for name in at if name not in TABLE])
+
+
+def by_numexpr(grid: Grid, *, is_prepared: bool) -> Any:
+    """Return the same with numexpr, a drive at a time, so that its arrays stay small.
+
+    The formula is one text; or, prepared by hand, sines and the like are computed before on their
+    own small grids, and the text has what needs every cell.
+    """
+    at = {
+        name: grid.coordinate(name).reshape([-1 if k == own else 1 for own in range(len(SPANS))])
+        for k, name in enumerate(grid.axes)
+    }
+    at |= {name: np.deg2rad(at[name]) for name in ("alpha", "beta", "gamma")}
+    push, weight = "push * cos(beta) * (cos(alpha) + friction * sin(alpha))", "g * sin(gamma)"
+    decay = "-expm1(-2 * friction * distance / r) * r / friction"
+    values = {**at, "g": GRAVITY, "r": RADIUS}
+    if is_prepared:
+        names = {
+            "x": "cos(beta)",
+            "y": "cos(alpha) + friction * sin(alpha)",
+            "w": weight,
+            "d": decay,
+        }
+        values = {name: numexpr.evaluate(text, values) for name, text in names.items()}
+        push, weight, decay = "push * x * y", "w", "d"
+    text = f"sqrt(where({push} > {weight}, {push} - {weight}, 0) * ({decay}))"
+    drives = (at["amplitude"] * (2 * np.pi * at["frequency"]) ** 2).ravel()
+    return [numexpr.evaluate(text, {**values, "push": one}).max() for one in drives]
+
+
+def timed(run: Callable[[], object]) -> tuple[float, float]:
+    """Return the seconds of a call by the clock and of the processor."""
+    clock, processor = time.perf_counter(), time.process_time()
+    run()
+    return time.perf_counter() - clock, time.process_time() - processor
+
+
+def compare(cells: float, runs: int) -> None:
+    """Print every bar: what each answer costs over the limit, and peers over `max`."""
+    sweeps = {name: prepared(study(cells, asked)) for name, asked in ASKED.items()}
+    small = prepared(study(PEER_CELLS, ASKED["max"]))
+    ways: dict[str, tuple[Callable[[], object], int]] = {
+        "limit": (limit(sweeps["max"]), sweeps["max"].cells),
+        **{name: (lambda s=s: tabulate(s), s.cells) for name, s in sweeps.items()},
+        "xarray, max": (lambda: by_xarray(small.grid), small.cells),
+    }
+    if numexpr is not None:
+        for name, how in (("numexpr, max", False), ("numexpr by hand, max", True)):
+            ways[name] = (lambda how=how: by_numexpr(small.grid, is_prepared=how), small.cells)
+    for run, _ in ways.values():
+        run()  # loops are compiled
+    times: dict[str, list[tuple[float, float]]] = {name: [] for name in ways}
     for _ in range(runs):
-        prepared = prepare_content(content)
-        started = time.perf_counter()
-        tabulate(prepared)
-        times.append(time.perf_counter() - started)
-    return predicted, times, prepared.cells
-
-
-def fill(cells: int = 1 << 24) -> float:
-    """Return the nanoseconds a cell of a plain fill of a buffer that is used again."""
-    buffer, times = np.empty(cells), []
-    for _ in range(9):
-        started = time.perf_counter()
-        buffer.fill(1.0)
-        times.append(time.perf_counter() - started)
-    return statistics.median(times) / cells * 1e9
-
-
-def main(sizes: list[int]) -> None:
-    """Print the figures."""
-    print(f"plain fill, one core: {fill():.2f} ns a cell")
-    for name, asked in ASKED.items():
-        for kept in (TABLE, ("beta", "distance")) if name == "argmax" else (TABLE,):
-            if name == "level" and "beta" in kept:
-                continue
-            predicted, times, cells = measured(study(100_000_000, asked, kept), RUNS)
-            print(
-                f"{name:15} by {' and '.join(kept):22} {cells:,} cells: "
-                f"{statistics.median(times) / cells * 1e9:.2f} ns a cell "
-                f"({min(times):.2f} to {max(times):.2f} s, predicted {predicted:.2f} s)",
-                flush=True,
-            )
-    for size in sizes:
-        predicted, times, cells = measured(study(size, ASKED["argmax"], TABLE), 1)
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        for name, (run, count) in ways.items():
+            times[name].append(tuple(each / count * 1e9 for each in timed(run)))  # type: ignore[arg-type]
+    print(f"{sweeps['max'].cells:,} cells, {cores()} cores, medians of {runs}")
+    print(f"{'':28} ns a cell (least to most)   over limit: clock, processor   bar")
+    lines = {
+        name: [statistics.median(one[k] for one in own) for k in (0, 1)]
+        for name, own in times.items()
+    }
+    for name, (clock, processor) in lines.items():
+        spread = sorted(one[0] for one in times[name])
+        over = [mine / of for mine, of in zip((clock, processor), lines["limit"], strict=True)]
+        bar = f"at most {BARS[name]}" if name in BARS else ""
+        if name.endswith(", max"):
+            faster = [mine / of for mine, of in zip((clock, processor), lines["max"], strict=True)]
+            bar = f"{faster[0]:.0f}, {faster[1]:.0f} times ours; bar {PEER_BAR:.0f}"
         print(
-            f"argmax, {cells:,} cells: {times[0]:.1f} s, {times[0] / cells * 1e9:.2f} ns a cell, "
-            f"predicted {predicted:.1f} s; {memory:.0f} MiB at most",
+            f"{name:28} {clock:6.2f} ({spread[0]:.2f} to {spread[-1]:.2f})"
+            f"{over[0]:16.2f} {over[1]:14.2f}   {bar}",
             flush=True,
         )
 
 
+def slow_ones(runs: int) -> None:
+    """Print what answers cost that are read off stored boxes."""
+    for name, asked in SLOW.items():
+        sweep = prepared(study(FEW, asked))
+        times = [timed(lambda s=sweep: tabulate(s)) for _ in range(runs)]
+        clock = [one[0] / sweep.cells * 1e9 for one in times]
+        print(f"{name}: {statistics.median(clock):.1f} ns a cell of {sweep.cells:,}", flush=True)
+
+
+def same_bits() -> None:
+    """Print whether answers have the same bits for threads, boxes and parts."""
+    asked = {**ASKED["all statistics"], "regimes": True}
+    for kept in (TABLE, ("beta", "distance"), ("friction",), ()):
+        sweep = prepared(study(BITS_CELLS, asked, kept))
+        found = set()
+        for threads, cells in ((1, None), (2, None), (2, 100_000), (1, 1)):
+            units = Units(sweep.plan, sweep.grid, sweep.asked, cells)
+            found.add(_bits(sweep, units, units.states(0, len(units), Watch(threads=threads))))
+        ends = [round(k * len(sweep.work) / 64) for k in range(65)]
+        states = (
+            state
+            for start, stop in itertools.pairwise(ends)
+            if stop > start
+            for state in sweep.work.states(start, stop, Watch(threads=2))
+        )
+        found.add(_bits(sweep, sweep.work, _joined(states)))
+        by = " and ".join(kept) or "nothing"
+        print(f"by {by}: {'the same bits' if len(found) == 1 else 'BITS DIFFER'}", flush=True)
+
+
+def _bits(sweep: ReducedSweep, units: Units, states: Iterable[tuple[int, int, State]]) -> bytes:
+    arrays = answers(units, sweep.grid, sweep.asked, states)
+    return b"".join(arrays[name].tobytes() for name in sorted(arrays))
+
+
+def _joined(states: Iterable[tuple[int, int, State]]) -> Iterable[tuple[int, int, State]]:
+    known: dict[tuple[int, int], State] = {}
+    for field, block, state in states:
+        place = field, block
+        known[place] = merged(known[place], state) if place in known else state
+    return [(*place, state) for place, state in known.items()]
+
+
+def sizes(cells: Iterable[float]) -> None:
+    """Print time, prediction and memory of large studies."""
+    for count in cells:
+        sweep = prepared(study(count, ASKED["argmax"]))
+        predicted = sweep.work.seconds()
+        clock, _ = timed(lambda s=sweep: tabulate(s))
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        print(
+            f"argmax, {sweep.cells:,} cells: {clock:.1f} s, {clock / sweep.cells * 1e9:.2f} ns a "
+            f"cell, predicted {predicted:.1f} s; {memory:.0f} MiB at most",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cells", type=float, default=1e9)
+    parser.add_argument("--runs", type=int, default=9)
+    parser.add_argument("--sizes", type=float, nargs="*", default=[])
+    asked = parser.parse_args()
+    compare(asked.cells, asked.runs)
+    slow_ones(min(asked.runs, 3))
+    same_bits()
+    sizes(asked.sizes)
+
+
 if __name__ == "__main__":
-    main([int(float(size)) for size in sys.argv[1:]] or [1_000_000_000])
+    main()

@@ -86,10 +86,10 @@ def _fused(plan: Plan, grid: Grid) -> Fused | None:
     if graph is None:
         return None
     fused = Fused(plan, graph, grid)
-    return fused if _repays(fused.missing, cells * plan.scene.seconds_a_cell) else None
+    return fused if repays(fused.missing, cells * plan.scene.seconds_a_cell) else None
 
 
-def _repays(missing: Iterable[str], seconds: float) -> bool:
+def repays(missing: Iterable[str], seconds: float) -> bool:
     """True if loops are worth being compiled where numpy takes so many seconds.
 
     They are once numpy has spent as long on the same work as compiling takes: whatever comes after

@@ -10,7 +10,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from numpy.typing import NDArray
 
@@ -70,6 +70,15 @@ class Parts(ABC):
     count: int
     boxes: int
 
+    scheme: ClassVar[str] = ""
+    """How its boxes are cut and what they tell; parts of another one are computed again."""
+
+    @property
+    def identity(self) -> dict[str, str]:
+        """What a record of it has in common with others of the same bytes."""
+        scheme = {"scheme": self.scheme} if self.scheme else {}
+        return {**identity(self.study), **scheme}
+
     @property
     def records(self) -> Records:
         """The records of all parts."""
@@ -122,7 +131,7 @@ class Parts(ABC):
         watch, started = watch or Watch(), time.perf_counter()
         arrays, shards = self._computed(*self.ends(part), watch)
         told = {
-            "identity": identity(self.study),
+            "identity": self.identity,
             "part": part,
             "parts": self.count,
             "seconds": time.perf_counter() - started,
@@ -170,7 +179,7 @@ class Parts(ABC):
         """Make the result of all parts; return its table."""
 
     def _is_ours(self, record: Record | None, part: int) -> bool:
-        own = {"identity": identity(self.study), "part": part, "parts": self.count}
+        own = {"identity": self.identity, "part": part, "parts": self.count}
         return record is not None and own.items() <= record.told.items()
 
     def _check(

@@ -13,7 +13,6 @@ from core.plan.grid import Grid
 from core.quantities import REGIMES
 from core.reduce.boxes import Boxes, values_of
 from core.reduce.kernels.others import BINS, SHIFT
-from core.reduce.kernels.rows import HUGE
 from core.reduce.run import Units
 from core.reduce.state import State
 from core.reduce.sums import means
@@ -110,26 +109,12 @@ def _statistics(
         elif statistic == "min":
             yield f"{name}_min", least
         elif statistic == "mean":
-            digits = state[f"{name}.digits"]
-            yield f"{name}_mean", _mean(int(state[f"{name}.low"][0]), digits, count, least, largest)
+            finite = means(int(state[f"{name}.low"][0]), state[f"{name}.digits"], count)
+            yield f"{name}_mean", finite + state[f"{name}.beyond"]
         else:
             number = ends[1 if statistic == "argmax" else 3]
             for axis, values in _points(boxes, grid, asked, number).items():
                 yield f"{name}_{statistic}_{axis}", np.where(count > 0, values, np.nan)
-
-
-def _mean(
-    low: int,
-    digits: NDArray[np.int64],
-    count: NDArray[np.int64],
-    least: NDArray[np.float64],
-    largest: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    result = means(low, digits, count)
-    up, down = largest >= HUGE, least <= -HUGE
-    result[up], result[down] = np.inf, -np.inf
-    result[up & down] = np.nan
-    return result
 
 
 def _points(

@@ -5,22 +5,25 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.evaluate import evaluate
+from core.plan.evaluate import evaluate, repays
 from core.plan.grid import Grid
+from core.plan.loops.lanes import LONGEST_AXIS, LaneOrder
+from core.plan.loops.source import LONGEST_ROW
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES, REGIMES
 from core.reduce.cutting import Box, Cutting, Rows
 from core.reduce.kernels import others
-from core.reduce.kernels.bits import LEAST, MAGNITUDE, MOST
-from core.reduce.kernels.rows import HUGE, across_rows, along_rows
+from core.reduce.kernels.bits import MAGNITUDE
+from core.reduce.lanes import EMPTY, BoxLanes, Totals
+from core.reduce.loop import FieldLoop, field_loop
 from core.reduce.questions import EXACT_CELLS, ReducedField, valid_regimes
 from core.reduce.state import State
-from core.reduce.sums import FEW, anchors, by_level, exponent_of, units_of
 from core.study.reduction import Reduction, ShareCondition
 
 COMPARED = {"<": 1, "==": 2, "<=": 3, ">": 4, "!=": 5, ">=": 6}
@@ -69,20 +72,67 @@ class Boxes:
         self.is_exact = seen <= EXACT_CELLS
         if asked.quantiles and self.is_exact and field.outputs:
             cells = max(cells, seen)
-        self.cutting = Cutting.of(shape, goes, cells)
+        self._loop: FieldLoop | None = None
+        if max(shape, default=0) <= LONGEST_AXIS:
+            self._loop = field_loop(field, grid, asked, self._valid, self.flags)
+        self._order = self._loop.order if self._loop else stored_order(field, grid, asked)
+        tile = tuple(
+            self._order.steps[dim] if field.outputs or self._loop else 1 for dim in field.dims
+        )
+        self.cutting = Cutting.of(shape, goes, cells, tile=tile)
         self.cells_a_slot = seen
         self.times = math.prod(grid.shape[dim] for dim in asked.over if dim not in field.dims)
-        self._exponents = dict.fromkeys(field.outputs, 0)
         self._threads = threading.local()
+
+    @cached_property
+    def _compiled(self) -> FieldLoop | None:
+        """The compiled loop if it repays."""
+        seconds = self.cutting.cells * self.field.plan.scene.seconds_a_cell
+        if self._loop is None or not repays(self._loop.missing, seconds):
+            return None
+        self._loop.prepare()
+        return self._loop
 
     def seen(self, box: Box) -> State:
         """Return what the cells of a box tell."""
+        loop = self._compiled
+        return self._seen_stored(box) if loop is None else self._seen_in_lanes(loop, box)
+
+    def _seen_in_lanes(self, loop: FieldLoop, box: Box) -> State:
+        field, state = self.field, State()
+        counters = len(field.outputs) + len(self.flags) * field.regimes + len(field.shares)
+        totals = Totals(self._slots(box), counters)
+        loop.gather(self._ends(box), self._lanes(), totals)
+        for counter, name in enumerate(field.outputs):
+            state |= totals.state(name, counter)
+        counted = [*(str(flag) for flag in self.flags if field.regimes), *field.shares]
+        for counter, name in enumerate(counted, start=len(field.outputs)):
+            state[f"{name}.count"] = totals.counts[counter]
+        return state
+
+    def _slots(self, box: Box) -> int:
+        return math.prod(stop - start for start, stop in self.cutting.kept(box))
+
+    def _ends(self, box: Box) -> dict[str, tuple[int, int]]:
+        return dict(zip(self.field.dims, box, strict=True))
+
+    def _lanes(self) -> BoxLanes:
+        """Return the lanes of this thread."""
+        held: dict[str, Any] = self._threads.__dict__
+        if "lanes" not in held:
+            held["lanes"] = BoxLanes(
+                self._order, self.field.dims, self._asked.over, self._grid.shape
+            )
+        lanes: BoxLanes = held["lanes"]
+        return lanes
+
+    def _seen_stored(self, box: Box) -> State:
         field, state = self.field, State()
         rows = Rows.of(tuple(stop - start for start, stop in box), self.cutting.goes)
         wider = self._wider(box)
         values = self._evaluated(wider)
         for name in field.outputs:
-            state |= self._statistics(name, values, rows, box)
+            state |= self._statistics(name, values, box)
             if self._asked.quantiles:
                 state |= self._quantiles(name, values, rows, box)
         if field.regimes:
@@ -137,39 +187,33 @@ class Boxes:
             held[name] = np.empty(cells, dtype)
         return held[name][:cells].reshape(shape)
 
-    def _statistics(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
-        kernel = across_rows if rows.spread else along_rows
-        summed = "mean" in self._asked.statistics
-
-        def reduced(units: list[int]) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
-            ends = np.zeros((5, rows.count), np.int64)
-            ends[0], ends[2] = LEAST, MOST
-            sums = np.zeros((len(units), rows.count), np.int64)
-            left = kernel(
-                values[name], values["regime"], self._valid, rows.slots, rows.length,
-                anchors(units), ends, sums,
-            )  # fmt: skip
-            return left, ends, sums
-
-        exponent = self._exponents[name]
-        units = units_of(exponent, FEW) if summed else []
-        left, ends, sums = reduced(units)
-        if summed:
-            needed = exponent_of(_largest(ends))
-            self._exponents[name] = needed
-            if needed > exponent:  # of what is larger nothing of it is right
-                units = units_of(needed, FEW)
-                left, ends, sums = reduced(units)
-            if left:
-                units = units_of(needed)
-                left, ends, sums = reduced(units)
-        for row in (1, 3):
-            ends[row] = self.cutting.order(box, ends[row])
-        state: State = {f"{name}.ends": ends}
-        if summed:
-            low, digits = by_level(units, sums)
-            state |= {f"{name}.low": np.array([low]), f"{name}.digits": digits}
+    def _statistics(self, name: str, values: Buffers, box: Box) -> State:
+        """Return statistics of cells that are stored, gathered as a loop would."""
+        lanes, totals = self._lanes(), Totals(self._slots(box), 1)
+        ends = self._ends(box)
+        cells = self._counted(name, values, box)
+        for tile in lanes.tiles(ends):
+            places, offset = lanes.places(tile, ends)
+            held = {kind: lanes.buffer(kind, places.slots.size) for kind in EMPTY}
+            here = tuple(
+                slice(start - first, stop - first)
+                for (start, stop), (first, _) in zip(tile.values(), box, strict=True)
+            )
+            lanes.gather(cells[here], tile, places, held)
+            totals.fold_counts(held["counts"], places, offset, 0, 1)
+            totals.fold_sum(name, held["sum"], places, offset, lanes.line)
+            for kind in ("largest", "least"):
+                totals.fold_extremes(name, kind, held[kind], held[f"{kind}_at"], places, offset)
+        state = totals.state(name, 0)
+        if "mean" not in self._asked.statistics:
+            state = {key: values for key, values in state.items() if key.endswith(".ends")}
         return state
+
+    def _counted(self, name: str, values: Buffers, box: Box) -> NDArray[np.float64]:
+        """Return the cells of a box, and NaN where they do not count."""
+        cells = self._buffer("masked", tuple(stop - start for start, stop in box))
+        others.masked(values[name], values["regime"], self._valid, cells.reshape(-1))
+        return cells
 
     def _quantiles(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
         if not self.is_exact:
@@ -178,9 +222,7 @@ class Boxes:
             others.histogram(values[name], values["regime"], self._valid, counts)
             bins = np.flatnonzero(counts)
             return {f"{name}.bins": bins, f"{name}.filled": counts[bins]}
-        lengths = [stop - start for start, stop in box]
-        cells = self._buffer("masked", tuple(lengths))
-        others.masked(values[name], values["regime"], self._valid, cells.reshape(-1))
+        cells = self._counted(name, values, box)
         goes = self.cutting.goes
         order = sorted(range(len(box)), key=lambda axis: goes[axis])
         lines = cells.transpose(order).reshape(rows.count, -1)
@@ -253,9 +295,16 @@ def values_of(keys: NDArray[np.int64]) -> NDArray[np.float64]:
     return (keys ^ ((keys >> 63) & MAGNITUDE)).view(np.float64)
 
 
-def _largest(ends: NDArray[np.int64]) -> float:
-    """Return the largest size among the ends that a sum may hold."""
-    sizes = np.abs(values_of(ends[[0, 2]][:, ends[4] > 0]))
-    finite = sizes[sizes < HUGE]
-    # An infinite end may hide finite values of any size.
-    return HUGE if finite.size < sizes.size else float(finite.max(initial=0.0))
+def stored_order(field: ReducedField, grid: Grid, asked: Reduction) -> LaneOrder:
+    """Return the tiles of cells that are stored; where quantiles are wanted, of one slot each."""
+    dims = field.dims
+    if asked.quantiles:
+        dims = tuple(sorted(dims, key=lambda dim: dim in asked.over))
+        over = sum(dim in asked.over for dim in dims)
+    else:
+        over = len(dims)
+    count, period = 0, 1
+    while count < over and period <= LONGEST_ROW:
+        count, period = count + 1, period * grid.shape[dims[-1 - count]]
+    split = len(dims) - count
+    return LaneOrder.of(dims[:split], dims[split:], grid.shape, asked.over)

@@ -8,7 +8,7 @@ is all that has to be in memory beside the result.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 BOX_CELLS = 1 << 22
-"""Most cells of a box; the sums of `kernels.rows` have room for no more."""
+"""Most cells of a box: some milliseconds."""
 BLOCK_SLOTS = 1 << 17
 """Most slots of a block: their sums and ends take some 16 MiB."""
 
@@ -48,20 +48,32 @@ class Cutting:
         goes: Sequence[bool],
         cells: int = BOX_CELLS,
         slots: int = BLOCK_SLOTS,
+        tile: Sequence[int] = (),
     ) -> Cutting:
-        """Return the cutting into boxes of so many cells, and blocks of so many slots, at most."""
-        steps = [1] * len(shape)
-        room = cells
+        """Return the cutting into boxes of so many cells, and blocks of so many slots, at most.
+
+        No box cuts a `tile`, of which one is larger if need be: it has so many values of each axis.
+        """
+        tile = tuple(tile) or (1,) * len(shape)
+        steps = [min(n, step) for n, step in zip(shape, tile, strict=True)]
         last_first = range(len(shape) - 1, -1, -1)
         seen = math.prod(size for size, gone in zip(shape, goes, strict=True) if gone)
-        for axis in (axis for axis in last_first if goes[axis]):
-            steps[axis] = _even(shape[axis], room)
-            room //= steps[axis]
-        if seen <= cells:
-            room = min(cells // seen, slots)
-            for axis in (axis for axis in last_first if not goes[axis]):
-                steps[axis] = _even(shape[axis], room)
-                room //= steps[axis]
+        kept = math.prod(step for step, gone in zip(steps, goes, strict=True) if not gone)
+
+        def widen(axes: Iterable[int], room: int) -> None:
+            for axis in axes:
+                tiles = _even(-(-shape[axis] // steps[axis]), room)
+                steps[axis] = min(shape[axis], tiles * steps[axis])
+                room //= tiles
+
+        if seen * kept <= cells:
+            for axis in (axis for axis in last_first if goes[axis]):
+                steps[axis] = shape[axis]
+            room = min(cells // seen, slots) // kept
+            widen((axis for axis in last_first if not goes[axis]), room)
+        else:
+            room = cells // math.prod(steps)
+            widen((axis for axis in last_first if goes[axis]), room)
         return cls(tuple(shape), tuple(goes), tuple(steps))
 
     @cached_property

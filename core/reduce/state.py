@@ -14,7 +14,8 @@ State = dict[str, NDArray[Any]]
 """By name: what it is of, a full stop, and one of
 
 - ``ends``, shape (5, slots): key and number of the largest, the same of the least, and how many;
-- ``low`` and ``digits``: a sum by level, as in `core.reduce.sums`;
+- ``low`` and ``digits``: a sum by level, as in `core.reduce.sums`, and ``beyond``, shape
+  (slots,): the sum of what is not finite;
 - ``bins`` and ``filled``: a histogram, where it is not empty;
 - ``quantiles``, shape (quantiles, slots): final, where all cells were seen at once;
 - ``count``, shape (slots,);
@@ -35,6 +36,9 @@ def merged(one: State, other: State) -> State:
                 (int(mine[0]), one[f"{of}.digits"]), (int(yours[0]), other[f"{of}.digits"])
             )
             result |= {name: np.array([low]), f"{of}.digits": digits}
+        elif kind == "beyond":
+            with np.errstate(invalid="ignore"):
+                result[name] = mine + yours
         elif kind == "bins":
             bins, place = np.unique(np.concatenate([mine, yours]), return_inverse=True)
             filled = np.zeros(bins.size, np.int64)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,29 +9,10 @@ DIGIT = 40
 """Bits between the units of two levels."""
 LOWEST = -1074
 """The unit of level 0 is the least float above 0."""
-FEW = 4
-"""Units that are tried first: values over 160 binary digits."""
+LEVELS = 2098 // DIGIT + 4
+"""Levels that any float fits in, and one for what is carried."""
 
 Integers = NDArray[np.int64]
-
-
-def exponent_of(largest: float) -> int:
-    """Return the least power of 2 that is above the size of a value, at least 2^-1000."""
-    return max(math.frexp(largest)[1], -1000)
-
-
-def units_of(exponent: int, count: int | None = None) -> list[int]:
-    """Return the powers of 2 that floats below 2^exponent are split into, from the highest down.
-
-    There are as many as any float needs, or `count` of them.
-    """
-    units = [*range(exponent - DIGIT, LOWEST, -DIGIT), LOWEST]
-    return units[:count]
-
-
-def anchors(units: list[int]) -> NDArray[np.float64]:
-    """Return what rounds a float to whole multiples of each unit when it is added."""
-    return np.array([math.ldexp(1.5, 52 + unit) for unit in units])
 
 
 def carried(sums: Integers) -> Integers:
@@ -45,18 +24,6 @@ def carried(sums: Integers) -> Integers:
         sums[level] -= over << DIGIT
         sums[level + 1] += over
     return sums
-
-
-def by_level(units: list[int], sums: Integers) -> tuple[int, Integers]:
-    """Return sums in some units as digits by level: the lowest level, and all upwards from it."""
-    low = (units[-1] - LOWEST) // DIGIT
-    high = (units[0] - LOWEST) // DIGIT
-    digits = np.zeros((high - low + 4, sums.shape[1]), np.int64)
-    for unit, own in zip(units, sums, strict=True):
-        level, shift = divmod(unit - LOWEST, DIGIT)
-        digits[level - low] += (own & ((1 << (DIGIT - shift)) - 1)) << shift
-        digits[level - low + 1] += own >> (DIGIT - shift)
-    return low, carried(digits)
 
 
 def added(one: tuple[int, Integers], other: tuple[int, Integers]) -> tuple[int, Integers]:

@@ -197,6 +197,7 @@ class ReducedParts(Parts):
     """
 
     sweep: ReducedSweep
+    scheme: ClassVar[str] = "tree of tiles"
 
     def answers(self, watch: Watch | None = None) -> Table:
         """As in `Parts`."""

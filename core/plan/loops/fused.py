@@ -104,15 +104,8 @@ class Fused:
         progress: Progress | None,
     ) -> None:
         """Fill arrays that have the same axes, task by task."""
-        from core.compiled import compiled_source  # numba, for those whom it repays
-
         program, grid = self._programs[dims], self._grid
-        given = {
-            node.number: self._laid_out(node, program.order)
-            for stage in program.stages
-            if stage.loop
-            for node in stage.loop.arrays
-        }
+        given = laid_out(program, self._traced, self._values, grid)
         sizes = [grid.shape[name] for name in dims]
         strides = np.array(
             [math.prod(sizes[dims.index(name) + 1 :]) for name in program.order.outer],
@@ -123,29 +116,9 @@ class Fused:
         most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
-            count = int(np.prod(ends[:, 1] - ends[:, 0]))
-            columns: dict[int, Array] = {}
-            for stage in program.stages:
-                if stage.loop is not None:
-                    made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
-                    compiled_source(stage.loop.source)(
-                        ends,
-                        strides,
-                        *(given[node.number] for node in stage.loop.arrays),
-                        *(columns[node.number] for node in stage.loop.columns),
-                        *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),
-                        *(made.values() if stage.functions else flat),
-                    )
-                    columns |= made
-                with np.errstate(all="ignore"):  # it is a setting of the thread
-                    for node in stage.functions:
-                        inputs = (
-                            columns[one.number] if isinstance(one, Node) else one
-                            for one in node.inputs
-                        )
-                        columns[node.number] = node.function(*inputs)  # type: ignore[misc]
+            run_stages(program, given, (ends, strides), flat)
             if progress is not None:
-                progress(count / cells)
+                progress(int(np.prod(ends[:, 1] - ends[:, 0])) / cells)
 
         share = max(FEWEST_SHARED, -(-cells // (2 * threads)))
         tasks = list(_tasks(program.order, grid.shape, min(most, share)))
@@ -160,21 +133,78 @@ class Fused:
             for _ in pool.map(run, tasks):
                 pass
 
-    def _laid_out(self, leaf: Node, order: Order) -> Any:
-        """Return a value as loops take it: by the axes that are loops, then by row."""
-        node = self._traced.graph.nodes[int(leaf.name)]
-        value = self._values.over(node, order.axes)
+
+def missing(program: Program) -> frozenset[str]:
+    """Return the sources of a program's loops that have not run in this process."""
+    return frozenset(program.sources) - _compiled
+
+
+def mark_compiled(program: Program) -> None:
+    """Note that the loops of a program have run in this process."""
+    _compiled.update(program.sources)
+
+
+def run_stages(
+    program: Program,
+    given: Mapping[int, Any],
+    places: tuple[NDArray[np.int64], ...],
+    results: Sequence[Array],
+) -> None:
+    """Run the loops of a program, and the functions of numpy between them, on some cells.
+
+    Parameters
+    ----------
+    program : Program
+        The loops.
+    given : mapping of int to ndarray or number
+        What numpy has made for them, by `laid_out`.
+    places : tuple of ndarray
+        Ends of the row and of each loop around it, strides, and with lanes the numbers of cells.
+    results : sequence of ndarray
+        Flat arrays that the last loop fills.
+    """
+    from core.compiled import compiled_source  # numba, for those whom it repays
+
+    ends = places[0]
+    count = int(np.prod(ends[:, 1] - ends[:, 0]))
+    columns: dict[int, Array] = {}
+    for stage in program.stages:
+        if stage.loop is not None:
+            made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
+            compiled_source(stage.loop.source)(
+                *(places[:2] if stage.functions else places),
+                *(given[node.number] for node in stage.loop.arrays),
+                *(columns[node.number] for node in stage.loop.columns),
+                *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),
+                *(made.values() if stage.functions else results),
+            )
+            columns |= made
+        with np.errstate(all="ignore"):  # it is a setting of the thread
+            for node in stage.functions:
+                inputs = (columns[n.number] if isinstance(n, Node) else n for n in node.inputs)
+                columns[node.number] = node.function(*inputs)  # type: ignore[misc]
+
+
+def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> dict[int, Any]:
+    """Return what the loops of a program are given: by the axes that are loops, then by row."""
+    order, shape = program.order, grid.shape
+    row = math.prod(shape[name] for name in order.inner)
+    given: dict[int, Any] = {}
+    for leaf in (node for stage in program.stages if stage.loop for node in stage.loop.arrays):
+        node = traced.graph.nodes[int(leaf.name)]
+        value = values.over(node, order.axes)
         if not value.ndim:
-            return value[()].item()
-        shape, kept = self._grid.shape, order.kept(node)
+            given[leaf.number] = value[()].item()
+            continue
+        kept, is_row = order.kept(node), order.is_row(node)
         lengths = [
-            shape[name] if name in kept or (name in order.inner and order.is_row(node)) else 1
+            shape[name] if name in kept or (name in order.inner and is_row) else 1
             for name in order.axes
         ]
         laid = np.broadcast_to(value, lengths)
-        row = [math.prod(shape[name] for name in order.inner)] if order.is_row(node) else []
-        laid = np.ascontiguousarray(laid, np.float64 if row else None)
-        return laid.reshape([shape[name] for name in kept] + row)
+        laid = np.ascontiguousarray(laid, np.float64 if is_row else None)
+        given[leaf.number] = laid.reshape([shape[name] for name in kept] + [row] * is_row)
+    return given
 
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:

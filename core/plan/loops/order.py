@@ -59,16 +59,23 @@ class Order:
         return tuple(name for name in self.axes if name in node.axes and name not in self.inner)
 
 
-def order_of(axes: Sequence[str], shape: Mapping[str, int], nodes: Collection[Node]) -> Order:
+def order_of(
+    axes: Sequence[str],
+    shape: Mapping[str, int],
+    nodes: Collection[Node],
+    longest: float = math.inf,
+) -> Order:
     """Return the loops over some axes that take the steps of a graph with least work.
 
-    `nodes` are its steps, and the leaves that they need.
+    `nodes` are its steps, and the leaves that they need. A row has at most `longest` cells for each
+    value of its first axis.
     """
     steps = [node for node in nodes if node.function]
     orders = []
     for count in range(len(axes) + 1):
         row = math.prod(shape[name] for name in axes[count:])
-        if not count or row >= LEAST_ROW:
+        period = math.prod(shape[name] for name in axes[count + 1 :])
+        if period <= longest and (not count or row >= LEAST_ROW):
             outer = _outwards(axes[:count], shape, steps)
             orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
     return min(orders, key=lambda order: work_of(order, shape, nodes))

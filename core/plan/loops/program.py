@@ -17,13 +17,15 @@ from typing import Any
 import numpy as np
 
 from core.plan.loops.order import Order, order_of, work_of
-from core.plan.loops.source import STEPS, Loop, write_loop
+from core.plan.loops.source import LONGEST_ROW, STEPS, Lanes, Loop, write_loop
 from core.plan.loops.trace import Graph, Node, Traced
 
 FEW_CELLS = 4096
 """What numpy computes in some microseconds is not worth a loop."""
 OWN_GRID = 16
 """A function that no loop has is taken on its own grid where that is so many times smaller."""
+MOST_VALUES = 1 << 20
+"""Most values of an array that numpy makes for lanes, of which a grid can have any number."""
 
 Shape = tuple[tuple[str, int], ...]
 """Axes and their lengths."""
@@ -56,12 +58,15 @@ class Program:
         What it takes on the whole, in additions of a row's loop.
     calls : int
         Values of each cell that numpy computes between loops.
+    lanes : Lanes or None
+        How the last loop takes cells into lanes; None if it stores them.
     """
 
     order: Order
     stages: tuple[Stage, ...]
     work: float
     calls: int
+    lanes: Lanes | None = None
 
     @cached_property
     def sources(self) -> tuple[str, ...]:
@@ -75,16 +80,19 @@ def edge_of(
     names: tuple[str, ...],
     shape: Shape,
     row: tuple[str, ...] = (),
+    most: int | None = None,
 ) -> tuple[Node, ...]:
     """Return the nodes that numpy computes and loops are given.
 
     numpy computes what has few values, what no loop can and has not too many, and what these need.
     Of what depends on axes of a row and on others, a loop would be given a row for each of the
-    others: it makes them itself, if it can.
+    others: it makes them itself, if it can. An array has at most so many values if `most` is given.
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
     few, many = max(FEW_CELLS, cells // FEW_CELLS), cells // OWN_GRID
+    if most is not None:
+        few, many = min(few, most), min(many, most)
 
     def by_numpy(node: Node) -> bool:
         size = math.prod(lengths[name] for name in node.axes)
@@ -114,12 +122,21 @@ def program_of(
     names: tuple[str, ...],
     shape: Shape,
     special: tuple[tuple[int, float | bool], ...],
+    updates: tuple[str, ...] = (),
 ) -> Program:
-    """Return the loops that compute some results, simplified by what is special."""
+    """Return the loops that compute some results, simplified by what is special.
+
+    With `updates`, a name of `UPDATES` for each result, they take cells into lanes.
+    """
     lengths = dict(shape)
-    _, nodes = _renewed(traced, names, edge_of(traced, names, shape), special)
-    order = order_of(tuple(lengths), lengths, nodes)
-    edge = edge_of(traced, names, shape, order.inner)
+    most = MOST_VALUES if updates else None
+    _, nodes = _renewed(traced, names, edge_of(traced, names, shape, (), most), special)
+    order = order_of(tuple(lengths), lengths, nodes, LONGEST_ROW if updates else math.inf)
+    lanes = None
+    if updates:
+        period = math.prod(lengths[name] for name in order.inner[1:])
+        lanes = Lanes(updates, period, LONGEST_ROW // period * period)
+    edge = edge_of(traced, names, shape, order.inner, most)
     results, needed = _renewed(traced, names, edge, special)
     ready = _ready(results)
     leaves = [node for node in needed if node.function is None]
@@ -135,10 +152,10 @@ def program_of(
             write = write_loop(order, leaves, before, columns, in_place=False) if columns else None
             stages.append(Stage(write, columns, after))
         else:
-            loop = write_loop(order, leaves, before, results, in_place=True)
+            loop = write_loop(order, leaves, before, results, in_place=True, lanes=lanes)
             stages.append(Stage(loop, (), ()))
     taken = [node for node in needed if node.function is None or node.function in STEPS]
-    return Program(order, tuple(stages), work_of(order, lengths, taken), len(called))
+    return Program(order, tuple(stages), work_of(order, lengths, taken), len(called), lanes)
 
 
 def _renewed(

@@ -53,6 +53,53 @@ STEPS: dict[Any, str] = {
 }
 """The steps that a compiled loop takes in, exact or rounded once, so that bits are numpy's."""
 
+UPDATES: dict[str, tuple[int, tuple[str, ...]]] = {
+    "store": (1, ("{0} = {value}",)),
+    "sum": (1, ("{0} += {value}",)),
+    "largest": (1, ("{0} = choose({value} > {0}, {value}, {0}) + 0.0",)),
+    "least": (1, ("{0} = choose({value} < {0}, {value}, {0}) + 0.0",)),
+    "first_largest": (
+        2,
+        (
+            "better = ({value} > {0}) | (({value} == {0}) & (number < {1}))",
+            "{0} = choose(better, {value}, {0}) + 0.0",
+            "{1} = choose(better, number, {1}) + 0.0",
+        ),
+    ),
+    "first_least": (
+        2,
+        (
+            "better = ({value} < {0}) | (({value} == {0}) & (number < {1}))",
+            "{0} = choose(better, {value}, {0}) + 0.0",
+            "{1} = choose(better, number, {1}) + 0.0",
+        ),
+    ),
+}
+"""What is done with the value of a cell: how many arrays it takes, and what happens at its place.
+
+What is no number changes no extreme. Adding 0 makes one of the two zeros; without it the compiler
+would write only where something changes, which costs a processor several times as much.
+"""
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """How a loop takes cells into lanes in place of storing them.
+
+    Attributes
+    ----------
+    updates : tuple of str
+        For each result, what is done with it: names of `UPDATES`.
+    period : int
+        Cells of a row for each value of its first axis.
+    piece : int
+        Most cells of a row that are taken at once: whole periods.
+    """
+
+    updates: tuple[str, ...]
+    period: int
+    piece: int
+
 
 @dataclass(frozen=True)
 class Loop:
@@ -61,7 +108,7 @@ class Loop:
     Attributes
     ----------
     source : str
-        A function ``loop(ends, strides, ...)``.
+        A function ``loop(ends, strides, ...)``; with lanes, ``loop(ends, strides, numbers, ...)``.
     arrays : tuple of Node
         Arrays that numpy has made, laid out by `Order.kept`, and rows last.
     columns : tuple of Node
@@ -83,6 +130,7 @@ def write_loop(
     results: Sequence[Any],
     *,
     in_place: bool,
+    lanes: Lanes | None = None,
 ) -> Loop:
     """Return the loop that computes some nodes or numbers for each cell.
 
@@ -98,8 +146,11 @@ def write_loop(
         What to compute.
     in_place : bool
         Whether results are written where the grid has them, or one after another.
+    lanes : Lanes, optional
+        How cells are taken into lanes; they are stored if left out. A lane is found by a stride for
+        each loop, then one for the row, and an offset; the number of a cell likewise.
     """
-    return _Writer(order, given, columns, results, in_place).write()
+    return _Writer(order, given, columns, results, in_place, lanes).write()
 
 
 class _Writer:
@@ -112,8 +163,11 @@ class _Writer:
         columns: Collection[Node],
         results: Sequence[Any],
         in_place: bool,
+        lanes: Lanes | None,
     ):
-        self.order, self.results, self.in_place = order, results, in_place
+        self.order, self.results, self.in_place, self.lanes = order, results, in_place, lanes
+        self.updates = lanes.updates if lanes else ("store",) * len(results)
+        self.arrays = sum(UPDATES[update][0] for update in self.updates)
         self.given = {one.number for one in given}
         self.columns = {one.number for one in columns}
         self.deepest = len(order.outer)
@@ -186,13 +240,14 @@ class _Writer:
             *(f"a{one.number}" for one in arrays),
             *(f"c{one.number}" for one in columns),
             *(f"r{number}" for number in self.kept),
-            *(f"o{k}" for k in range(len(self.results))),
+            *(f"o{k}" for k in range(self.arrays)),
         ]
+        piece = self.lanes.piece if self.lanes else LONGEST_ROW
         head = [
-            f"def loop(ends, strides, {', '.join(names)}):",
+            f"def loop(ends, strides, {'numbers, ' if self.lanes else ''}{', '.join(names)}):",
             "    done = 0",
-            f"    for at in range(ends[0, 0], ends[0, 1], {LONGEST_ROW}):",
-            f"        stop = min(at + {LONGEST_ROW}, ends[0, 1])",
+            f"    for at in range(ends[0, 0], ends[0, 1], {piece}):",
+            f"        stop = min(at + {piece}, ends[0, 1])",
             "        cells = stop - at",
         ]
         return Loop(
@@ -221,14 +276,15 @@ class _Writer:
         lines += [f"{pad}t{node.number} = {self._step(node)}" for node in plain]
         last = level == self.deepest
         if rows or last:
-            if last and self.in_place:
+            if last and self.lanes:
+                lines += [f"{pad}start = {self._place('strides')}"]
+                lines += [f"{pad}number = 0.0 + ({self._place('numbers')})"]
+            elif last and self.in_place:
                 terms = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
                 lines.append(f"{pad}start = {' + '.join([*terms, 'at'])}")
             if last:
                 start = "start" if self.in_place else "done"
-                lines += [
-                    f"{pad}o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.results))
-                ]
+                lines += [f"{pad}o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
             lines.append(f"{pad}for i in range(cells):")
             for node in rows:
                 lines.append(f"{pad}    t{node.number} = {self._step(node)}")
@@ -238,8 +294,25 @@ class _Writer:
                         value = f"choose({value}, 1.0, 0.0)"
                     lines.append(f"{pad}    r{node.number}[i] = {value}")
             if last:
-                lines += [f"{pad}    o{k}_[i] = {term}" for k, term in enumerate(self._terms())]
+                lines += [f"{pad}    {line}" for line in self._updated()]
                 lines.append(f"{pad}done += cells")
+        return lines
+
+    def _place(self, strides: str) -> str:
+        """Return the place of the first cell of a piece of a row."""
+        assert self.lanes is not None
+        turns = [f"i{k + 1}" for k in range(self.deepest)] + [f"at // {self.lanes.period}"]
+        terms = [f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns)]
+        return " + ".join([*terms, f"{strides}[{len(turns)}]"])
+
+    def _updated(self) -> list[str]:
+        """Return what the last loop does with the results."""
+        lines, free = [], 0
+        for update, term in zip(self.updates, self._terms(), strict=True):
+            count, texts = UPDATES[update]
+            places = [f"o{free + k}_[i]" for k in range(count)]
+            lines += [text.format(*places, value=term) for text in texts]
+            free += count
         return lines
 
     def _terms(self) -> list[str]:

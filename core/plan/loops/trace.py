@@ -205,6 +205,41 @@ class Traced:
     results: Mapping[str, Any]
 
 
+@dataclass(frozen=True, eq=False)
+class TracedPlan:
+    """The graph of a plan, to which steps may be added.
+
+    Attributes
+    ----------
+    graph : Graph
+        Its graph.
+    known : mapping of str to Node or number
+        Every quantity of the plan.
+    holds : tuple of Node or bool
+        Whether each condition of its regimes holds.
+    """
+
+    graph: Graph
+    known: Mapping[str, Any]
+    holds: tuple[Any, ...]
+
+
+def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
+    """Return a new graph of a plan over some axes; None if it has none."""
+    graph = Graph()
+    ranged = {name for name in axes if name in plan.parameters}
+    given = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
+    try:
+        known = run(plan.equations, given)
+        holds = tuple(
+            condition.function(**{name: known[name] for name in condition.inputs})
+            for condition in plan.conditions
+        )
+    except UntraceableError:
+        return None
+    return TracedPlan(graph, known, holds)
+
+
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
     """Return the graph of a plan over some axes, with outputs and ``regime``; None if it has none.
 

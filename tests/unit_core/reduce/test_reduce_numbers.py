@@ -1,4 +1,4 @@
-"""Sums are exact, whatever the numbers and the order; quantiles of many keep their error."""
+"""Sums of tiles are exact, whatever their order; quantiles of many cells keep their error."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from core.plan.loops.lanes import DEPTH, LaneOrder
 from core.reduce.answers import binned_quantiles
 from core.reduce.boxes import exact_quantiles, values_of
 from core.reduce.kernels import others
-from core.reduce.kernels.bits import LEAST, MOST
-from core.reduce.kernels.rows import across_rows, along_rows
-from core.reduce.sums import added, anchors, by_level, exponent_of, means, units_of
+from core.reduce.kernels.lanes import COUNT_BITS, fold_counts
+from core.reduce.lanes import EMPTY, BoxLanes, Totals
+from core.reduce.state import State, merged
+from core.reduce.sums import means
 
 CHANCE = np.random.default_rng(16)
 HARD = {
@@ -27,64 +29,116 @@ HARD = {
 }
 
 
-def reduced(values: np.ndarray, kernel, slots: np.ndarray, length: int, count: int):
-    regimes = np.zeros(values.size, np.int8)
-    units = units_of(exponent_of(float(np.abs(values).max())))
-    ends = np.zeros((5, count), np.int64)
-    ends[0], ends[2] = LEAST, MOST
-    sums = np.zeros((len(units), count), np.int64)
-    assert not kernel(values, regimes, 1, slots, length, anchors(units), ends, sums)
-    return ends, by_level(units, sums)
+def gathered(table: np.ndarray, over: tuple[str, ...], box: dict | None = None) -> State:
+    """Return what the cells of a table, or of a box of it, tell; its axes are a, b, and so on."""
+    dims = "abcd"[: table.ndim]
+    shape = dict(zip(dims, table.shape, strict=True))
+    order = LaneOrder.of(dims[:-1], dims[-1:], shape, over)
+    lanes = BoxLanes(order, dims, over, shape)
+    ends = {name: (0, size) for name, size in shape.items()} | (box or {})
+    slots = math.prod(ends[name][1] - ends[name][0] for name in dims if name not in over)
+    totals = Totals(slots, 1)
+    for tile in lanes.tiles(ends):
+        places, offset = lanes.places(tile, ends)
+        held = {kind: lanes.buffer(kind, places.slots.size) for kind in EMPTY}
+        cells = table[tuple(slice(*tile[name]) for name in dims)]
+        lanes.gather(cells, tile, places, held)
+        totals.fold_counts(held["counts"], places, offset, 0, 1)
+        totals.fold_sum("x", held["sum"], places, offset, lanes.line)
+        for kind in ("largest", "least"):
+            totals.fold_extremes("x", kind, held[kind], held[f"{kind}_at"], places, offset)
+    return totals.state("x", 0)
+
+
+def mean_of(state: State) -> np.ndarray:
+    finite = means(int(state["x.low"][0]), state["x.digits"], state["x.ends"][4])
+    return finite + state["x.beyond"]
 
 
 @pytest.mark.parametrize("values", HARD.values(), ids=HARD)
-@pytest.mark.parametrize("parts", [1, 2, 7])
-def test_means_are_exact_however_they_are_split(values: np.ndarray, parts: int) -> None:
+def test_sums_of_single_cells_are_exact_however_they_are_joined(values: np.ndarray) -> None:
+    """A tile of one cell adds nothing, so that what is left is the exact sum of tiles."""
     want = float(sum(map(Fraction, values.tolist())) / values.size)
-    chance = np.random.default_rng(parts)
-    shuffled = chance.permutation(values)
-    total = None
-    for piece in np.array_split(shuffled, parts):
-        if piece.size:
-            _, sums = reduced(piece, along_rows, np.zeros(1, np.int64), piece.size, 1)
-            total = sums if total is None else added(total, sums)
-    assert total is not None
-    assert means(*total, np.array([values.size]))[0] == want
+    for seed in range(3):
+        states = [gathered(np.array([[v]]), ("a", "b")) for v in values[:300].tolist()]
+        order = np.random.default_rng(seed).permutation(len(states))
+        total = states[order[0]]
+        for k in order[1:]:
+            total = merged(total, states[k])
+        some = values[:300].tolist()
+        assert mean_of(total)[0] == float(sum(map(Fraction, some)) / len(some))
+    bound = (
+        (DEPTH + 16) / 2**53 * float(sum(abs(Fraction(v)) for v in values.tolist()) / len(values))
+    )
+    assert abs(mean_of(gathered(values[:, None], ("a", "b")))[0] - want) <= bound + 5e-324
 
 
 @pytest.mark.parametrize("values", HARD.values(), ids=HARD)
-def test_rows_across_slots_give_what_rows_along_them_do(values: np.ndarray) -> None:
+def test_every_slot_has_what_it_would_have_alone(values: np.ndarray) -> None:
     width = 5
     table = values[: values.size // width * width].reshape(-1, width)
     if not table.size:
         return
-    slots = np.zeros(len(table), np.int64)
-    ends, sums = reduced(table.reshape(-1), across_rows, slots, width, width)
+    state = gathered(table, ("a",))
     for slot in range(width):
-        line = np.ascontiguousarray(table[:, slot])
-        own, alone = reduced(line, along_rows, np.zeros(1, np.int64), line.size, 1)
-        np.testing.assert_array_equal(own[[0, 2, 4], 0], ends[[0, 2, 4], slot])
-        assert own[1, 0] == ends[1, slot] // width == line.argmax()
-        assert own[3, 0] == ends[3, slot] // width == line.argmin()
-        assert values_of(own[0])[0] == line.max()
-        assert values_of(own[2])[0] == line.min()
-        count = np.array([line.size])
-        column = sums[1][:, slot : slot + 1]
-        assert means(*alone, count)[0] == means(sums[0], column, count)[0]
+        line = table[:, slot]
+        ends = state["x.ends"][:, slot]
+        assert values_of(ends[0:1])[0] == line.max()
+        assert values_of(ends[2:3])[0] == line.min()
+        assert (ends[1], ends[3], ends[4]) == (line.argmax(), line.argmin(), line.size)
+
+
+def test_boxes_of_whole_tiles_join_to_the_same_bits() -> None:
+    table = CHANCE.normal(size=(40, 30, 100))
+    whole = gathered(table, ("a", "b", "c"))
+    step = LaneOrder.of("ab", "c", {"a": 40, "b": 30, "c": 100}, "abc").steps["a"]
+    parts = [
+        gathered(table, ("a", "b", "c"), {"a": (at, min(at + step, 40))})
+        for at in range(0, 40, step)
+    ]
+    joined = parts[-1]
+    for part in parts[:-1]:
+        joined = merged(joined, part)
+    assert len(parts) > 2
+    assert mean_of(joined).tobytes() == mean_of(whole).tobytes()
 
 
 def test_cells_that_do_not_count_are_left_out() -> None:
-    values = np.array([3.0, math.nan, 9.0, -0.0, 1.0])
-    regimes = np.array([0, 0, 1, 0, 0], np.int8)
-    ends = np.array([[LEAST], [0], [MOST], [0], [0]])
-    units = units_of(2, 4)
-    sums = np.zeros((4, 1), np.int64)
-    one = np.zeros(1, np.int64)
-    assert not along_rows(values, regimes, 1, one, 5, anchors(units), ends, sums)
-    assert values_of(ends[0]) == 3
-    assert values_of(ends[2]) == 0
-    assert ends[[1, 3, 4], 0].tolist() == [0, 3, 3]
-    assert means(*by_level(units, sums), np.array([3]))[0] == 4 / 3
+    state = gathered(np.array([[3.0, math.nan, -0.0, 1.0]]), ("a", "b"))
+    assert values_of(state["x.ends"][:, 0])[[0, 2]].tolist() == [3, 0]
+    assert state["x.ends"][[1, 3, 4], 0].tolist() == [0, 2, 3]
+    assert mean_of(state)[0] == 4 / 3
+    empty = gathered(np.full((2, 3), math.nan), ("a", "b"))
+    assert empty["x.ends"][4, 0] == 0
+    assert math.isnan(mean_of(empty)[0])
+
+
+@pytest.mark.parametrize(
+    ("values", "want"),
+    [((1, math.inf), math.inf), ((1, -math.inf), -math.inf), ((math.inf, -math.inf), math.nan)],
+)
+def test_means_of_infinite_values(values: tuple[float, ...], want: float) -> None:
+    np.testing.assert_equal(mean_of(gathered(np.array([values]), ("a", "b")))[0], want)
+
+
+def test_of_equal_cells_the_first_in_the_grid_counts() -> None:
+    """Loops stand in another order than the axes, and -infinity is a value like any other."""
+    for value in (1.0, -math.inf, math.inf):
+        table = np.full((3, 4, 5), math.nan)
+        table[1, 2:, 3:] = value
+        table[2] = value
+        ends = gathered(table, ("a", "b", "c"))["x.ends"]
+        first = 1 * 20 + 2 * 5 + 3
+        assert (ends[1, 0], ends[3, 0]) == (first, first)
+
+
+def test_packed_counts_come_apart() -> None:
+    packed = np.array([3.0 + 200.0 * 2**COUNT_BITS, float(DEPTH) * 2.0 ** (5 * COUNT_BITS)])
+    counts = np.zeros((6, 1), np.int64)
+    fold_counts(packed, np.zeros(2, np.int64), 0, counts)
+    assert counts[:, 0].tolist() == [3, 200, 0, 0, 0, DEPTH]
+    assert not packed.any()
+    assert DEPTH < 1 << COUNT_BITS
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e-3, 1.0, 1e200])
@@ -95,8 +149,7 @@ def test_quantiles_of_a_histogram_keep_their_error(scale: float) -> None:
     regimes = np.zeros(values.size, np.int8)
     others.histogram(values, regimes, 1, counts)
     bins = np.flatnonzero(counts)
-    ends = np.array([[LEAST], [0], [MOST], [0], [0]])
-    along_rows(values, regimes, 1, np.zeros(1, np.int64), values.size, anchors([])[:0], ends, ends)
+    ends = gathered(values[:, None], ("a", "b"))["x.ends"]
     quantiles = tuple(np.linspace(0, 1, 41))
     found = binned_quantiles(bins, counts[bins], ends, quantiles)[:, 0]
     want = np.quantile(values[1000:], quantiles)
@@ -112,9 +165,6 @@ def test_quantiles_of_infinite_values() -> None:
     values = np.array([-math.inf, 1.0, math.inf])
     others.histogram(values, np.zeros(3, np.int8), 1, counts)
     bins = np.flatnonzero(counts)
-    ends = np.array([[LEAST], [0], [MOST], [0], [0]])
-    along_rows(
-        values, np.zeros(3, np.int8), 1, np.zeros(1, np.int64), 3, anchors([])[:0], ends, ends
-    )
+    ends = gathered(values[:, None], ("a", "b"))["x.ends"]
     found = binned_quantiles(bins, counts[bins], ends, (0.0, 0.5, 1.0))[:, 0]
     assert found.tolist() == [-math.inf, 1.0, math.inf]

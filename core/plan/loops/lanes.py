@@ -1,0 +1,215 @@
+"""A loop that takes cells into lanes: what is known of many cells, without an array of them.
+
+A lane is a place in a row. It gathers the cells that stand there, row after row: each step is on
+whole rows, as if they were stored, so that a processor's wide registers are full and no value
+crosses from one lane to another. What the lanes of a tile hold belongs to whoever asked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.plan.grid import Grid
+from core.plan.loops.fused import Values, laid_out, mark_compiled, missing, run_stages
+from core.plan.loops.program import MOST_VALUES, edge_of, program_of
+from core.plan.loops.source import LONGEST_ROW
+from core.plan.loops.trace import Traced
+from core.plan.plan import Plan
+
+DEPTH = 240
+"""Most cells that a lane gathers: their sum is that exact, and counts fit in 8 bits."""
+LANES, MOST_LANES = 4096, 1 << 15
+"""Lanes of a tile, and their number where few cells go to each."""
+TILE_CELLS = 1 << 18
+"""Most cells of a tile: some hundred microseconds."""
+STAGED_CELLS = 1 << 15
+"""The same where numpy works between loops: its arrays stay in the second-level cache."""
+FEWEST_TILES = 64
+"""A grid has so many tiles at least, if its rows allow it: threads and parts share them out."""
+LONGEST_AXIS = 1 << 20
+"""Longest axis whose values a loop is given as a whole."""
+
+
+@dataclass(frozen=True)
+class LaneOrder:
+    """The loops over the axes of a field, and the tiles that lanes gather: no more, no less.
+
+    Sums are of the cells of a tile in this order, so it hangs on the grid and the equations alone.
+
+    Attributes
+    ----------
+    outer : tuple of str
+        Axes that are loops, outermost first.
+    inner : tuple of str
+        Axes of a row, of which a tile has all values but for the first axis.
+    piece : int
+        Most lanes of a row that gathers; whole periods.
+    period : int
+        Cells of a row for each value of its first axis.
+    gathers : bool
+        Whether the first axis of a row goes, so that pieces of it gather in the same lanes.
+    steps : mapping of str to int
+        Values of each axis in a tile, but for the last.
+    """
+
+    outer: tuple[str, ...]
+    inner: tuple[str, ...]
+    piece: int
+    period: int
+    gathers: bool
+    steps: Mapping[str, int]
+
+    @classmethod
+    def of(
+        cls,
+        outer: Sequence[str],
+        inner: Sequence[str],
+        shape: Mapping[str, int],
+        over: Iterable[str],
+        most: int = TILE_CELLS,
+    ) -> LaneOrder:
+        """Return the tiles of a grid whose axes `over` go, of so many cells at most."""
+        goes = set(over)
+        depth = DEPTH
+        cells = math.prod(shape[name] for name in (*outer, *inner))
+        most = max(1, min(most, -(-cells // FEWEST_TILES)))
+        period = math.prod(shape[name] for name in inner[1:])
+        piece = LONGEST_ROW // period * period
+        gone = math.prod(shape[name] for name in (*outer, *inner[:1]) if name in goes)
+        lanes = min(max(LANES, most // min(DEPTH, gone)), MOST_LANES, most)
+        gathers = bool(inner) and inner[0] in goes
+        steps = {name: shape[name] for name in inner[1:]}
+        if gathers:
+            at_once = min(shape[inner[0]], piece // period)
+            pieces = _even(-(-shape[inner[0]] // at_once), max(1, min(DEPTH, most // piece)))
+            steps[inner[0]] = min(shape[inner[0]], pieces * at_once)
+            depth //= pieces
+            lanes = max(1, lanes // (at_once * period))
+            most //= steps[inner[0]] * period
+        elif inner:
+            steps[inner[0]] = _even(shape[inner[0]], max(1, lanes // period))
+            lanes = max(1, lanes // (steps[inner[0]] * period))
+            most //= steps[inner[0]] * period
+        for name in reversed(outer):
+            steps[name] = _even(shape[name], max(1, min(depth if name in goes else lanes, most)))
+            most //= steps[name]
+            if name in goes:
+                depth //= steps[name]
+            else:
+                lanes //= steps[name]
+        return cls(tuple(outer), tuple(inner), piece, period, gathers, steps)
+
+    def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
+        """Return the lanes of a tile by axis, outermost first: a grid of all cells that are apart.
+
+        `shape` is that of the tile.
+        """
+        goes = set(over)
+        lanes = {name: shape[name] for name in self.outer if name not in goes}
+        for name in self.inner:
+            lanes[name] = shape[name]
+        if self.gathers:
+            lanes[self.inner[0]] = min(shape[self.inner[0]], self.piece // self.period)
+        return lanes
+
+    def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
+        """Return the lanes of the largest tile of a grid."""
+        tile = {name: min(step, shape[name]) for name, step in self.steps.items()}
+        return math.prod(self.lanes(tile, over).values())
+
+
+class LaneLoop:
+    """The loop of a plan over the axes of a field.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the field.
+    traced : Traced
+        Its graph; what lanes take are among the results.
+    grid : Grid
+        Over the axes of the field alone.
+    updates : mapping of str to str
+        What is done with which result: names of `core.plan.loops.source.UPDATES`.
+    over : collection of str
+        The axes that go.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        traced: Traced,
+        grid: Grid,
+        updates: Sequence[tuple[str, str]],
+        over: Iterable[str],
+    ):
+        self._grid = grid
+        shape = tuple(grid.shape.items())
+        names = tuple(name for name, _ in updates)
+        with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
+            values = Values(traced, plan, grid)
+            special = values.special(edge_of(traced, names, shape, (), MOST_VALUES))
+            self._program = program_of(
+                traced, names, shape, special, tuple(update for _, update in updates)
+            )
+        self._traced, self._values = traced, values
+        self._given: dict[int, object] | None = None
+        order = self._program.order
+        most = TILE_CELLS if len(self._program.stages) == 1 else STAGED_CELLS
+        self.order = LaneOrder.of(order.outer, order.inner, grid.shape, over, most)
+
+    @property
+    def missing(self) -> frozenset[str]:
+        """The sources of its loops that have not run in this process."""
+        return missing(self._program)
+
+    def prepare(self) -> None:
+        """Have numpy make what the loop is given; once, before any run."""
+        with np.errstate(all="ignore"):
+            self._given = laid_out(self._program, self._traced, self._values, self._grid)
+
+    def run(
+        self,
+        tile: Mapping[str, tuple[int, int]],
+        strides: Mapping[str, int],
+        numbers: Mapping[str, int],
+        lanes: Sequence[NDArray[np.float64]],
+    ) -> None:
+        """Take the cells of a tile into lanes.
+
+        Parameters
+        ----------
+        tile : mapping of str to (int, int)
+            Where it starts and ends on each axis.
+        strides : mapping of str to int
+            Lanes from one value of an axis to the next: of outer axes, and of a row's first.
+        numbers : mapping of str to int
+            The same of the numbers by which cells that go to one place are told apart.
+        lanes : sequence of ndarray
+            As many flat arrays as the updates take.
+        """
+        assert self._given is not None
+        order = self.order
+        axes = (*order.outer, order.inner[0])
+        row_start, row_stop = tile[order.inner[0]]
+        row = (row_start * order.period, row_stop * order.period)
+        steps = [strides.get(name, 0) for name in axes]
+        offset = -sum(step * tile[name][0] for step, name in zip(steps, axes, strict=True))
+        places = (
+            np.array([row, *(tile[name] for name in order.outer)]),
+            np.array([*steps, offset]),
+            np.array([*(numbers.get(name, 0) for name in axes), 0]),
+        )
+        run_stages(self._program, self._given, places, lanes)
+        mark_compiled(self._program)
+
+
+def _even(size: int, most: int) -> int:
+    """Return the length of nearly equal pieces of an axis, none longer than `most`."""
+    pieces = -(-size // max(1, min(size, most)))
+    return -(-size // pieces)

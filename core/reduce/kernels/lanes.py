@@ -1,0 +1,211 @@
+"""From lanes to slots: what the lanes of a tile have gathered is folded, and they are emptied.
+
+A lane holds its cells' sum, their extremes and where these lie, and counts, several in one number.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import borrowing, disjoint
+from core.reduce.kernels.bits import bits, key
+
+COUNT_BITS = 8
+"""Bits of a count in a lane: it gathers fewer cells than they can say."""
+COUNTS = 6
+"""Counts that fit in the whole numbers of a float."""
+DIGIT = 40
+"""Bits of a digit of an exact sum."""
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@borrowing
+def fold_sums(
+    sums: Array,
+    order: Integers,
+    slots: Integers,
+    offset: int,
+    line: Array,
+    digits: Integers,
+    beyond: Array,
+    levels: Integers,
+) -> None:
+    """Add the lanes of each slot by halves, and their sum to the exact sum of the slot.
+
+    Parameters
+    ----------
+    sums : ndarray, shape (lanes,)
+        The sum in each lane; 0 afterwards.
+    order : ndarray of int64, shape (lanes,)
+        The lanes of the first slot, then of the second: as many of each.
+    slots : ndarray of int64, shape (slots,)
+        Slots of the tile among those of the box, but for an offset.
+    offset : int
+        That offset.
+    line : ndarray
+        Room for the lanes of a slot.
+    digits : ndarray of int64, shape (levels, slots of the box)
+        Exact sums: digits of 40 bits each, with their sign; level 0 has the unit 2^-1074.
+    beyond : ndarray, shape (slots of the box,)
+        The sum of what is no finite number.
+    levels : ndarray of int64, shape (2,)
+        Lowest and highest level that is in use.
+    """
+    each = order.size // slots.size
+    mine = line[:each]
+    for slot in range(slots.size):
+        for k in range(each):
+            mine[k] = sums[order[slot * each + k]]
+        left = each
+        while left > 1:
+            half = (left + 1) // 2
+            for k in range(left - half):
+                mine[k] += mine[half + k]
+            left = half
+        total = mine[0]
+        place = offset + slots[slot]
+        if abs(total) < math.inf:
+            _add(total, digits[:, place], levels)
+        else:
+            beyond[place] += total
+    sums[:] = 0.0
+
+
+@borrowing
+def _add(value: float, digits: Integers, levels: Integers) -> None:
+    """Add a float to an exact sum: its 53 bits lie in three digits at most."""
+    own = bits(value)
+    exponent = (own >> 52) & 0x7FF
+    fraction = own & 0xFFFFFFFFFFFFF
+    if exponent:
+        fraction |= 1 << 52
+        exponent -= 1
+    if fraction == 0:
+        return
+    level, shift = exponent // DIGIT, exponent % DIGIT
+    mask = (1 << DIGIT) - 1
+    rest = fraction >> (DIGIT - shift)
+    sign = -1 if own < 0 else 1
+    digits[level] += sign * ((fraction << shift) & mask)
+    digits[level + 1] += sign * (rest & mask)
+    digits[level + 2] += sign * (rest >> DIGIT)
+    levels[0] = min(levels[0], level)
+    levels[1] = max(levels[1], level + 2)
+
+
+@borrowing
+def fold_extremes(
+    values: Array,
+    numbers: Array,
+    least: bool,
+    slots: Integers,
+    offset: int,
+    own_numbers: Integers,
+    keys: Integers,
+    places: Integers,
+) -> None:
+    """Take the extremes in lanes to their slots: of equal ones that of the lowest number.
+
+    Parameters
+    ----------
+    values : ndarray, shape (lanes,)
+        The extreme in each lane; infinite afterwards, as an empty lane.
+    numbers : ndarray, shape (lanes,) or (0,)
+        The number of the row that it lies in, infinite where there is none; empty if nobody asks.
+    least : bool
+        Whether the least is wanted; else the largest.
+    slots, offset
+        Slot of each lane in the box, but for an offset.
+    own_numbers : ndarray of int64, shape (lanes,)
+        What the place of a lane in the row adds to the number.
+    keys, places : ndarray of int64, shape (slots of the box,)
+        Key and number of the extreme of each slot.
+    """
+    empty = math.inf if least else -math.inf
+    for lane in range(slots.size):
+        own = key(values[lane] + 0.0)
+        values[lane] = empty
+        slot = offset + slots[lane]
+        place = 0
+        if numbers.size:
+            number = numbers[lane]
+            numbers[lane] = math.inf
+            if number == math.inf:
+                continue
+            place = int(number) + own_numbers[lane]
+        is_better = own < keys[slot] if least else own > keys[slot]
+        if is_better or (own == keys[slot] and place < places[slot]):
+            keys[slot] = own
+            places[slot] = place
+
+
+@borrowing
+def fold_counts(packed: Array, slots: Integers, offset: int, counts: Integers) -> None:
+    """Add the counts in lanes, several in one number, to those of their slots.
+
+    `counts` has a row for each count; lanes hold 0 afterwards.
+    """
+    for lane in range(slots.size):
+        own = int(packed[lane])
+        packed[lane] = 0.0
+        slot = offset + slots[lane]
+        for k in range(counts.shape[0]):
+            counts[k, slot] += own & ((1 << COUNT_BITS) - 1)
+            own >>= COUNT_BITS
+
+
+@disjoint
+def gather(
+    cells: Array,
+    starts: Integers,
+    numbers: Integers,
+    piece: int,
+    piece_lanes: int,
+    piece_number: int,
+    counts: Array,
+    sums: Array,
+    largest: Array,
+    largest_at: Array,
+    least: Array,
+    least_at: Array,
+) -> None:
+    """Take stored cells into lanes as a loop of `core.plan.loops.lanes` does, step for step.
+
+    Parameters
+    ----------
+    cells : ndarray, shape (rows, cells of a row)
+        NaN where a cell does not count.
+    starts, numbers : ndarray of int64, shape (rows,)
+        First lane and number of each row.
+    piece : int
+        Cells of a row that are taken at once.
+    piece_lanes, piece_number : int
+        Lanes and numbers from one piece to the next.
+    counts, sums, largest, largest_at, least, least_at : ndarray, shape (lanes,)
+        What lanes hold.
+    """
+    for turn in range((cells.shape[1] + piece - 1) // piece):
+        for row in range(cells.shape[0]):
+            mine = cells[row, turn * piece : (turn + 1) * piece]
+            start = starts[row] + turn * piece_lanes
+            number = float(numbers[row] + turn * piece_number)
+            stop = start + mine.size
+            own_counts, own_sums = counts[start:stop], sums[start:stop]
+            high, high_at = largest[start:stop], largest_at[start:stop]
+            low, low_at = least[start:stop], least_at[start:stop]
+            for i in range(mine.size):
+                value = mine[i]
+                counted = value == value
+                own_counts[i] += 1.0 if counted else 0.0
+                own_sums[i] += value if counted else 0.0
+                higher = (value > high[i]) | ((value == high[i]) & (number < high_at[i]))
+                high[i] = (value if higher else high[i]) + 0.0
+                high_at[i] = (number if higher else high_at[i]) + 0.0
+                lower = (value < low[i]) | ((value == low[i]) & (number < low_at[i]))
+                low[i] = (value if lower else low[i]) + 0.0
+                low_at[i] = (number if lower else low_at[i]) + 0.0

@@ -1,0 +1,218 @@
+"""The tiles of a box, gathered in lanes and folded: statistics without a second look at a cell."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.plan.loops.lanes import LaneOrder
+from core.reduce.kernels import lanes as kernels
+from core.reduce.kernels.bits import LEAST, MOST
+from core.reduce.state import State
+from core.reduce.sums import LEVELS, carried
+
+Ends = Mapping[str, tuple[int, int]]
+"""Where a box or a tile starts and ends on each axis."""
+Shape = tuple[tuple[str, int], ...]
+Integers = NDArray[np.int64]
+Array = NDArray[np.float64]
+
+EMPTY = {
+    "counts": 0.0,
+    "sum": 0.0,
+    "largest": -math.inf,
+    "largest_at": math.inf,
+    "least": math.inf,
+    "least_at": math.inf,
+}
+"""What a lane holds before it has gathered a cell."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the lanes of a tile go.
+
+    Attributes
+    ----------
+    strides : mapping of str to int
+        Lanes from one value of an axis to the next.
+    slots : ndarray of int64, shape (lanes,)
+        The slot of each lane in its box, but for where the tile starts.
+    numbers : ndarray of int64, shape (lanes,)
+        What the place of a lane in a row adds to the number of a cell.
+    order : ndarray of int64, shape (lanes,)
+        The lanes of the first slot, of the second and so on.
+    own_slots : ndarray of int64, shape (slots of the tile,)
+        Those slots.
+    """
+
+    strides: Mapping[str, int]
+    slots: Integers
+    numbers: Integers
+    order: Integers
+    own_slots: Integers
+
+
+class BoxLanes:
+    """What the tiles of a box gather, in buffers that one thread uses again and again.
+
+    Parameters
+    ----------
+    order : LaneOrder
+        The tiles.
+    dims, over : sequence of str
+        The axes of the field, and those that go.
+    shape : mapping of str to int
+        Number of values of each axis.
+    """
+
+    def __init__(
+        self, order: LaneOrder, dims: Sequence[str], over: Sequence[str], shape: Mapping[str, int]
+    ):
+        self.order, self._dims, self._shape = order, dims, shape
+        self._goes = frozenset(over)
+        self.numbers = _strides({name: shape[name] for name in dims if name in self._goes})
+        self._held: dict[str, Array] = {}
+        self.line = np.empty(order.most_lanes(shape, over))
+        self._places = lru_cache(maxsize=64)(self._placed)
+
+    def buffer(self, kind: str, lanes: int) -> Array:
+        """Return the lanes of a kind, as they were folded last; empty ones at first."""
+        of = kind.split(".")[-1]
+        name = f"{kind} {lanes}"
+        if name not in self._held:
+            self._held[name] = np.full(lanes, EMPTY[of])
+        return self._held[name]
+
+    def tiles(self, box: Ends) -> Iterator[Ends]:
+        """Yield the tiles of a box, which has whole ones only."""
+        ranges = [
+            [
+                (name, (start, min(start + self.order.steps[name], box[name][1])))
+                for start in range(*box[name], self.order.steps[name])
+            ]
+            for name in self._dims
+        ]
+        return map(dict, itertools.product(*ranges))
+
+    def places(self, tile: Ends, box: Ends) -> tuple[Places, int]:
+        """Return where the lanes of a tile go, and where the tile starts among slots of its box."""
+        kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
+        strides = _strides(kept)
+        lengths = tuple((name, tile[name][1] - tile[name][0]) for name in self._dims)
+        offset = sum((tile[name][0] - box[name][0]) * strides[name] for name in kept)
+        return self._places(lengths, tuple(strides.items())), offset
+
+    def _placed(self, lengths: Shape, slot_strides: Shape) -> Places:
+        lanes = self.order.lanes(dict(lengths), self._goes)
+        of_slot = dict(slot_strides)
+        count = math.prod(lanes.values())
+        slots, numbers = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        for name, at in zip(lanes, np.indices(tuple(lanes.values())), strict=True):
+            if name in self._goes:
+                numbers += at.reshape(-1) * self.numbers[name]
+            else:
+                slots += at.reshape(-1) * of_slot[name]
+        order = np.argsort(slots, kind="stable")
+        each = math.prod(n for name, n in lanes.items() if name in self._goes)
+        strides = _strides(lanes)
+        if self.order.gathers:
+            del strides[self.order.inner[0]]
+        return Places(strides, slots, numbers, order, slots[order][::each].copy())
+
+    def gather(self, cells: Array, tile: Ends, places: Places, lanes: Mapping[str, Array]) -> None:
+        """Take stored cells of a tile, over the axes of the field, into lanes of every kind."""
+        axes = (*self.order.outer, *self.order.inner)
+        rows = cells.transpose([self._dims.index(name) for name in axes])
+        outer = rows.shape[: len(self.order.outer)]
+        starts, numbers = np.zeros(outer, np.int64), np.zeros(outer, np.int64)
+        for name, at in zip(self.order.outer, np.indices(outer), strict=True):
+            starts += at * places.strides.get(name, 0)
+            numbers += (at + tile[name][0]) * self.numbers.get(name, 0)
+        first = self.order.inner[0]
+        turn = self.order.piece // self.order.period
+        numbers += tile[first][0] * self.numbers.get(first, 0)
+        kernels.gather(
+            np.ascontiguousarray(rows).reshape(starts.size, -1),
+            starts.reshape(-1), numbers.reshape(-1), self.order.piece,
+            0 if self.order.gathers else self.order.piece,
+            turn * self.numbers.get(first, 0),
+            *(lanes[kind] for kind in EMPTY),
+        )  # fmt: skip
+
+
+class Totals:
+    """What the tiles of a box have told so far of its slots.
+
+    Parameters
+    ----------
+    slots, counters : int
+        Number of slots of the box, and of counts of each.
+
+    Attributes
+    ----------
+    counts : ndarray of int64, shape (counters, slots)
+        Counts.
+    """
+
+    def __init__(self, slots: int, counters: int):
+        self.counts = np.zeros((counters, slots), np.int64)
+        self._slots = slots
+        self._ends: dict[str, Integers] = {}
+        self._sums: dict[str, tuple[Integers, Array, Integers]] = {}
+
+    def fold_sum(self, name: str, lanes: Array, places: Places, offset: int, line: Array) -> None:
+        """Fold the sums in the lanes of an output."""
+        if name not in self._sums:
+            digits = np.zeros((LEVELS, self._slots), np.int64)
+            self._sums[name] = digits, np.zeros(self._slots), np.array([LEVELS, -1])
+        kernels.fold_sums(lanes, places.order, places.own_slots, offset, line, *self._sums[name])
+
+    def fold_extremes(
+        self, name: str, kind: str, lanes: Array, at: Array, places: Places, offset: int
+    ) -> None:
+        """Fold the ``largest`` or ``least`` in lanes of an output; `at` is empty if unknown."""
+        ends, row = self._ends_of(name), 2 if kind == "least" else 0
+        kernels.fold_extremes(
+            lanes, at, kind == "least", places.slots, offset, places.numbers,
+            ends[row], ends[row + 1],
+        )  # fmt: skip
+
+    def fold_counts(self, lanes: Array, places: Places, offset: int, first: int, last: int) -> None:
+        """Fold the counts in lanes, several in one number."""
+        kernels.fold_counts(lanes, places.slots, offset, self.counts[first:last])
+
+    def state(self, name: str, counter: int) -> State:
+        """Return what is known of an output, of which a counter counts the cells."""
+        ends = self._ends_of(name)
+        state: State = {f"{name}.ends": np.concatenate([ends, self.counts[counter : counter + 1]])}
+        if name in self._sums:
+            digits, beyond, levels = self._sums[name]
+            low, high = (int(levels[0]), int(levels[1])) if levels[1] >= 0 else (0, 0)
+            # One digit more has room for what is carried.
+            state[f"{name}.low"] = np.array([low])
+            state[f"{name}.digits"] = carried(digits[low : high + 2])
+            state[f"{name}.beyond"] = beyond
+        return state
+
+    def _ends_of(self, name: str) -> Integers:
+        if name not in self._ends:
+            self._ends[name] = np.zeros((4, self._slots), np.int64)
+            self._ends[name][0], self._ends[name][2] = LEAST, MOST
+        return self._ends[name]
+
+
+def _strides(sizes: Mapping[str, int]) -> dict[str, int]:
+    """Return how far apart neighbours along each axis lie, the last one's next to each other."""
+    strides: dict[str, int] = {}
+    stride = 1
+    for name in reversed(tuple(sizes)):
+        strides[name] = stride
+        stride *= sizes[name]
+    return strides

@@ -1,0 +1,214 @@
+"""The compiled loop of a field: cells are computed and gathered in lanes at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.plan.grid import Grid
+from core.plan.loops.lanes import LaneLoop, LaneOrder
+from core.plan.loops.trace import Traced, TracedPlan, traced_plan
+from core.quantities import QUANTITIES, REGIMES
+from core.reduce.kernels.lanes import COUNT_BITS, COUNTS
+from core.reduce.lanes import BoxLanes, Ends, Totals
+from core.reduce.questions import ReducedField
+from core.study.reduction import Reduction, ShareCondition
+
+COMPARISONS = {
+    "<": np.less,
+    "<=": np.less_equal,
+    "==": np.equal,
+    "!=": np.not_equal,
+    ">=": np.greater_equal,
+    ">": np.greater,
+}
+
+
+@dataclass(frozen=True)
+class Gathering:
+    """What lanes gather of one result.
+
+    Attributes
+    ----------
+    update : str
+        A name of `core.plan.loops.source.UPDATES`.
+    output : str
+        The output; empty of counts.
+    counters : tuple of int
+        The first counter of a packed count, and the one after the last.
+    """
+
+    update: str
+    output: str = ""
+    counters: tuple[int, int] = (0, 0)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of its lanes, as in `core.reduce.lanes.EMPTY`."""
+        if self.counters[1]:
+            return ("counts",)
+        if self.update == "sum":
+            return ("sum",)
+        end = self.update.removeprefix("first_")
+        return (end, f"{end}_at") if self.update.startswith("first_") else (end,)
+
+
+class FieldLoop:
+    """The loop of a field of which neither quantiles nor levels are wanted.
+
+    Parameters
+    ----------
+    traced : TracedPlan
+        The graph of its plan; steps are added.
+    field, grid, asked
+        The field, the whole grid, and what is wanted.
+    valid : int
+        The regimes of cells that count, one bit each.
+    flags : sequence of int
+        The regimes that are counted if the field counts them.
+    """
+
+    def __init__(
+        self,
+        traced: TracedPlan,
+        field: ReducedField,
+        grid: Grid,
+        asked: Reduction,
+        valid: int,
+        flags: Sequence[int],
+    ):
+        self._traced, self._field, self._valid = traced, field, valid
+        counted = {name: self._counted(name) for name in self._outputs()}
+        self._gatherings: list[Gathering] = []
+        results: dict[str, Any] = {}
+        for number, (gathering, result) in enumerate(
+            [
+                *_counts(self._counters(counted, flags)),
+                *(pair for name in field.outputs for pair in _statistics(name, counted, asked)),
+            ]
+        ):
+            self._gatherings.append(gathering)
+            results[str(number)] = result
+        updates = [(str(k), one.update) for k, one in enumerate(self._gatherings)]
+        whole = {name: (0, grid.shape[name]) for name in field.dims}
+        piece = grid.piece(whole, field.plan.parameters)
+        graph = Traced(traced.graph, results)
+        self._loop = LaneLoop(field.plan, graph, piece, updates, asked.over)
+        self.prepare = self._loop.prepare
+
+    @property
+    def order(self) -> LaneOrder:
+        """The tiles that lanes gather."""
+        return self._loop.order
+
+    @property
+    def missing(self) -> frozenset[str]:
+        """The sources of loops that have not run in this process."""
+        return self._loop.missing
+
+    def gather(self, box: Ends, lanes: BoxLanes, totals: Totals) -> None:
+        """Compute the cells of a box and take them into totals."""
+        for tile in lanes.tiles(box):
+            places, offset = lanes.places(tile, box)
+            held = [
+                [lanes.buffer(f"{k}.{kind}", places.slots.size) for kind in one.kinds]
+                for k, one in enumerate(self._gatherings)
+            ]
+            flat = [array for arrays in held for array in arrays]
+            self._loop.run(tile, places.strides, lanes.numbers, flat)
+            for one, arrays in zip(self._gatherings, held, strict=True):
+                if one.kinds[0] == "counts":
+                    totals.fold_counts(arrays[0], places, offset, *one.counters)
+                elif one.kinds[0] == "sum":
+                    totals.fold_sum(one.output, arrays[0], places, offset, lanes.line)
+                else:
+                    at = arrays[-1][: 0 if len(arrays) == 1 else None]
+                    totals.fold_extremes(one.output, one.kinds[0], arrays[0], at, places, offset)
+
+    def _outputs(self) -> list[str]:
+        compared = (one.name for conditions in self._field.shares.values() for one in conditions)
+        names = dict.fromkeys((*self._field.outputs, *compared))
+        return [name for name in names if name != "regime"]
+
+    def _by_regime(self, values: Mapping[int, Any], otherwise: Any) -> Any:
+        """Return what each cell has by its regime: a value of its own, or that of all others."""
+        plan = self._field.plan
+        chosen = values.get(int(REGIMES[plan.otherwise].value), otherwise)
+        for condition, holds in zip(
+            reversed(plan.conditions), reversed(self._traced.holds), strict=True
+        ):
+            mine = values.get(int(REGIMES[condition.regime].value), otherwise)
+            chosen = self._traced.graph.apply(np.where, (holds, mine, chosen))
+        return chosen
+
+    def _counted(self, name: str) -> Any:
+        """Return an output in the units of files, and NaN where it does not count."""
+        value = self._traced.known[name]
+        if QUANTITIES[name].is_angle:
+            value = self._traced.graph.apply(np.multiply, (value, 180 / np.pi))
+        regimes = (*(one.regime for one in self._field.plan.conditions), self._field.plan.otherwise)
+        numbers = (int(REGIMES[name].value) for name in regimes)
+        invalid = {number: np.nan for number in numbers if not self._valid >> number & 1}
+        return self._by_regime(invalid, value)
+
+    def _counters(self, counted: Mapping[str, Any], flags: Sequence[int]) -> list[Any]:
+        """Return for each counter 1.0 where a cell is counted, else 0.0."""
+        field = self._field
+        counters = [np.where(counted[n] == counted[n], 1.0, 0.0) for n in field.outputs]
+        if field.regimes:
+            counters += [self._by_regime({flag: 1.0}, 0.0) for flag in flags]
+        return [
+            *counters,
+            *(np.where(self._met(each, counted), 1.0, 0.0) for each in field.shares.values()),
+        ]
+
+    def _met(self, conditions: Sequence[ShareCondition], counted: Mapping[str, Any]) -> Any:
+        met: Any = True
+        for one in conditions:
+            if one.name == "regime":
+                equal = {int(REGIMES[str(one.value)].value): one.comparison == "=="}
+                holds = self._by_regime(equal, one.comparison != "==")
+            else:
+                value = counted[one.name]
+                holds = COMPARISONS[one.comparison](value, float(one.value)) & (value == value)
+            met = holds & met
+        return met
+
+
+def _counts(counters: Sequence[Any]) -> list[tuple[Gathering, Any]]:
+    """Return counters, some packed in one number: each is 1 at its own power of 2."""
+    pairs = []
+    for first in range(0, len(counters), COUNTS):
+        some = counters[first : first + COUNTS]
+        packed = sum(one * float(1 << COUNT_BITS * k) for k, one in enumerate(some))
+        pairs.append((Gathering("sum", counters=(first, first + len(some))), packed))
+    return pairs
+
+
+def _statistics(
+    name: str, counted: Mapping[str, Any], asked: Reduction
+) -> list[tuple[Gathering, Any]]:
+    """Return what lanes gather of an output."""
+    value, wanted = counted[name], asked.statistics
+    pairs = []
+    if "mean" in wanted:
+        pairs.append((Gathering("sum", name), np.where(value == value, value, 0.0)))
+    for end, kind in (("max", "largest"), ("min", "least")):
+        if f"arg{end}" in wanted:
+            pairs.append((Gathering(f"first_{kind}", name), value))
+        elif end in wanted:
+            pairs.append((Gathering(kind, name), value))
+    return pairs
+
+
+def field_loop(
+    field: ReducedField, grid: Grid, asked: Reduction, valid: int, flags: Sequence[int]
+) -> FieldLoop | None:
+    """Return the loop of a field; None where there is none, or where cells have to be stored."""
+    if not field.dims or field.levels or (field.outputs and asked.quantiles):
+        return None
+    traced = traced_plan(field.plan, grid.axes)
+    return None if traced is None else FieldLoop(traced, field, grid, asked, valid, flags)
