@@ -83,12 +83,12 @@ def _refuse_wrong(
             problems.append(Problem("output", str(error), "Or end it in .nc"))
     if charts is not None and charts.suffix.lower() != ".pdf":
         problems.append(Problem("charts", "the book is a PDF", "End the name in .pdf"))
-    for place, path in (("output", output), ("charts", charts)):
+    for option, path in (("output", output), ("charts", charts)):
         if path is None or not path.exists():
             continue
         if path.is_dir() or not force:
             fix = REMOVE if path.is_dir() else REPLACE
-            problems.append(Problem(place, f"{path} is there already", fix))
+            problems.append(Problem(option, f"{path} is there already", fix))
     if problems:
         refuse({Path("atlas"): problems})
 
@@ -98,14 +98,14 @@ def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
     began = time.perf_counter()
     try:
         with console.progress(target.name) as advance, interruption() as interrupted:
-            told = carry_out(Watch(advance, interrupted))
+            outcome = carry_out(Watch(advance, interrupted))
     except StoppedError as stopped:
         console.fail(f"{target}: {stopped}; nothing is written.")
         raise typer.Exit(FAILED) from None
     except OSError as error:
         console.fail(f"{target} cannot be written: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None
-    console.say(f"wrote {target}: {told}, {time.perf_counter() - began:.1f} s")
+    console.say(f"wrote {target}: {outcome}, {time.perf_counter() - began:.1f} s")
 
 
 def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:

@@ -34,7 +34,7 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
     else:
         say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
     tell(scene["validity"])
-    table(PARAMETERS, [_parameter(one, units) for one in scene["parameters"]])
+    table(PARAMETERS, [_parameter(entry, units) for entry in scene["parameters"]])
     tell(
         '  In a study, write numbers with their unit, as in "0.5 mm". A number alone is in m, '
         "m/s, s, kg, N and so on, an angle in degrees."
@@ -44,32 +44,35 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
         say(f"  or a drive of {drive['kind']}: {', '.join(first)} and so on (docs/drives.md)")
     rows = [
         (
-            one["name"],
-            one["symbol"],
-            units.of(one["unit"], 0.0).unit,
-            one["source"],
-            ", ".join(one["parameters"]),
-            one["equation"],
+            entry["name"],
+            entry["symbol"],
+            units.of(entry["unit"], 0.0).unit,
+            entry["source"],
+            ", ".join(entry["parameters"]),
+            entry["equation"],
         )
-        for one in scene["outputs"]
+        for entry in scene["outputs"]
     ]
     table(OUTPUTS, rows)
-    regimes = [(one["name"], str(one["value"]), one["description"]) for one in scene["regimes"]]
+    regimes = [
+        (entry["name"], str(entry["value"]), entry["description"]) for entry in scene["regimes"]
+    ]
     table(REGIMES, regimes)
 
 
-def _parameter(one: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
+def _parameter(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
     """Return the row of a parameter; its numbers are in the unit of the row."""
-    shown = units.of(one["unit"], 0.0)
+    shown = units.of(parameter["unit"], 0.0)
     default = ""
-    if one["default"] is not None:
-        default = number(shown.factor * one["default"], DEFAULT_DIGITS)
+    if parameter["default"] is not None:
+        default = number(shown.factor * parameter["default"], DEFAULT_DIGITS)
     bounds = []
-    if one["lower"] is not None:
-        sign = ">" if one["lower_excluded"] else ">="
-        bounds.append(f"{sign} {number(shown.factor * one['lower'])}")
-    if one["upper"] is not None:
-        bounds.append(f"<= {number(shown.factor * one['upper'])}")
+    if parameter["lower"] is not None:
+        sign = ">" if parameter["lower_excluded"] else ">="
+        bounds.append(f"{sign} {number(shown.factor * parameter['lower'])}")
+    if parameter["upper"] is not None:
+        bounds.append(f"<= {number(shown.factor * parameter['upper'])}")
     return (
-        one["name"], one["symbol"], shown.unit, " ".join(bounds), default, one["description"],
+        parameter["name"], parameter["symbol"], shown.unit, " ".join(bounds), default,
+        parameter["description"],
     )  # fmt: skip

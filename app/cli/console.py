@@ -122,14 +122,14 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
     with bar:
         task = bar.add_task(label, total=size or 1.0)
 
-        told = stdout.quiet
+        announced = stdout.quiet
 
         def tell(compiles: bool) -> None:
-            nonlocal told
+            nonlocal announced
             more = ", compiling once" if compiles else ""
             bar.update(task, description=f"{label}{more}")
-            if compiles and bar.disable and not told:  # nobody sees the bar
-                told = True
+            if compiles and bar.disable and not announced:  # nobody sees the bar
+                announced = True
                 stderr.print(f"{label}: {ONCE}", markup=False)
 
         with stopwatch.telling(tell):

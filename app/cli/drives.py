@@ -42,14 +42,14 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
         {
             "axis": axis,
             "order": int(order),
-            "told": bool(fit.told[row, place]),
-            "amplitude": float(fit.amplitudes[row, place]),
-            "amplitude_error": float(fit.amplitude_errors[row, place]),
-            "phase": float(np.degrees(fit.phases[row, place])),
-            "phase_error": float(np.degrees(fit.phase_errors[row, place])),
+            "told": bool(fit.told[row, position]),
+            "amplitude": float(fit.amplitudes[row, position]),
+            "amplitude_error": float(fit.amplitude_errors[row, position]),
+            "phase": float(np.degrees(fit.phases[row, position])),
+            "phase_error": float(np.degrees(fit.phase_errors[row, position])),
         }
         for row, axis in enumerate(fit.axes)
-        for place, order in enumerate(fit.orders)
+        for position, order in enumerate(fit.orders)
     ]
     return {
         "recording": str(recording),
@@ -101,15 +101,15 @@ def _line(name: str, value: str, error: str) -> str:
 
 
 def _cells(
-    fit: Fit, row: int, place: int, length: float = MICRO, angle: float = 1.0
+    fit: Fit, row: int, position: int, length: float = MICRO, angle: float = 1.0
 ) -> tuple[str, str, str, str]:
     """Return amplitude and phase with their errors; dashes where they are not told.
 
     `length` and `angle` are what metres and degrees are multiplied by.
     """
-    if not fit.told[row, place]:
+    if not fit.told[row, position]:
         return "-", "", "-", ""
-    one = row, place
+    one = row, position
     amplitude = _rounded(length * fit.amplitudes[one], length * fit.amplitude_errors[one])
     phase, away = angle * np.degrees(fit.phases[one]), angle * np.degrees(fit.phase_errors[one])
     return *amplitude, *_rounded(phase, away)

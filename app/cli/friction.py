@@ -25,17 +25,17 @@ def friction(
 ) -> None:
     """Print published coefficients of friction and restitution, with their sources."""
     asked = " ".join(words or ())
-    found = materials.friction(asked)
+    published = materials.friction(asked)
     if as_json:
-        console.document(found)
+        console.document(published)
         return
-    if not (found["pairs"] or found["rebounds"]):
+    if not (published["pairs"] or published["rebounds"]):
         console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
         raise typer.Exit(FAILED)
-    numbers = {name: str(number) for number, name in enumerate(found["sources"], 1)}
-    if found["pairs"]:
+    numbers = {name: str(number) for number, name in enumerate(published["sources"], 1)}
+    if published["pairs"]:
         rows = []
-        for row in found["pairs"]:
+        for row in published["pairs"]:
             surface = "; ".join(text for text in (row["surface"], row["note"]) if text)
             either = shown(row, "coefficient") and shown(row, "coefficient") + " ?"
             static, kinetic = (
@@ -44,19 +44,19 @@ def friction(
             )
             rows.append((_pair(row), surface, static, kinetic, numbers[row["source"]]))
         console.table(PAIRS, rows)
-        if any(row["coefficient"] for row in found["pairs"]):
+        if any(row["coefficient"] for row in published["pairs"]):
             console.tell("  ?: the source does not say whether it is static or kinetic.")
-    if found["rebounds"]:
+    if published["rebounds"]:
         rebounds = [
             (_pair(row), shown(row, "restitution"), row["note"], numbers[row["source"]])
-            for row in found["rebounds"]
+            for row in published["rebounds"]
         ]
         console.table(REBOUNDS, rebounds)
-        for line in found["restitution_notes"]:
+        for line in published["restitution_notes"]:
             console.tell(f"- {line}")
-    for line in (*found["about"], *(() if asked else found["surfaces"])):
+    for line in (*published["about"], *(() if asked else published["surfaces"])):
         console.tell(f"- {line}")
-    for name, source in found["sources"].items():
+    for name, source in published["sources"].items():
         console.tell(f"  {numbers[name]}: {source['title']}. {source['by']}. {source['address']}")
 
 

@@ -90,18 +90,18 @@ def list_keys(as_json: Json = False) -> None:
     if as_json:
         names = ("name", "role", "created", "ends", "withdrawn", *LIMITS)
         told = [
-            {**{name: getattr(one, name) for name in names}, "stands": one.stands(now)}
-            for one in keys
+            {**{name: getattr(row, name) for name in names}, "stands": row.stands(now)}
+            for row in keys
         ]
         console.document(told)
         return
     rows = []
-    for one in keys:
-        until = "withdrawn " + _day(one.withdrawn) if one.withdrawn else _day(one.ends)
-        if not one.withdrawn and not one.stands(now):
+    for row in keys:
+        until = "withdrawn " + _day(row.withdrawn) if row.withdrawn else _day(row.ends)
+        if not row.withdrawn and not row.stands(now):
             until = f"over since {until}"
-        limits = [_limit(getattr(one, name)) for name in LIMITS]
-        rows.append((one.name, one.role, _day(one.created), *limits, until))
+        limits = [_limit(getattr(row, name)) for name in LIMITS]
+        rows.append((row.name, row.role, _day(row.created), *limits, until))
     console.table(("name", "role", "made", *LIMITS, "until"), rows, right=LIMITS)
 
 

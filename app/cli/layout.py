@@ -23,12 +23,12 @@ def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
 
 def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
     """Return the least width of each column in which it is pleasant to read and no word breaks."""
-    found = []
+    widths = []
     for heading, *cells in zip(columns, *rows, strict=True):
         longest = max(len(word) for cell in (heading, *cells) for word in cell.split() or [""])
         natural = max(map(len, (heading, *cells)))
-        found.append(max(longest, min(natural, LONG)))
-    return found
+        widths.append(max(longest, min(natural, LONG)))
+    return widths
 
 
 def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]:
@@ -36,21 +36,21 @@ def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]
     natural = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
     first = [0]
     used = len(GAP) + natural[0]
-    for place, wide in enumerate(natural[1:], 1):
+    for number, wide in enumerate(natural[1:], 1):
         if wide <= LONG and used + len(GAP) + wide <= width:
-            first.append(place)
+            first.append(number)
             used += len(GAP) + wide
-    widths = [natural[place] for place in first]
-    below = [place for place in range(len(columns)) if place not in first]
-    yield GAP + _aligned([columns[place] for place in first], widths)
+    widths = [natural[number] for number in first]
+    below = [number for number in range(len(columns)) if number not in first]
+    yield GAP + _aligned([columns[number] for number in first], widths)
     if len(below) == 1:
         yield " " * INDENT + columns[below[0]]
     for row in rows:
-        yield from folded(GAP + _aligned([row[place] for place in first], widths), width)
-        for place in below:
-            name = f"{columns[place]}: " if len(below) > 1 else ""
-            if row[place]:
-                yield from folded(f"{' ' * INDENT}{name}{row[place]}", width)
+        yield from folded(GAP + _aligned([row[number] for number in first], widths), width)
+        for number in below:
+            name = f"{columns[number]}: " if len(below) > 1 else ""
+            if row[number]:
+                yield from folded(f"{' ' * INDENT}{name}{row[number]}", width)
 
 
 def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:

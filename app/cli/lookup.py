@@ -37,7 +37,7 @@ WAYS = (
 
 
 def lookup(
-    given: Annotated[
+    assignments: Annotated[
         list[str] | None,
         typer.Argument(
             metavar="[NAME=VALUE]...",
@@ -75,17 +75,17 @@ def lookup(
     means that it did not answer everything, 2 that a parameter or a file is wrong.
     """
     shown = units_asked(units)
-    found = _found(atlas, given or [], rows, simulate=simulate)
+    table = _looked_up(atlas, assignments or [], rows, simulate=simulate)
     if output is not None:
-        _write(found, output, force=force)
-    lines = advice(found)
+        _write(table, output, force=force)
+    lines = advice(table)
     if as_json:
-        console.document(_document(found) | {"advice": lines})
+        console.document(_document(table) | {"advice": lines})
     else:
-        if found.variables["lookup_status"].values.size == 1:
-            _show_one(found, shown)
+        if table.variables["lookup_status"].values.size == 1:
+            _show_one(table, shown)
         elif output is None:
-            _show_many(found, shown)
+            _show_many(table, shown)
         for line in lines:
             console.tell(f"  {line}")
     if output is not None:
@@ -94,11 +94,11 @@ def lookup(
         raise typer.Exit(FAILED)
 
 
-def _found(path: Path, given: list[str], rows: Path | None, *, simulate: bool) -> Table:
+def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulate: bool) -> Table:
     """Return what the atlas says; report every problem and exit."""
     source = rows or Path("lookup")
     wrong: dict[Path, list[Problem]] = {}
-    parameters, problems = _named(given)
+    parameters, problems = _named(assignments)
     if problems:
         wrong[Path("lookup")] = problems
     columns: Mapping[str, tuple[float, ...]] = {}
@@ -133,43 +133,43 @@ def _found(path: Path, given: list[str], rows: Path | None, *, simulate: bool) -
     return looked_up
 
 
-def _named(given: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
+def _named(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
     """Return parameters by name, numbers as numbers, and what is wrong with their form."""
-    found: dict[str, str | float] = {}
+    parameters: dict[str, str | float] = {}
     problems = []
-    for text in given:
+    for text in assignments:
         name, sign, value = (part.strip() for part in text.partition("="))
         if not sign:
             problems.append(Problem(text[:60], "it has no value", "Write name=value"))
-        elif name in found:
+        elif name in parameters:
             problems.append(Problem(name[:60], "it is given twice", "Give it once"))
         else:
             try:
-                found[name] = float(value)
+                parameters[name] = float(value)
             except ValueError:
-                found[name] = value
-    return found, problems
+                parameters[name] = value
+    return parameters, problems
 
 
-def _write(found: Table, output: str, *, force: bool) -> None:
+def _write(table: Table, output: str, *, force: bool) -> None:
     check_suffix(output)
     refuse_existing("lookup", output, force=force)
     make_folder_of(output)
     history = f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed lookup"
-    write_or_exit(Path("lookup"), found, output, history)
+    write_or_exit(Path("lookup"), table, output, history)
 
 
-def _words(found: Table, name: str) -> list[str]:
-    return [str(word) for word in FrameColumn(name, found.variables[name]).values.ravel()]
+def _words(table: Table, name: str) -> list[str]:
+    return [str(word) for word in FrameColumn(name, table.variables[name]).values.ravel()]
 
 
-def _show_one(found: Table, shown: Any) -> None:
+def _show_one(table: Table, shown: Any) -> None:
     """Print the answer for one part."""
 
     def value(name: str) -> float:
-        return float(found.variables[name].values.ravel()[0])
+        return float(table.variables[name].values.ravel()[0])
 
-    status = _words(found, "lookup_status")[0]
+    status = _words(table, "lookup_status")[0]
     if status in ("answered", "simulated"):
         speed, error = value("conveying_velocity"), value("conveying_velocity_error")
         unit = shown.of("m s-1", abs(speed))
@@ -178,7 +178,7 @@ def _show_one(found: Table, shown: Any) -> None:
             f"  speed   {number(unit.factor * speed)} {unit.unit}, "
             f"stated error {number(unit.factor * error, 2)} {unit.unit}, {how}"
         )
-        console.say(f"  regime  {_words(found, 'regime')[0].replace('_', ' ')}")
+        console.say(f"  regime  {_words(table, 'regime')[0].replace('_', ' ')}")
         shares = [
             f"{word} {100 * value(f'{name}_fraction'):.1f} %"
             for name, word in WAYS
@@ -190,23 +190,25 @@ def _show_one(found: Table, shown: Any) -> None:
     console.tell(f"  numbers {', '.join(f'{name} {number(value(name))}' for name in AXES)}")
 
 
-def _show_many(found: Table, shown: Any) -> None:
+def _show_many(table: Table, shown: Any) -> None:
     """Print the first rows of many."""
-    speeds = found.variables["conveying_velocity"].values
+    speeds = table.variables["conveying_velocity"].values
     unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
-    frame = Frame.of(found)
-    names = [c.name for c in frame.columns if c.variable.dims and c.name in _given(found)]
+    frame = Frame.of(table)
+    names = [
+        c.name for c in frame.columns if c.variable.dims and c.name in _parameter_columns(table)
+    ]
     answers = ("conveying_velocity", "conveying_velocity_error", "regime", "lookup_status")
     columns = {
         c.name: frame.piece(c, 0, MOST_SHOWN) for c in frame.columns if c.name in (*names, *answers)
     }
-    told = [bool(np.isfinite(speed)) for speed in columns[answers[0]]]
+    has_value = [bool(np.isfinite(speed)) for speed in columns[answers[0]]]
     rows = [
         (
             *(number(float(columns[name][k])) for name in names),
             number(unit.factor * float(columns[answers[0]][k])),
             number(unit.factor * float(columns[answers[1]][k]), 2),
-            str(columns["regime"][k]).replace("_", " ") if told[k] else "-",
+            str(columns["regime"][k]).replace("_", " ") if has_value[k] else "-",
             str(columns["lookup_status"][k]).replace("_", " "),
         )
         for k in range(min(frame.rows, MOST_SHOWN))
@@ -217,18 +219,18 @@ def _show_many(found: Table, shown: Any) -> None:
         console.say(f"  and {frame.rows - MOST_SHOWN:,} more: write them all with -o speeds.csv")
 
 
-def _given(found: Table) -> list[str]:
+def _parameter_columns(table: Table) -> list[str]:
     """Return the columns that say which part a row is about."""
-    if ROW in found.coordinates:
+    if ROW in table.coordinates:
         return [ROW]
-    return list(found.coordinates)
+    return list(table.coordinates)
 
 
-def _document(found: Table) -> dict[str, Any]:
+def _document(table: Table) -> dict[str, Any]:
     """Return the answers as a document, in the units of files."""
-    columns = {**found.coordinates, **found.variables}
+    columns = {**table.coordinates, **table.variables}
     plain = {
-        name: (_words(found, name) if "flag_values" in one.attributes else one.values.tolist())
+        name: (_words(table, name) if "flag_values" in one.attributes else one.values.tolist())
         for name, one in columns.items()
     }
-    return {"atlas": found.attributes["atlas"], "values": plain}
+    return {"atlas": table.attributes["atlas"], "values": plain}

@@ -83,13 +83,13 @@ def new(
     already, 1 that it could not be written.
     """
     _check_name(file, force)
-    given = {name: context.params[name] for name in _BY_NAME if context.params[name] is not None}
+    answers = {name: context.params[name] for name in _BY_NAME if context.params[name] is not None}
     name = str(file) if file != STANDARD else "study.toml"
     if kind is not None:
-        _check_kind(kind, given)
+        _check_kind(kind, answers)
         text = example_study(kind, name)
     else:
-        text = starter_study(_answered(given, asks=is_terminal() and not yes), name)
+        text = starter_study(_answered(answers, asks=is_terminal() and not yes), name)
     if file == STANDARD:
         typer.echo(text, nl=False)
         return
@@ -110,10 +110,10 @@ def _check_name(file: Path, force: bool) -> None:
         refuse_taken(file, "file", force=force)
 
 
-def _check_kind(kind: str, given: Mapping[str, str]) -> None:
+def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
     """Exit if there is no such kind, or if answers are given that its example does not take."""
     message = "the example of a kind asks nothing"
-    problems = [Problem(_flag(name), message, "Leave it out") for name in given]
+    problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
     if kind not in KINDS:
         fix = suggestion(kind, KINDS)
         problems.insert(0, Problem("--kind", f"'{kind[:40]}' is not a kind of study", fix))
@@ -121,16 +121,16 @@ def _check_kind(kind: str, given: Mapping[str, str]) -> None:
         refuse({Path("new"): problems})
 
 
-def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
+def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
     """Return an answer to every question that belongs; report every wrong option, and exit."""
     answers: dict[str, str] = {}
     problems, doubts = [], []
     for question in QUESTIONS:
         if question.name in answers or not question.belongs(answers):
             continue
-        if question.name in given:
+        if question.name in options:
             try:
-                answers[question.name] = question.read(given[question.name])
+                answers[question.name] = question.read(options[question.name])
                 doubts.append(question.doubt(answers[question.name]))
             except UnitError as error:
                 problems.append(Problem(_flag(question.name), error.message, error.fix))
@@ -141,7 +141,9 @@ def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
         elif question.asks:
             answers[question.name] = question.default
     else:
-        problems += [_idle(name, answers) for name in given if name not in answers and not problems]
+        problems += [
+            _idle(name, answers) for name in options if name not in answers and not problems
+        ]
     if problems:
         refuse({Path("new"): problems})
     for doubt in filter(None, doubts):
@@ -158,17 +160,17 @@ def _ask(question: Question) -> str:
             typer.echo(f"  {word:{width}}  {meaning}")
     before = ""
     while True:
-        answer = typer.prompt("Answer" if question.choices else question.asks, question.default)
+        typed = typer.prompt("Answer" if question.choices else question.asks, question.default)
         try:
-            found = question.read(answer)
+            text = question.read(typed)
         except UnitError as error:
             typer.echo(f"  {error}{'' if error.fix.endswith('?') else '.'}", err=True)
             continue
-        doubt = question.doubt(found)
-        if not doubt or answer == before:
-            return found
+        doubt = question.doubt(text)
+        if not doubt or typed == before:
+            return text
         typer.echo(f"  {doubt}", err=True)
-        before = answer
+        before = typed
 
 
 def _idle(name: str, answers: dict[str, str]) -> Problem:

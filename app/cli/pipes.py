@@ -42,10 +42,10 @@ def standard_output(output: str, studies: int) -> Iterator[str]:
     if problem is not None:
         refuse({Path("--output"): [problem]})
     with tempfile.TemporaryDirectory(prefix="vibrafeed-") as folder:
-        place = Path(folder) / f"result{suffix}"
+        path = Path(folder) / f"result{suffix}"
         try:
-            yield str(place)
+            yield str(path)
         finally:
-            if place.exists():
-                with place.open("rb") as file:
+            if path.exists():
+                with path.open("rb") as file:
                     shutil.copyfileobj(file, typer.get_binary_stream("stdout"))

@@ -54,10 +54,10 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
     say(f"  {prepared.size_in_words}")
     rows = []
-    for name, one in facts["outputs"].items():
-        sizes = one["dimensions"]
+    for name, fact in facts["outputs"].items():
+        sizes = fact["dimensions"]
         shape = " x ".join(f"{dim} {size}" for dim, size in sizes.items()) or "none"
-        unit = units.of(one["unit"], 0.0).unit
+        unit = units.of(fact["unit"], 0.0).unit
         rows.append((name, unit, f"{math.prod(sizes.values()):,}", shape))
     table(("output", "unit", "values", "dimensions kept"), rows)
     for sentence in prepared.sentences:
@@ -65,12 +65,12 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
     tell(f"  equations: {', '.join(facts['equations'])}")
     tell(f"  regimes: {', '.join(facts['regimes'])}")
     if facts["defaults"]:
-        given = []
-        for name, one in facts["defaults"].items():
-            shown = units.of(one["unit"], abs(one["value"]))
-            value = number(shown.factor * one["value"], DEFAULT_DIGITS)
-            given.append(f"{name} = {value} {shown.unit}".rstrip())
-        tell(f"  by default: {', '.join(given)}")
+        names = []
+        for name, fact in facts["defaults"].items():
+            shown = units.of(fact["unit"], abs(fact["value"]))
+            value = number(shown.factor * fact["value"], DEFAULT_DIGITS)
+            names.append(f"{name} = {value} {shown.unit}".rstrip())
+        tell(f"  by default: {', '.join(names)}")
 
 
 def more(prepared: Prepared, checked: float) -> Iterator[str]:

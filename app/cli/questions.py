@@ -54,7 +54,7 @@ class Question:
             answers.get(name) in words.split() for name, words in self.needs.items()
         )
 
-    def read(self, answer: str) -> str:
+    def read(self, text: str) -> str:
         """Return an answer as the study takes it.
 
         Raises
@@ -62,31 +62,31 @@ class Question:
         UnitError
             If it is none; it says what would be one.
         """
-        answer = answer.strip()
+        text = text.strip()
         if self.choices:
-            chosen = answer if answer in self.choices else meant(answer, self.choices)
+            chosen = text if text in self.choices else meant(text, self.choices)
             if chosen is None:
-                message = f"'{answer[:40]}' is not one of the answers"
+                message = f"'{text[:40]}' is not one of the answers"
                 choice = f"Please answer {' or '.join(self.choices)}"
-                near = nearest(answer, self.choices)
+                near = nearest(text, self.choices)
                 raise UnitError(message, f"Did you mean '{near}'?" if near else choice)
             return chosen
-        read_number(self.parameter, QUANTITIES[self.parameter], typed(answer))
-        return answer
+        read_number(self.parameter, QUANTITIES[self.parameter], typed(text))
+        return text
 
-    def doubt(self, answer: str) -> str:
+    def doubt(self, text: str) -> str:
         """Return the line that asks whether an unusual number is meant; empty if it is usual."""
-        return " ".join(questions({"parameters": {self.parameter: typed(answer)}}))
+        return " ".join(questions({"parameters": {self.parameter: typed(text)}}))
 
 
-def typed(answer: str) -> float | int | str:
+def typed(text: str) -> float | int | str:
     """Return an answer as TOML holds it: a bare number, in the quantity's unit, as one."""
     for number in (int, float):
         try:
-            return number(answer)
+            return number(text)
         except ValueError:
             continue
-    return answer
+    return text
 
 
 _IN_TIME = "speed drive springs"

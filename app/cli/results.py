@@ -150,13 +150,13 @@ def _fastest(result: Table, units: ShownUnits) -> str:
         return ""
     if "optimum_status" in result.variables or not (np.nan_to_num(speed.values) > 0).any():
         return ""
-    place = np.unravel_index(np.nanargmax(speed.values), speed.values.shape)
+    index = np.unravel_index(np.nanargmax(speed.values), speed.values.shape)
     where = ", ".join(
         f"{name} {measured(name, float(result.coordinates[name].values[k]), units)}"
-        for name, k in zip(speed.dims, place, strict=True)
+        for name, k in zip(speed.dims, index, strict=True)
         if name in QUANTITIES and result.coordinates[name].values.ndim
     )
-    top = measured("conveying_velocity", float(speed.values[place]), units)
+    top = measured("conveying_velocity", float(speed.values[index]), units)
     return f"Fastest: {top} at {where}." if where else ""
 
 
@@ -180,7 +180,7 @@ def _facts(
     target: str,
     result: Table,
     cells: int,
-    found: Mapping[str, Ends],
+    states: Mapping[str, Ends],
     shares: Mapping[str, float],
 ) -> dict[str, Any]:
     left = round(cells * share_left_out(result))
@@ -196,7 +196,7 @@ def _facts(
         "states": _states(result),
     }
     for name, one in _outputs(result).items():
-        least, largest = found.get(name) or (None, None)
+        least, largest = states.get(name) or (None, None)
         values = {"value": least} if one.values.size == 1 else {"least": least, "largest": largest}
         about = {"unit": str(one.attributes["units"]), "dimensions": [*one.dims]}
         facts["outputs"][name] = {**about, **values}
@@ -215,18 +215,18 @@ def _facts(
 
 def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -> None:
     """Print one value each if there is one design, else ranges."""
-    if all("value" in one for one in outputs.values()):
+    if all("value" in column for column in outputs.values()):
         rows = []
-        for name, one in outputs.items():
-            unit, value, _ = ends(one["unit"], one["value"], one["value"], units)
+        for name, column in outputs.items():
+            unit, value, _ = ends(column["unit"], column["value"], column["value"], units)
             rows.append((name, value, unit))
         table(("output", "value", "unit"), rows)
         return
     ranges = []
-    for name, one in outputs.items():
-        pair = (one["value"],) * 2 if "value" in one else (one["least"], one["largest"])
-        unit, least, largest = ends(one["unit"], *pair, units)
-        ranges.append((name, least, largest, unit, ", ".join(one["dimensions"]) or "none"))
+    for name, column in outputs.items():
+        pair = (column["value"],) * 2 if "value" in column else (column["least"], column["largest"])
+        unit, least, largest = ends(column["unit"], *pair, units)
+        ranges.append((name, least, largest, unit, ", ".join(column["dimensions"]) or "none"))
     table(("output", "least", "largest", "unit", "dimensions"), ranges)
 
 
@@ -245,21 +245,23 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
 
 def _states(result: Table) -> dict[str, dict[str, float]]:
     """Return of each output that is told in words the share of each word, ascending by value."""
-    found = {}
-    for name, one in result.variables.items():
+    states = {}
+    for name, column in result.variables.items():
         is_told = (
             name in ("regime", *STATUSES) or name not in QUANTITIES
         )  # such as which bound binds
-        if "flag_values" not in one.attributes or is_told:
+        if "flag_values" not in column.attributes or is_told:
             continue
-        words = str(one.attributes["flag_meanings"]).split()
-        by_value = dict(zip(np.asarray(one.attributes["flag_values"]).tolist(), words, strict=True))
-        numbers, counts = np.unique(one.values, return_counts=True)
-        found[name] = {
-            by_value[number]: count / one.values.size
+        words = str(column.attributes["flag_meanings"]).split()
+        by_value = dict(
+            zip(np.asarray(column.attributes["flag_values"]).tolist(), words, strict=True)
+        )
+        numbers, counts = np.unique(column.values, return_counts=True)
+        states[name] = {
+            by_value[number]: count / column.values.size
             for number, count in zip(numbers.tolist(), counts.tolist(), strict=True)
         }
-    return found
+    return states
 
 
 def _in_words(shares: Mapping[str, float], cells: int) -> str:

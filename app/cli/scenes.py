@@ -35,12 +35,12 @@ def scenes(
     """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
     shown = units_asked(units)
     try:
-        found = describe_all() if name is None else describe(name, variant, method=method)
+        document = describe_all() if name is None else describe(name, variant, method=method)
     except StudyError as error:
         refuse({Path("scenes"): error.problems})
     if as_json:
-        console.document(found)
-    elif isinstance(found, list):
-        catalogue.show_scenes(found)
+        console.document(document)
+    elif isinstance(document, list):
+        catalogue.show_scenes(document)
     else:
-        catalogue.show_scene(found, shown)
+        catalogue.show_scene(document, shown)

@@ -44,15 +44,15 @@ def scrub(
     counts: dict[str, int] = {}
     read = 0
     with interruption() as interrupted:
-        for found in damages(store, stopped=interrupted):
-            counts[found.state] = counts.get(found.state, 0) + 1
-            read += found.bytes
-            if found.state in (BROKEN, ORPHANED):
-                more = len(found.files) - MOST_FILES
-                named = ", ".join(found.files[:MOST_FILES]) + (f" and {more:,} more" * (more > 0))
-                rows.append((found.name[:SHOWN], found.state, named))
-            if found.state == BROKEN and repair:
-                store.take_away(found.name, store.folder(found.name) / found.files[0])
+        for damage in damages(store, stopped=interrupted):
+            counts[damage.state] = counts.get(damage.state, 0) + 1
+            read += damage.bytes
+            if damage.state in (BROKEN, ORPHANED):
+                more = len(damage.files) - MOST_FILES
+                named = ", ".join(damage.files[:MOST_FILES]) + (f" and {more:,} more" * (more > 0))
+                rows.append((damage.name[:SHOWN], damage.state, named))
+            if damage.state == BROKEN and repair:
+                store.take_away(damage.name, store.folder(damage.name) / damage.files[0])
         if interrupted():
             console.fail("It was stopped; the rest is not looked at.")
     if as_json:

@@ -190,18 +190,18 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
 
     Under "" stand the questions whose parameters have no place then.
     """
-    found: dict[str, Any] = {}
+    wishes: dict[str, Any] = {}
     stays = answers.get("hop") == "no"
     if stays:
-        found["constraints"] = [{"output": "throw_number", "upper": 1}]
+        wishes["constraints"] = [{"output": "throw_number", "upper": 1}]
     if stays or answers.get("path") == "ellipse":
-        found["variables"] = _variables(answers)
-        found[""] = ("amplitude", "peak_to_peak")
+        wishes["variables"] = _variables(answers)
+        wishes[""] = ("amplitude", "peak_to_peak")
     if answers.get("known") == "roughly":
         friction = float(answers["friction"])
         ends = {"lower": round(0.8 * friction, 6), "upper": round(1.2 * friction, 6)}
-        found |= {"robust": "worst", "uncertain": {"friction": ends}}
-    return found
+        wishes |= {"robust": "worst", "uncertain": {"friction": ends}}
+    return wishes
 
 
 def _variables(answers: Mapping[str, str]) -> dict[str, Any]:

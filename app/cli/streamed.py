@@ -111,11 +111,11 @@ def _make_sure_of_room(
     if "://" in target:
         console.say(line)
         return size
-    place = Path(target)
-    if is_zarr(target) and place.exists():
+    file = Path(target)
+    if is_zarr(target) and file.exists():
         refuse({path: [Problem("output", f"{target} is there already", OTHERWISE)]})
-    free = shutil.disk_usage(place.parent).free
-    begun = partial(place)
+    free = shutil.disk_usage(file.parent).free
+    begun = partial(file)
     if begun.exists():  # what it takes is used again, or given back
         free += sum(one.stat().st_blocks * 512 for one in begun.rglob("*") if one.is_file())
     console.say(f"{line}, {_gb(free)} are free")
@@ -123,7 +123,7 @@ def _make_sure_of_room(
         fix = sweep.what_fits(free / size)
         if not compressed:
             fix += ", or perhaps without --plain"
-        message = f"it takes {about}{_gb(size)}, and the disk of {place.parent} has {_gb(free)}"
+        message = f"it takes {about}{_gb(size)}, and the disk of {file.parent} has {_gb(free)}"
         refuse({path: [Problem("output", message, fix)]})
     return size
 

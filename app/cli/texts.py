@@ -12,11 +12,11 @@ from app.cli.studies import refuse
 from core.errors import Problem
 
 
-def refuse_taken(file: Path, place: str, *, force: bool) -> None:
+def refuse_taken(file: Path, option: str, *, force: bool) -> None:
     """Exit if a file is there already; `place` is the argument or option that names it."""
     if file.exists() and not force:
         fix = "Add --force to replace it, or give another name"
-        refuse({file: [Problem(place, "it is there already", fix)]})
+        refuse({file: [Problem(option, "it is there already", fix)]})
 
 
 def write_text(file: Path, text: str) -> None:

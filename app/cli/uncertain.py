@@ -69,47 +69,49 @@ def _demand(attributes: Mapping[str, Any], units: ShownUnits) -> str:
 
 
 def _show_output(result: Table, output: str, units: ShownUnits) -> None:
-    found = {
-        name.removeprefix(f"{output}_"): one
-        for name, one in result.variables.items()
+    columns = {
+        name.removeprefix(f"{output}_"): column
+        for name, column in result.variables.items()
         if name.startswith(f"{output}_")
     }
-    left = found["left_out"].values.item()
+    left = columns["left_out"].values.item()
     if left == 1:
         tell(f"  {output}: no point has a valid value")
         return
-    own = [one.values.ravel() for one in found.values() if one.attributes["units"] != "1"]
+    own = [
+        column.values.ravel() for column in columns.values() if column.attributes["units"] != "1"
+    ]
     every = np.abs(np.concatenate([*own, [0.0]]))
     size = float(every[np.isfinite(every)].max())
-    unit = next((str(one.attributes["units"]) for one in found.values()
-                 if one.attributes["units"] != "1"), "1")  # fmt: skip
+    unit = next((str(column.attributes["units"]) for column in columns.values()
+                 if column.attributes["units"] != "1"), "1")  # fmt: skip
     shown = units.of(unit, size)
     parts = []
     for part in ("nominal", "mean", "deviation", "least", "largest"):
-        if part in found:
-            error = found.get(f"{part}_error")
+        if part in columns:
+            error = columns.get(f"{part}_error")
             errors = None if error is None else error.values
-            parts.append(f"{part} {_value(found[part].values, shown, errors)}")
+            parts.append(f"{part} {_value(columns[part].values, shown, errors)}")
     say("")
     tell(f"  {' '.join(filter(None, (output, shown.unit and f'({shown.unit})')))}: "
          + ", ".join(parts))  # fmt: skip
-    if QUANTILE in found:
+    if QUANTILE in columns:
         shares = result.coordinates[QUANTILE].values
-        values = found[QUANTILE].values
+        values = columns[QUANTILE].values
         told = (
             f"{100 * q:g} % below {_value(v, shown)}" for q, v in zip(shares, values, strict=True)
         )
         tell(f"  {', '.join(told)}")
     if left > 0:
         tell(f"  {_percent(left)} of the points have no valid value, and count in no mean.")
-    by_parameter = [part for part in COLUMNS if part in found]
+    by_parameter = [part for part in COLUMNS if part in columns]
     if by_parameter:
         names = str(result.coordinates[UNCERTAIN].attributes["flag_meanings"]).split()
         rows = []
         for row, parameter in enumerate(names):
             cells = []
             for part in by_parameter:
-                value, error = found[part].values[row], found.get(f"{part}_error")
+                value, error = columns[part].values[row], columns.get(f"{part}_error")
                 if part in SHARES:
                     width = None if error is None else float(error.values[row])
                     cells.append(percent_with_error(value, width))
@@ -118,7 +120,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
             rows.append((parameter, *cells))
         headings = [COLUMNS[part] for part in by_parameter]
         table(("parameter", *headings), rows, right=headings)
-    decides = found.get("total", found.get("variance_share"))
+    decides = columns.get("total", columns.get("variance_share"))
     if decides is not None and np.isfinite(decides.values).all() and len(rows) > 1:
         most = int(np.argmax(decides.values))
         tell(f"  {rows[most][0]} matters most: a narrower tolerance of it narrows {output} most.")

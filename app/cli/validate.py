@@ -93,7 +93,7 @@ def validate(
         refuse_taken(output, "output", force=force)
     try:
         letters = catalogue.families_of(family or ())
-        given = _read(answers) if answers else None
+        theirs = _read(answers) if answers else None
     except StudyError as error:
         _refuse(error.problems, answers)
     if problems:
@@ -102,10 +102,10 @@ def validate(
         if output:
             console.say(f"wrote {output}: {len(found):,} problems")
         return
-    if given is None:
+    if theirs is None:
         outcomes, program = _own(catalogue.cases(letters, random, seed))
     else:
-        outcomes, program = _others(given, letters)
+        outcomes, program = _others(theirs, letters)
     form = form or (SUFFIXES.get(output.suffix.lower()) if output else None) or Form.TEXT
     if form is Form.JSON:
         _write(document(outcomes, program), output)
@@ -138,13 +138,13 @@ def _own(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
     return outcomes, f"vibrafeed {core.__version__}"
 
 
-def _others(given: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
+def _others(program: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
     """Return the outcomes of another program in some families, and its name."""
-    asked = [problem for problem in given.cases if problem.family in letters]
+    asked = [problem for problem in program.cases if problem.family in letters]
     if not asked:
-        fix = f"Families that it answers: {', '.join(sorted({p.family for p in given.cases}))}"
+        fix = f"Families that it answers: {', '.join(sorted({p.family for p in program.cases}))}"
         _refuse([Problem("family", "it answers no problem of these", fix)])
-    return judge_results(asked, given.values), given.program
+    return judge_results(asked, program.values), program.program
 
 
 def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:

@@ -38,8 +38,8 @@ def warm(
             raise typer.Exit(FAILED)
         return
     started = time.perf_counter()
-    place = compile_kernels(processes)
-    if place is None:
+    folder = compile_kernels(processes)
+    if folder is None:
         console.fail(
             "Compiled code cannot be kept: no folder can be written. "
             "Set NUMBA_CACHE_DIR to one that can."
@@ -47,6 +47,6 @@ def warm(
         raise typer.Exit(FAILED)
     seconds = time.perf_counter() - started
     if as_json:
-        console.document({"compiled": True, "folder": str(place), "seconds": seconds})
+        console.document({"compiled": True, "folder": str(folder), "seconds": seconds})
         return
-    console.say(f"All is compiled, and kept in {place}: {seconds:.1f} s.")
+    console.say(f"All is compiled, and kept in {folder}: {seconds:.1f} s.")

@@ -56,8 +56,8 @@ def pattern_of(motion: Motion) -> NDArray[np.int8]:
     """Return the pattern of motions: a motion that repeats each period, or rests, has one."""
     bits = sum(np.where(getattr(motion, name) > 0, bit, 0) for name, bit in BITS.items())
     sound = np.isin(motion.status, [STATUS["periodic"], STATUS["at_rest"]])
-    found: NDArray[np.int8] = np.where(sound & (motion.multiple == 1), bits, 0).astype(np.int8)
-    return found
+    ways: NDArray[np.int8] = np.where(sound & (motion.multiple == 1), bits, 0).astype(np.int8)
+    return ways
 
 
 def _regime(pattern: int) -> int:

@@ -80,14 +80,14 @@ def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
     for axis, (nodes, values) in enumerate(zip(atlas.axes, numbers, strict=True)):
         inside = np.where(outside, nodes[0], values)
         below = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, nodes.size - 2)
-        place = (inside - nodes[below]) / (nodes[below + 1] - nodes[below])
+        position = (inside - nodes[below]) / (nodes[below + 1] - nodes[below])
         step = int(np.prod(atlas.shape[axis + 1 :], dtype=np.intp))
         base += below * step
-        nearest += (below + (place > 0.5)) * step
-        places.append(place)
+        nearest += (below + (position > 0.5)) * step
+        places.append(position)
         steps.append(step)
     values, errors, sound = _corners(atlas, base, places, steps, atlas.patterns[nearest])
-    between = np.stack([4.0 * place * (1.0 - place) for place in places], axis=-1)
+    between = np.stack([4.0 * position * (1.0 - position) for position in places], axis=-1)
     # What no neighbour tells is infinite, and counts where the number is no node.
     bends = np.where(between > 0, errors[:, : len(AXES)], 0.0) * between
     error = SAFETY * bends.sum(axis=-1) + 2.0 * 10.0**-VELOCITY_DIGITS

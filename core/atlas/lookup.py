@@ -106,15 +106,15 @@ def lookup(
     vibrafeed atlas -o other.nc makes it
     """
     opened = atlas if isinstance(atlas, Atlas) else open_atlas(atlas)
-    given = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
+    values = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
     if rows is None:
-        return lookup_grid(opened, given, simulate=simulate).to_xarray()
+        return lookup_grid(opened, values, simulate=simulate).to_xarray()
     columns = (
         {str(name): plain(value, f"rows.{name}") for name, value in rows.items()}
         if isinstance(rows, Mapping)
         else read_rows(Path(rows))
     )
-    return lookup_rows(opened, columns, given, simulate=simulate).to_xarray()
+    return lookup_rows(opened, columns, values, simulate=simulate).to_xarray()
 
 
 def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool = False) -> Table:
@@ -194,12 +194,12 @@ def lookup_rows(
     known = _before_motion(prepared, si)
     about = {"long_name": "Row", "units": "1"}
     coordinates = {ROW: TableVariable((ROW,), np.arange(1, rows + 1), about)}
-    given = {
+    table = {
         name: TableVariable((ROW,), values, quantity_attributes(name))
         for name, values in arrays.items()
     }
     found = _looked_up(atlas, prepared, known, (ROW,), (rows,), coordinates, simulate)
-    return Table(found.coordinates, {**given, **found.variables}, found.attributes)
+    return Table(found.coordinates, {**table, **found.variables}, found.attributes)
 
 
 def advice(looked_up: Table) -> list[str]:
@@ -272,15 +272,15 @@ def _readable(
     parameters: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the values of the named parameters, of those that are sound."""
-    found = {}
+    columns = {}
     for name in names:
         with suppress(UnitError):
             if name in parameters and name in PARAMETERS:
                 values = read_values(name, parameters[name])
-                found[name] = np.array(
+                columns[name] = np.array(
                     values.value if isinstance(values, Fixed) else values.array()
                 )
-    return found
+    return columns
 
 
 def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
@@ -302,10 +302,10 @@ def _refuse(problems: list[Problem]) -> None:
         raise StudyError(problems)
 
 
-def _before_motion(prepared: Simulation, given: Mapping[str, Array]) -> Known:
+def _before_motion(prepared: Simulation, parameters: Mapping[str, Array]) -> Known:
     """Return what a plan knows without following the part."""
     known: Known = {name: np.asarray(value) for name, value in prepared.plan.defaults.items()}
-    known |= {name: given[name] for name in prepared.plan.parameters}
+    known |= {name: parameters[name] for name in prepared.plan.parameters}
     for equation in prepared.plan.equations:
         if not equation.takes_long and all(name in known for name in equation.inputs):
             known[equation.gives] = equation.function(
@@ -328,10 +328,10 @@ def _looked_up(
     rows, _ = table((*groups.numbers, np.zeros(shape)))
     flat, _ = groups_of(rows[:, :-1], waved=False)
     numbers, unit = numbers_of(flat)
-    found = _in_way(find(atlas, numbers), unit)
-    velocity, error = found.velocity * np.abs(unit), found.error * np.abs(unit)
-    regime, status = regime_of(found.pattern), found.status
-    shares = {name: getattr(found, name) for name in SHARES}
+    entry = _in_way(find(atlas, numbers), unit)
+    velocity, error = entry.velocity * np.abs(unit), entry.error * np.abs(unit)
+    regime, status = regime_of(entry.pattern), entry.status
+    shares = {name: getattr(entry, name) for name in SHARES}
     left = np.flatnonzero(status != STATUS["answered"]) if simulate else np.array([], dtype=int)
     if left.size:
         some, _ = groups_of(rows[left, :-1], waved=False)
@@ -341,7 +341,7 @@ def _looked_up(
             prepared.plan.conditions, prepared.plan.otherwise, {"motion": motion}
         )
         status[left] = STATUS["simulated"]
-        found.share_error[left] = 0.0
+        entry.share_error[left] = 0.0
         for name in SHARES:
             shares[name][left] = getattr(motion, name)
     scale = np.broadcast_to(known["velocity_scale"], shape).ravel()
@@ -361,7 +361,7 @@ def _looked_up(
             for name, values in shares.items()
         },
         "share_error": laid_out(
-            found.share_error, {"units": "1", "long_name": "Stated error of each share"}
+            entry.share_error, {"units": "1", "long_name": "Stated error of each share"}
         ),
         **{
             name: laid_out(values, AXES[name].attributes())
@@ -371,13 +371,13 @@ def _looked_up(
     return Table(coordinates, variables, _attributes(atlas))
 
 
-def _in_way(found: AtlasValues, unit: Array) -> AtlasValues:
+def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
     """Return what was found in the axes of the track: the mirror image is turned back."""
     back = unit < 0
-    return found._replace(
-        velocity=np.where(back, -found.velocity, found.velocity) + 0.0,
-        forward=np.where(back, found.backward, found.forward),
-        backward=np.where(back, found.forward, found.backward),
+    return values._replace(
+        velocity=np.where(back, -values.velocity, values.velocity) + 0.0,
+        forward=np.where(back, values.backward, values.forward),
+        backward=np.where(back, values.forward, values.backward),
     )
 
 

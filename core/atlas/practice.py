@@ -38,14 +38,14 @@ def practical(shares: NDArray[np.float64]) -> Numbers:
     friction, beta, gamma, ratio, throw = (ends[:, 0] + shares[:, :5] * np.ptp(ends, axis=1)).T
     gamma = np.where(shares[:, 5] < LEVEL, 0.0, gamma)
     ratio = np.where(shares[:, 6] < ONE_FRICTION, 1.0, ratio)
-    found = Numbers(
+    numbers = Numbers(
         throw,
         friction * np.tan(np.deg2rad(beta)),
         np.tan(np.deg2rad(gamma)) / friction,
         ratio,
     )
-    inside = ~np.logical_or.reduce(list(out_of_range(found).values()))
-    return Numbers(*(values[inside] for values in found))
+    inside = ~np.logical_or.reduce(list(out_of_range(numbers).values()))
+    return Numbers(*(values[inside] for values in numbers))
 
 
 def spread_out(count: int) -> NDArray[np.float64]:

@@ -96,12 +96,12 @@ def bowl_harmonic(
     return second_over_first(force_harmonic, *at)
 
 
-def _reduced(one: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
+def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
     """Return m m2/(m + m2) of m = m1 - i lost (real part, minus the imaginary), m2/|m + m2|."""
-    total = one + other
+    total = mass + other
     size = hypot(total, lost)
     share = other / size
-    return share * (one * (total / size) + lost * (lost / size)), share * share * lost, share
+    return share * (mass * (total / size) + lost * (lost / size)), share * share * lost, share
 
 
 def bowl_turn(

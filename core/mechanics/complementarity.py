@@ -42,9 +42,9 @@ def contact_force(response: Array, free: Array) -> Array:
 
     0 in separation; NaN where there is no solution and where every n >= 0 is one.
     """
-    found = case(response, free)
-    unknown = (found == NO_SOLUTION) | (response == 0)
+    solution = case(response, free)
+    unknown = (solution == NO_SOLUTION) | (response == 0)
     with np.errstate(over="ignore"):  # next to response 0 the force may exceed every float
         quotient = -free / np.where(response == 0, 1.0, response)
     force = np.where(free == 0, 0.0, quotient)
-    return np.where(found == SEPARATION, 0.0, np.where(unknown, np.nan, force))
+    return np.where(solution == SEPARATION, 0.0, np.where(unknown, np.nan, force))

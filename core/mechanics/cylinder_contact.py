@@ -161,33 +161,36 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
     return forms
 
 
-def _sides(one: Cylinder, two: Cylinder, size: Array) -> _Form:
+def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
     """Return the side of body 1 on the side of body 2, with crossed or parallel axes."""
-    apart = vectors.minus(one.centre, two.centre)
-    k = dot(one.axis, two.axis)
-    turn = cross(one.axis, two.axis)
+    apart = vectors.minus(body_1.centre, body_2.centre)
+    k = dot(body_1.axis, body_2.axis)
+    turn = cross(body_1.axis, body_2.axis)
     sine = norm(turn)
-    line = sine * (one.half + two.half) <= ALIKE * size
-    off = across(apart, two.axis)
+    line = sine * (body_1.half + body_2.half) <= ALIKE * size
+    off = across(apart, body_2.axis)
     n = vectors.where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
-    n = vectors.direction(n, vectors.any_across(two.axis))
-    gap = dot(n, apart) - one.radius - two.radius
+    n = vectors.direction(n, vectors.any_across(body_2.axis))
+    gap = dot(n, apart) - body_1.radius - body_2.radius
     square = np.where(line, 1.0, sine * sine)
-    d_1, d_2 = dot(apart, one.axis), dot(apart, two.axis)
+    d_1, d_2 = dot(apart, body_1.axis), dot(apart, body_2.axis)
     s, t = (k * d_2 - d_1) / square, (d_2 - k * d_1) / square
-    low, high = np.maximum(d_2 - one.half, -two.half), np.minimum(d_2 + one.half, two.half)
-    room_1, room_2 = one.half - np.abs(s), two.half - np.abs(t)
+    low, high = (
+        np.maximum(d_2 - body_1.half, -body_2.half),
+        np.minimum(d_2 + body_1.half, body_2.half),
+    )
+    room_1, room_2 = body_1.half - np.abs(s), body_2.half - np.abs(t)
     room = np.where(line, high - low, np.minimum(room_1, room_2))
     # One end on a side has the normal of that side; two ends have none.
     end = np.abs(np.where(line, high - low, np.maximum(room_1, room_2)))
-    surface = plus(two.centre, n, two.radius + gap / 2)
+    surface = plus(body_2.centre, n, body_2.radius + gap / 2)
     return _Form(
         gap,
         np.asarray(float(SIDE_ON_SIDE)),
         np.asarray(0.0),
         n,
-        plus(surface, two.axis, np.where(line, low, t)),
-        plus(surface, two.axis, np.where(line, high, t)),
+        plus(surface, body_2.axis, np.where(line, low, t)),
+        plus(surface, body_2.axis, np.where(line, high, t)),
         line,
         (end <= ALIKE * size) & (room >= -ALIKE * size),
         room >= -ALIKE * size,
@@ -205,15 +208,19 @@ def _extent(form: _Form) -> Array:
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
     """Return the proven form of contact; else the distance of rims, or a bound of their overlap."""
-    one, two = cylinder_1, cylinder_2
-    size = np.hypot(one.radius, one.half) + np.hypot(two.radius, two.half)
-    to_one = [_on_face(2.0, two, one, size), *_on_side(2.0, two, one, size), _sides(one, two, size)]
-    to_two = [_on_face(1.0, one, two, size), *_on_side(1.0, one, two, size)]
+    body_1, body_2 = cylinder_1, cylinder_2
+    size = np.hypot(body_1.radius, body_1.half) + np.hypot(body_2.radius, body_2.half)
+    to_one = [
+        _on_face(2.0, body_2, body_1, size),
+        *_on_side(2.0, body_2, body_1, size),
+        _sides(body_1, body_2, size),
+    ]
+    to_two = [_on_face(1.0, body_1, body_2, size), *_on_side(1.0, body_1, body_2, size)]
     to_one += [form._replace(normal=scaled(form.normal, -1.0)) for form in to_two]
     best = to_one[0]
-    bound = separation(one, two, best.normal)
+    bound = separation(body_1, body_2, best.normal)
     for form in to_one[1:]:
-        bound = np.maximum(bound, separation(one, two, form.normal))
+        bound = np.maximum(bound, separation(body_1, body_2, form.normal))
         # At the ends of a line or a face, points touch as well: the line or face comes first.
         ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
         ahead = np.where(alike, _extent(form) > _extent(best), ahead)
@@ -232,7 +239,7 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
     gap, normal = np.where(best.proven, best.gap, bound), best.normal
     first, second = best.first, best.second
     if not np.all(best.proven):
-        rims = nearest_on_rims(one, two, size)
+        rims = nearest_on_rims(body_1, body_2, size)
         use = rims.proven & ~best.proven
         gap, normal = np.where(use, rims.gap, gap), vectors.where(use, rims.normal, normal)
         first, second = (vectors.where(use, rims.point, point) for point in (first, second))

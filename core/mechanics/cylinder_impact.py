@@ -137,10 +137,10 @@ def spatial_motion(
     )
 
 
-def _at(point: Vector, one: Cylinder, two: Cylinder, motion: SpatialMotion) -> Vector:
+def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion) -> Vector:
     """Return the velocity of body 1 relative to body 2 at a point."""
-    of_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, one.centre)))
-    of_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, two.centre)))
+    of_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, body_1.centre)))
+    of_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, body_2.centre)))
     return minus(of_1, of_2)
 
 
@@ -151,14 +151,14 @@ def _turned(moment: Vector, body: Cylinder, axial: Array, transverse: Array) -> 
 
 
 def _delassus(
-    at: Vector, e: Vector, other_at: Vector, other_e: Vector, one: Cylinder, two: Cylinder,
+    at: Vector, e: Vector, other_at: Vector, other_e: Vector, body_1: Cylinder, body_2: Cylinder,
     masses: CylinderMasses,
 ) -> Array:  # fmt: skip
     """Return the velocity at one point along e that a unit impulse at another along e' gives."""
     total = (1 / masses.mass_1 + 1 / masses.mass_2) * dot(e, other_e)
     for body, axial, transverse in (
-        (one, masses.axial_1, masses.across_1),
-        (two, masses.axial_2, masses.across_2),
+        (body_1, masses.axial_1, masses.across_1),
+        (body_2, masses.axial_2, masses.across_2),
     ):
         arm = cross(minus(at, body.centre), e)
         other = cross(minus(other_at, body.centre), other_e)
@@ -183,14 +183,14 @@ def frame_without_friction(
     restitution: Array,
 ) -> ImpactFrame:
     """Return the contact point, on a line where the resultant of both ends acts."""
-    at, one, two, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
+    at, body_1, body_2, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
     n, first, second = at.normal, at.first, at.second
-    u_1 = dot(n, _at(first, one, two, spatial_motion))
-    u_2 = dot(n, _at(second, one, two, spatial_motion))
+    u_1 = dot(n, _at(first, body_1, body_2, spatial_motion))
+    u_2 = dot(n, _at(second, body_1, body_2, spatial_motion))
     both = impact.on_edge(
-        G_11=_delassus(first, n, first, n, one, two, masses),
-        G_12=_delassus(first, n, second, n, one, two, masses),
-        G_22=_delassus(second, n, second, n, one, two, masses),
+        G_11=_delassus(first, n, first, n, body_1, body_2, masses),
+        G_12=_delassus(first, n, second, n, body_1, body_2, masses),
+        G_22=_delassus(second, n, second, n, body_1, body_2, masses),
         u_1=u_1,
         u_2=u_2,
         restitution=restitution,
@@ -227,20 +227,22 @@ def spatial_delassus(
 ) -> SpatialDelassus:
     """Return the Delassus numbers of the contact point."""
     p, n, t, s = contact_frame[:4]
-    given = (cylinder_1, cylinder_2, cylinder_masses)
+    bodies = (cylinder_1, cylinder_2, cylinder_masses)
     return SpatialDelassus(
-        _delassus(p, n, p, n, *given),
-        _delassus(p, n, p, t, *given),
-        _delassus(p, n, p, s, *given),
-        _delassus(p, t, p, t, *given),
-        _delassus(p, t, p, s, *given),
-        _delassus(p, s, p, s, *given),
+        _delassus(p, n, p, n, *bodies),
+        _delassus(p, n, p, t, *bodies),
+        _delassus(p, n, p, s, *bodies),
+        _delassus(p, t, p, t, *bodies),
+        _delassus(p, t, p, s, *bodies),
+        _delassus(p, s, p, s, *bodies),
     )
 
 
-def approach(at: ImpactFrame, one: Cylinder, two: Cylinder, motion: SpatialMotion) -> Approach:
+def approach(
+    at: ImpactFrame, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion
+) -> Approach:
     """Return the velocity of body 1 against body 2 in the contact, along normal and tangents."""
-    u = _at(at.point, one, two, motion)
+    u = _at(at.point, body_1, body_2, motion)
     return Approach(dot(at.normal, u), (dot(at.tangent_1, u), dot(at.tangent_2, u)))
 
 
@@ -403,17 +405,17 @@ def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) ->
 
 
 def turning(
-    one: Cylinder,
-    two: Cylinder,
+    body_1: Cylinder,
+    body_2: Cylinder,
     before: SpatialMotion,
     after: SpatialMotion,
     masses: CylinderMasses,
 ) -> Vector:
     """Return the change of both bodies' angular momentum about the origin."""
     change_1, change_2 = minus(after.spin_1, before.spin_1), minus(after.spin_2, before.spin_2)
-    own_1 = inertial(change_1, one, masses.axial_1, masses.across_1)
-    own_2 = inertial(change_2, two, masses.axial_2, masses.across_2)
-    orbit_1 = cross(one.centre, minus(after.velocity_1, before.velocity_1))
-    orbit_2 = cross(two.centre, minus(after.velocity_2, before.velocity_2))
+    own_1 = inertial(change_1, body_1, masses.axial_1, masses.across_1)
+    own_2 = inertial(change_2, body_2, masses.axial_2, masses.across_2)
+    orbit_1 = cross(body_1.centre, minus(after.velocity_1, before.velocity_1))
+    orbit_2 = cross(body_2.centre, minus(after.velocity_2, before.velocity_2))
     of_1, of_2 = plus(own_1, orbit_1, masses.mass_1), plus(own_2, orbit_2, masses.mass_2)
     return plus(of_1, of_2)

@@ -28,16 +28,16 @@ def minima(
     step = 2 * np.pi / SAMPLES
     values = [value(t) for t in step * np.arange(SAMPLES)]
     least = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
-    place = [np.zeros(np.shape(values[0])) for _ in range(2)]
+    angles = [np.zeros(np.shape(values[0])) for _ in range(2)]
     for number, here in enumerate(values):
         dip = (here <= values[number - 1]) & (here < values[(number + 1) % SAMPLES])
         best, next_best = dip & (here < least[0]), dip & (here < least[1])
-        place[1] = np.where(best, place[0], np.where(next_best, number * step, place[1]))
+        angles[1] = np.where(best, angles[0], np.where(next_best, number * step, angles[1]))
         least[1] = np.where(best, least[0], np.where(next_best, here, least[1]))
-        place[0] = np.where(best, number * step, place[0])
+        angles[0] = np.where(best, number * step, angles[0])
         least[0] = np.where(best, here, least[0])
-    place[1] = np.where(np.isfinite(least[1]), place[1], place[0])
-    return _refined(place[0], step, slope_and_bend), _refined(place[1], step, slope_and_bend)
+    angles[1] = np.where(np.isfinite(least[1]), angles[1], angles[0])
+    return _refined(angles[0], step, slope_and_bend), _refined(angles[1], step, slope_and_bend)
 
 
 def _refined(
@@ -78,9 +78,9 @@ class Rim(NamedTuple):
         return plus(scaled(self.second, np.cos(angle)), self.first, -np.sin(angle))
 
 
-def _way(place: Vector, base: Cylinder) -> Vector:
+def _way(point: Vector, base: Cylinder) -> Vector:
     """Return the way to a place, seen from the centre of a body, from the body's nearest point."""
-    height, off = dot(place, base.axis), across(place, base.axis)
+    height, off = dot(point, base.axis), across(point, base.axis)
     above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
     return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
 
@@ -93,17 +93,17 @@ def _free(distance: Array, radius: Array) -> Array:
 
 def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
     """Return the derivatives of half the squared distance from a body along a rim."""
-    place, along = rim.at(angle), rim.along(angle)
-    way, off = _way(place, base), across(place, base.axis)
+    point, along = rim.at(angle), rim.along(angle)
+    way, off = _way(point, base), across(point, base.axis)
     climb, beside = dot(along, base.axis), across(along, base.axis)
     # What moves away from the axis counts in full, what goes round it by the share outside.
     free = _free(norm(off), base.radius)
     outward = dot(beside, vectors.direction(off, base.axis))
-    bend = np.where(np.abs(dot(place, base.axis)) > base.half, climb * climb, 0.0)
+    bend = np.where(np.abs(dot(point, base.axis)) > base.half, climb * climb, 0.0)
     bend = (
         bend + np.where(free > 0, outward * outward * (1 - free), 0.0) + free * dot(beside, beside)
     )
-    return dot(way, along), bend - dot(way, vectors.minus(place, rim.middle))
+    return dot(way, along), bend - dot(way, vectors.minus(point, rim.middle))
 
 
 class Nearest(NamedTuple):
@@ -159,11 +159,11 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
     return best
 
 
-def chosen(mask: Mask, one: Nearest, other: Nearest) -> Nearest:
+def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
     """Return one place where the mask holds, else the other."""
     return Nearest(
-        np.where(mask, one.gap, other.gap),
-        vectors.where(mask, one.normal, other.normal),
-        vectors.where(mask, one.point, other.point),
-        np.where(mask, one.proven, other.proven),
+        np.where(mask, rim.gap, other.gap),
+        vectors.where(mask, rim.normal, other.normal),
+        vectors.where(mask, rim.point, other.point),
+        np.where(mask, rim.proven, other.proven),
     )

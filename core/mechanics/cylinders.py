@@ -25,7 +25,7 @@ def support(body: Cylinder, n: Vector) -> Array:
     return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
 
 
-def separation(one: Cylinder, other: Cylinder, n: Vector) -> Array:
+def separation(body: Cylinder, other: Cylinder, n: Vector) -> Array:
     """Return how far n, pointing from `other` to `one`, separates two cylinders."""
-    between = dot(n, vectors.minus(one.centre, other.centre))
-    return between - support(one, n) - support(other, n)
+    between = dot(n, vectors.minus(body.centre, other.centre))
+    return between - support(body, n) - support(other, n)

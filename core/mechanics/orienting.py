@@ -185,15 +185,15 @@ def place_in_order(order: Array, count: int) -> list[Array]:
     digits of order - 1 in the base of factorials say how many of the devices left come before.
     """
     digits, left = [], order - 1
-    for place in range(count - 1):
-        block = float(np.prod(range(1, count - place)))
+    for position in range(count - 1):
+        block = float(np.prod(range(1, count - position)))
         digit = np.rint((left + 0.5) / block - 0.5)  # the whole part of left/block
         digits.append(digit)
         left = left - digit * block
     digits.append(0 * left)
-    for place in reversed(range(count - 1)):
-        for later in range(place + 1, count):
-            digits[later] = digits[later] + np.where(digits[place] <= digits[later], 1.0, 0.0)
+    for position in reversed(range(count - 1)):
+        for later in range(position + 1, count):
+            digits[later] = digits[later] + np.where(digits[position] <= digits[later], 1.0, 0.0)
     return digits
 
 

@@ -113,10 +113,10 @@ def _faces(
     return faces[0], faces[1]
 
 
-def _nearer(one: _Face, other: _Face) -> _Face:
+def _nearer(face: _Face, other: _Face) -> _Face:
     """Return, in each cell, the face with the larger gap."""
-    first = one.gap >= other.gap
-    return _Face(*(np.where(first, a, b) for a, b in zip(one, other, strict=True)))
+    first = face.gap >= other.gap
+    return _Face(*(np.where(first, a, b) for a, b in zip(face, other, strict=True)))
 
 
 def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> RectangleContact:
@@ -146,18 +146,18 @@ def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> Rect
     rise_width = 2 * np.abs(along_width) * face.half_width
     edge = np.minimum(rise_length, rise_width) <= ALIKE * size
     t_x, t_y = -face.n_y, face.n_x
-    place = t_x * (corner_x - face.x) + t_y * (corner_y - face.y)
+    along = t_x * (corner_x - face.x) + t_y * (corner_y - face.y)
     by_length = rise_length <= rise_width
     far = np.where(
         by_length,
         -2 * i * face.half_length * (t_x * face.c + t_y * face.s),
         -2 * j * face.half_width * (t_y * face.c - t_x * face.s),
     )
-    far = np.where(edge, place + far, place)
-    low, high = np.minimum(place, far), np.maximum(place, far)
+    far = np.where(edge, along + far, along)
+    low, high = np.minimum(along, far), np.maximum(along, far)
     low, high = np.maximum(low, -face.half), np.minimum(high, face.half)
     overlap = high - low
-    room = np.where(edge, overlap, face.half - np.abs(place))
+    room = np.where(edge, overlap, face.half - np.abs(along))
     beside, at_corner = room < -ALIKE * size, np.abs(room) <= ALIKE * size
     corner = np.where(edge, 0.0, corner)
     on_edge = edge & (overlap > 0)

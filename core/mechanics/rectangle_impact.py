@@ -109,14 +109,18 @@ def _closing(
     y: Array,
     n_x: Array,
     n_y: Array,
-    one: Rectangle,
-    two: Rectangle,
+    body_1: Rectangle,
+    body_2: Rectangle,
     motion: BodyVelocities,
 ) -> Array:
     """Return the velocity of body 1 relative to body 2 at a point, along a direction."""
     u = motion
-    slip_x = (u.velocity_x_1 - u.spin_1 * (y - one.y)) - (u.velocity_x_2 - u.spin_2 * (y - two.y))
-    slip_y = (u.velocity_y_1 + u.spin_1 * (x - one.x)) - (u.velocity_y_2 + u.spin_2 * (x - two.x))
+    slip_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
+        u.velocity_x_2 - u.spin_2 * (y - body_2.y)
+    )
+    slip_y = (u.velocity_y_1 + u.spin_1 * (x - body_1.x)) - (
+        u.velocity_y_2 + u.spin_2 * (x - body_2.x)
+    )
     return n_x * slip_x + n_y * slip_y
 
 

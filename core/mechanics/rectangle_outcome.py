@@ -131,13 +131,13 @@ def angular_momentum_residual(
     rectangle_masses: RectangleMasses,
 ) -> Array:
     """Return what the velocities after add to the angular momentum about the origin [kg m2 s-1]."""
-    one, two, masses = rectangle_1, rectangle_2, rectangle_masses
+    body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
     change = BodyVelocities(
         *(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True))
     )
     return (
-        masses.mass_1 * (one.x * change.velocity_y_1 - one.y * change.velocity_x_1)
+        masses.mass_1 * (body_1.x * change.velocity_y_1 - body_1.y * change.velocity_x_1)
         + masses.inertia_1 * change.spin_1
-        + masses.mass_2 * (two.x * change.velocity_y_2 - two.y * change.velocity_x_2)
+        + masses.mass_2 * (body_2.x * change.velocity_y_2 - body_2.y * change.velocity_x_2)
         + masses.inertia_2 * change.spin_2
     )

@@ -12,12 +12,12 @@ PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if 
 """What `turn` may be: from one aspect to another."""
 
 
-def _device(place: int) -> dict[str, Quantity]:
+def _device(position: int) -> dict[str, Quantity]:
     """Return what a study may give of the device at a place."""
-    at = f", place {place}"
+    at = f", place {position}"
 
     def size(symbol: str, label: str, says: str, example: str) -> Quantity:
-        return length(f"{symbol}{place}", label + at, says, example)
+        return length(f"{symbol}{position}", label + at, says, example)
 
     return {
         "wiper_height": size(
@@ -37,17 +37,17 @@ def _device(place: int) -> dict[str, Quantity]:
             "their shank.", "5 mm",
         ),
         "outlet_capacity": Quantity(
-            "min-1", f"c{place}", f"Capacity{at}",
+            "min-1", f"c{position}", f"Capacity{at}",
             "Most parts a minute that pass a pressure break or outlet.", 0.0, strict=True,
             parameter=True, examples=("120 1/min",),
         ),
         "turned_share": Quantity(
-            "1", f"t{place}", f"Share turned{at}",
+            "1", f"t{position}", f"Share turned{at}",
             "Share of the parts of an aspect that a riser, step or wiper turns into another.",
             0.0, 1.0, parameter=True, examples=("0.6",),
         ),
         "turn": Quantity(
-            "1", f"o{place}", f"Turn{at}",
+            "1", f"o{position}", f"Turn{at}",
             "From which aspect to which: 21 from aspect 2 to aspect 1.", 12.0, 32.0,
             parameter=True, examples=("21",), words=PAIRS, other_words="{}",
         ),
@@ -60,17 +60,17 @@ DEVICES = tuple(_device(1))
 
 def _shares() -> dict[str, Quantity]:
     """Return what passes and leaves of each aspect."""
-    found = {}
+    quantities = {}
     for name, (words, _) in ASPECTS.items():
-        found[f"passing_share_{name}"] = number(
+        quantities[f"passing_share_{name}"] = number(
             f"v_{name}", f"Share that passes, {words}",
             "Share of the parts that arrive in this aspect that leave the line in any.",
         )  # fmt: skip
-        found[f"leaving_share_{name}"] = number(
+        quantities[f"leaving_share_{name}"] = number(
             f"e_{name}", f"Share that leaves, {words}",
             "Share of all arriving parts that leave the line in this aspect.",
         )  # fmt: skip
-    return found
+    return quantities
 
 
 def _rate(symbol: str, label: str, says: str) -> Quantity:

@@ -16,19 +16,19 @@ ASPECTS = {
 
 def _estimates() -> dict[str, Quantity]:
     """Return the second estimate of each share, and how far apart both are."""
-    found = {}
+    quantities = {}
     for name, (words, where) in ASPECTS.items():
-        place = where.replace("`", "")
-        found[f"second_share_{name}"] = number(
+        plain = where.replace("`", "")
+        quantities[f"second_share_{name}"] = number(
             f"p2_{name}", f"Second estimate, {words}",
-            f"Share of parts that come to rest {place}, by solid angle over height of the centre.",
+            f"Share of parts that come to rest {plain}, by solid angle over height of the centre.",
         )  # fmt: skip
-        found[f"share_error_{name}"] = Quantity(
+        quantities[f"share_error_{name}"] = Quantity(
             "1", f"e_{name}", f"Error of the share, {words}",
-            f"Difference of both estimates of the share that comes to rest {place}.",
+            f"Difference of both estimates of the share that comes to rest {plain}.",
             error_of=f"resting_share_{name}",
         )  # fmt: skip
-    return found
+    return quantities
 
 
 RESTING: dict[str, Quantity] = {

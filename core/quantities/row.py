@@ -50,10 +50,10 @@ def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
     )  # fmt: skip
 
 
-def _rate(symbol: str, label: str, says: str, *, given: bool = False) -> Quantity:
+def _rate(symbol: str, label: str, says: str, *, is_input: bool = False) -> Quantity:
     return Quantity(
-        "min-1", symbol, label, says, 0.0, parameter=given,
-        examples=("120 1/min",) if given else (),
+        "min-1", symbol, label, says, 0.0, parameter=is_input,
+        examples=("120 1/min",) if is_input else (),
     )  # fmt: skip
 
 
@@ -101,7 +101,7 @@ ROW: dict[str, Quantity] = {
         "Mean velocity of the parts on the free lane: measured, or of a study of their motion.",
         0.0, strict=True, parameter=True, examples=("80 mm/s",),
     ),
-    "inflow": _rate("q", "Inflow", "Parts a minute that come onto the lane.", given=True),
+    "inflow": _rate("q", "Inflow", "Parts a minute that come onto the lane.", is_input=True),
     "lane_length": length("L", "Length of the lane", "Length of the lane.", "500 mm"),
     "closed_time": _time("t_c", "Closed time", "Time for which the escapement holds.", "200 ms"),
     "open_time": _time("t_o", "Open time", "Least time for which it lets go.", "100 ms"),

@@ -45,44 +45,44 @@ class Device:
         """Whether it turns parts."""
         return bool({"turned_share", "turn"} & set(self.numbers))
 
-    def number(self, name: str, given: dict[str, Any]) -> Array:
+    def number(self, name: str, parameters: dict[str, Any]) -> Array:
         """Return one of its numbers."""
-        value: Array = given[f"{name}_{self.place}"]
+        value: Array = parameters[f"{name}_{self.place}"]
         return value
 
-    def matrix(self, aspects: int, given: dict[str, Any]) -> Matrix:
+    def matrix(self, aspects: int, parameters: dict[str, Any]) -> Matrix:
         """Return its matrix."""
-        tests = [self._kept(number, aspects, given) for number in self.numbers]
+        tests = [self._kept(number, aspects, parameters) for number in self.numbers]
         tests = [kept for kept in tests if kept]
         matrix = orienting.unchanged(aspects)
         for kept in tests:
             matrix = orienting.product(matrix, orienting.test_of(kept))
         if "rail_width" in self.numbers:
-            matrix = orienting.product(matrix, self._rail(given))
+            matrix = orienting.product(matrix, self._rail(parameters))
         if self.turns:
-            share, turn = self.number("turned_share", given), self.number("turn", given)
+            share, turn = self.number("turned_share", parameters), self.number("turn", parameters)
             matrix = orienting.turning(matrix, share, turn, failed=bool(tests))
         return matrix
 
-    def _kept(self, number: str, aspects: int, given: dict[str, Any]) -> list[Array]:
+    def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
         """Return what each aspect keeps at one of its tests; nothing of what is no test."""
-        sizes: Sequence[orienting.Aspect] = given.get("aspect_sizes", ())
+        sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
         if number == "wiper_height":
-            height = self.number(number, given)
-            return [orienting.passes_wiper(one, height) for one in sizes]
+            height = self.number(number, parameters)
+            return [orienting.passes_wiper(size, height) for size in sizes]
         if number == "gap_length":
-            gap = self.number(number, given)
-            return [orienting.passes_gap(one, gap) for one in sizes]
+            gap = self.number(number, parameters)
+            return [orienting.passes_gap(size, gap) for size in sizes]
         if number == "ledge_width":
-            width, delta = self.number(number, given), given["delta"]
-            both = zip(sizes, given["centre_heights"], strict=True)
-            return [orienting.passes_ledge(one, centre, width, delta) for one, centre in both]
+            width, delta = self.number(number, parameters), parameters["delta"]
+            both = zip(sizes, parameters["centre_heights"], strict=True)
+            return [orienting.passes_ledge(size, centre, width, delta) for size, centre in both]
         return []
 
-    def _rail(self, given: dict[str, Any]) -> Matrix:
+    def _rail(self, parameters: dict[str, Any]) -> Matrix:
         """Return the matrix of two rails: what does not stand on its head hangs by it."""
-        width = self.number("rail_width", given)
-        hangs = orienting.hangs_on_rail(width, given["shank_diameter"], given["diameter"])
+        width = self.number("rail_width", parameters)
+        hangs = orienting.hangs_on_rail(width, parameters["shank_diameter"], parameters["diameter"])
         zero = np.zeros(())
         return [[zero, zero, zero], [zero, zero, hangs], [zero, zero, hangs]]
 

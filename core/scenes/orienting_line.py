@@ -58,13 +58,13 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
     rows: list[tuple[str, tuple[Any, ...], str, str]] = [
         ("yield", ("total",), "line", "the share of the arriving parts that leave [1]")
     ]
-    for place, name in enumerate(ASPECTS[shape]):
+    for position, name in enumerate(ASPECTS[shape]):
         words = WORDS[name]
         rows += [
-            (f"resting_share_{name}", (place,), "resting_shares", f"the share {words} [1]"),
-            (f"passing_share_{name}", ("passing", place), "line",
+            (f"resting_share_{name}", (position,), "resting_shares", f"the share {words} [1]"),
+            (f"passing_share_{name}", ("passing", position), "line",
              f"the share that passes of those that arrive {words} [1]"),
-            (f"leaving_share_{name}", ("leaving", place), "line",
+            (f"leaving_share_{name}", ("leaving", position), "line",
              f"the share of all arriving parts that leaves {words} [1]"),
         ]  # fmt: skip
     return tuple(
@@ -101,9 +101,9 @@ def any_line(shape: str) -> tuple[Equation, ...]:
     )
 
 
-def fitted(scene: Scene, given: Collection[str]) -> Scene:
+def fitted(scene: Scene, parameters: Collection[str]) -> Scene:
     """Return the scene of a study: with the devices and the drop test of which it gives numbers."""
-    names = {*given}
+    names = {*parameters}
     numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
     tested = any(name.startswith("drop_count_") for name in names)
     return _fitted(scene.name, numbers, "device_order" in names, tested)
@@ -111,18 +111,18 @@ def fitted(scene: Scene, given: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
-    found: dict[int, list[str]] = {}
+    devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
-        found.setdefault(int(place), []).append(number)
+        devices.setdefault(int(place), []).append(number)
     order = Constraint(
         ("device_order",),
-        lambda least, largest: 1 <= least <= largest <= math.factorial(len(found)),
-        f"{len(found)} devices stand in {math.factorial(len(found))} orders",
-        f"Give 1 to {math.factorial(len(found))}",
+        lambda least, largest: 1 <= least <= largest <= math.factorial(len(devices)),
+        f"{len(devices)} devices stand in {math.factorial(len(devices))} orders",
+        f"Give 1 to {math.factorial(len(devices))}",
     )
     return replace(
         SCENE,
-        variants={shape: _with(shape, found, ordered, tested) for shape in SHAPES},
+        variants={shape: _with(shape, devices, ordered, tested) for shape in SHAPES},
         defaults={name: value for name, value in SCENE.defaults.items() if name != "devices"},
         constraints=(*SCENE.constraints, order),
     )

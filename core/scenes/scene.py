@@ -245,9 +245,9 @@ class Scene:
     rounding_bound: int | None = None
     fit: Callable[[Scene, Collection[str]], Scene] | None = None
 
-    def fitted(self, given: Collection[str]) -> Scene:
+    def fitted(self, names: Collection[str]) -> Scene:
         """Return the scene of a study that gives some parameters: itself, unless they shape it."""
-        return self if self.fit is None else self.fit(self, given)
+        return self if self.fit is None else self.fit(self, names)
 
     def defaults_of(self, variant: str) -> dict[str, float]:
         """Return the defaults that are in force with a variant."""
