@@ -76,7 +76,7 @@ class Truth(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Computed:
+class CaseValues:
     """What the studies of a case gave.
 
     Attributes
@@ -161,7 +161,7 @@ class Case:
     refused: str = ""
     states_error: bool = False
     blunt: str = ""
-    compute: Callable[[], Computed] | None = None
+    compute: Callable[[], CaseValues] | None = None
 
     @cached_property
     def truth(self) -> Truth | None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from core import kinds
-from core.assurance.case import Case, Computed, Content, Term
+from core.assurance.case import Case, CaseValues, Content, Term
 from core.dataset.table import Table, TableVariable
 from core.errors import StudyError
 from core.intake import prepare_content
@@ -98,7 +98,7 @@ def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome
     return outcomes
 
 
-def run_case(case: Case) -> tuple[Outcome, Computed | None]:
+def run_case(case: Case) -> tuple[Outcome, CaseValues | None]:
     """Return what becomes of a case, and what was computed, if it was; warnings are errors."""
     started = time.perf_counter()
     computed = None
@@ -122,13 +122,13 @@ def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) ->
     return [
         Outcome(case, note="it has no answer")
         if (value := results[case.id]) is None
-        else judge(case, Computed(np.asarray(value, dtype=np.float64)))
+        else judge(case, CaseValues(np.asarray(value, dtype=np.float64)))
         for case in cases
         if case.id in results
     ]
 
 
-def judge(case: Case, computed: Computed) -> Outcome:
+def judge(case: Case, computed: CaseValues) -> Outcome:
     """Return the verdict on what was computed for a case; nothing is computed anew."""
     value, stated = computed.value, computed.stated
     status = ", ".join(sorted(computed.statuses))
@@ -190,11 +190,11 @@ def outputs_of(terms: Sequence[Term]) -> list[Any]:
     return _outputs(terms, _tables(terms))
 
 
-def _computed(case: Case) -> Computed:
+def _computed(case: Case) -> CaseValues:
     """Return what the studies of a case give."""
     if case.refused:
         prepare_content(case.terms[0].study)
-        return Computed(np.asarray(math.nan))
+        return CaseValues(np.asarray(math.nan))
     tables = _tables(case.terms)
     flags = [_statuses(table.variables) for table in tables.values()]
     stated = None
@@ -202,7 +202,7 @@ def _computed(case: Case) -> Computed:
         (table,) = tables.values()
         if STATED in table.variables:
             stated = np.asarray(table.variables[STATED].values, dtype=np.float64)
-    return Computed(
+    return CaseValues(
         np.asarray(case.result(_outputs(case.terms, tables)), dtype=np.float64),
         frozenset[str]().union(*(names for names, _ in flags)),
         any(explained for _, explained in flags),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.assurance.case import Case, Computed, Truth
+from core.assurance.case import Case, CaseValues, Truth
 from core.assurance.hard_cases import HARD_CASES
 from core.assurance.hard_cases.studies import WORKED
 from core.assurance.judge import judge, results_of, run_case, run_cases, summaries
@@ -55,7 +55,7 @@ def wrong_values(value: np.ndarray, right: np.ndarray) -> Iterator[np.ndarray]:
             yield changed
 
 
-def passing_though_wrong(case: Case, computed: Computed) -> list[np.ndarray]:
+def passing_though_wrong(case: Case, computed: CaseValues) -> list[np.ndarray]:
     right = np.broadcast_to(case.truth.value, computed.value.shape)
     wrongs = wrong_values(computed.value, right)
     return [wrong for wrong in wrongs if judge(case, replace(computed, value=wrong)).passed]

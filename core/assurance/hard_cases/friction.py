@@ -8,7 +8,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from core.assurance import textbook
-from core.assurance.case import Case, Computed, Truth
+from core.assurance.case import Case, CaseValues, Truth
 from core.assurance.hard_cases.studies import (
     DRIVE,
     WORKED,
@@ -187,7 +187,7 @@ def stiff_friction() -> list[Case]:
     return cases
 
 
-def _explicit_crawls() -> Computed:
+def _explicit_crawls() -> CaseValues:
     """Return how many evaluations RK45 needs a period for one of Radau."""
     slip, span = 1e-9, 1e-5
     drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8
@@ -200,4 +200,4 @@ def _explicit_crawls() -> Computed:
     implicit = solve_ivp(cell.rate, whole, cell.rest(), "Radau", jac=cell.jacobian, **settings)
     ratio = explicit * 2 * math.pi / span / implicit.nfev
     note = f"RK45 needs {ratio:.3g} times the evaluations of Radau at a slip speed of 1e-9"
-    return Computed(np.asarray(ratio), frozenset(("attempted",)), note=note)
+    return CaseValues(np.asarray(ratio), frozenset(("attempted",)), note=note)
