@@ -1,8 +1,8 @@
-"""What the service writes by hand, beside libraries that do it: guard, downloads, console, ledger.
+"""What is written by hand or chosen, beside libraries: guard, downloads, console, ledger, digits.
 
-`python -m benchmarks.libraries [guard|downloads|console|ledger]...`, in an environment that holds
-the rivals too: `pip install persist-queue huey litequeue secure tabulate`. `docs/decisions` has the
-figures.
+`python -m benchmarks.libraries [guard|downloads|console|ledger|digits]...`, in an environment that
+holds the rivals too: `pip install persist-queue huey litequeue secure tabulate python-flint`.
+`docs/decisions` has the figures.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import sys
 import tempfile
 import threading
 import time
+import timeit
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -304,7 +305,34 @@ def ledger() -> None:
         )
 
 
-PARTS = {"guard": guard, "downloads": downloads, "console": console, "ledger": ledger}
+def digits() -> None:
+    """Print how many times as fast balls of Arb are as numbers of mpmath, and what they decide."""
+    from flint import arb, ctx  # type: ignore[import-not-found]
+
+    from core.sweep.precise import CONTEXT, DIGITS
+
+    ctx.dps = DIGITS
+    a, b, x, y = CONTEXT.mpf(1) / 3, CONTEXT.mpf(2) / 7, arb(1) / 3, arb(2) / 7
+    for name, by_mpmath, by_arb in (
+        ("add", lambda: a + b, lambda: x + y),
+        ("multiply", lambda: a * b, lambda: x * y),
+        ("divide", lambda: a / b, lambda: x / y),
+        ("less", lambda: a < b, lambda: x < y),
+        ("sqrt", lambda: CONTEXT.sqrt(a), x.sqrt),
+        ("sin", lambda: CONTEXT.sin(a), x.sin),
+        ("exp", lambda: CONTEXT.exp(a), x.exp),
+    ):
+        ours, balls = (
+            min(timeit.repeat(call, number=5000, repeat=ROUNDS)) for call in (by_mpmath, by_arb)
+        )
+        print(f"{name:9} {ours / balls:5.1f} times as fast")
+    zero = 3 * x - 1
+    print(f"1/3 * 3 - 1 is {zero}: == 0 {zero == 0}, < 0 {zero < 0}, >= 0 {zero >= 0}")
+
+
+PARTS = {
+    "guard": guard, "downloads": downloads, "console": console, "ledger": ledger, "digits": digits,
+}  # fmt: skip
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

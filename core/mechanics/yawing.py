@@ -176,6 +176,26 @@ def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
     return _as_printed(force_wrench.reduced())
 
 
+def unscaled_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
+    """Return what `floor_reduction` does, in steps that have a derivative."""
+    return floor_wrench.reduced_unscaled()
+
+
+def unscaled_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
+    """Return what `force_reduction` does, in steps that have a derivative."""
+    return force_wrench.reduced_unscaled()
+
+
+def unscaled_printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
+    """Return what `printed_floor_reduction` does, in steps that have a derivative."""
+    return _as_printed(floor_wrench.reduced_unscaled())
+
+
+def unscaled_printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
+    """Return what `printed_force_reduction` does, in steps that have a derivative."""
+    return _as_printed(force_wrench.reduced_unscaled())
+
+
 def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
     """True where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
     return np.abs(pressure_offset_axial) > length / 2

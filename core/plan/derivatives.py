@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
-from core.mechanics import yawing
 from core.mechanics.arrays import Array
-from core.mechanics.screws import ScrewKind, ScrewReduction, Wrench, cross, dot
 from core.plan.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
 from core.plan.plan import Plan
 from core.quantities.derivative import DERIVATIVE_STATUSES
@@ -208,7 +206,7 @@ def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
 
 
 def _run(equation: Equation, given: Mapping[str, Any], parameter: str) -> Any:
-    function = IN_PLACE_OF.get(equation.function, equation.function)
+    function = equation.derivative or equation.function
     try:
         with np.errstate(all="ignore"):  # of the branches not taken, whose slopes may be anything
             return function(**given)
@@ -274,26 +272,3 @@ def _from_both_sides(
     )
     slope, error = np.where(smooth, mean, np.nan), np.where(smooth, apart, np.nan)
     return Derived(value, slope, error, status, below.slope, above.slope, jumps)
-
-
-def _reduced(wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of a wrench without the scaling of `reduce_screw`."""
-    square = unboxed(dot(wrench.force, wrench.force))
-    pitch = unboxed(dot(wrench.force, wrench.moment)) / square
-    force = np.any(value_of(wrench.force) != 0)
-    kind = np.asarray(ScrewKind.GENERAL if force else ScrewKind.ZERO, dtype=np.int8)
-    return ScrewReduction(pitch, cross(wrench.force, wrench.moment) / square[..., None], kind)
-
-
-def _printed(wrench: Wrench) -> ScrewReduction:
-    reduction = _reduced(wrench)
-    return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.kind)
-
-
-IN_PLACE_OF: dict[Callable[..., Any], Callable[..., Any]] = {
-    yawing.floor_reduction: lambda *, floor_wrench: _reduced(floor_wrench),
-    yawing.force_reduction: lambda *, force_wrench: _reduced(force_wrench),
-    yawing.printed_floor_reduction: lambda *, floor_wrench: _printed(floor_wrench),
-    yawing.printed_force_reduction: lambda *, force_wrench: _printed(force_wrench),
-}
-"""Equations whose programs take numbers apart bit by bit, and the same in plain arithmetic."""

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array
+from core.plan.operations import OPERATIONS
 
 
 class NotDifferentiableError(TypeError):
@@ -75,29 +75,20 @@ class Dual(NDArrayOperatorsMixin):
             raise NotDifferentiableError(f"numpy.{name}: no rule for this call")
         arguments = [unboxed(x) for x in inputs]
         values = [value_of(x) for x in arguments]
-        if name in VALUE_ONLY:
-            return ufunc(*values)
-        if name in COMPARISONS:
-            a, b = arguments
-            self._note(values[0] == values[1], a, b)
-            return ufunc(*values)
         slopes = [slope_of(x) for x in arguments]
-        if name in SWITCHES:
-            even = values[0] == (values[1] if len(values) > 1 else 0)
-            self._note(even, arguments[0], arguments[1] if len(values) > 1 else 0.0)
-        if name == "copysign":
-            self._note(values[1] == 0, 0.0, arguments[1])
-        if name == "hypot":
-            self._note((values[0] == 0) & (values[1] == 0), arguments[0], -arguments[1])
-        if name == "frexp":
+        if ufunc is np.frexp:
             mantissa, exponent = ufunc(values[0])
             return Dual(mantissa, np.ldexp(slopes[0], -exponent), self.ties), exponent
-        rule = RULES.get(name)
-        if rule is None:
+        operation = OPERATIONS.get(ufunc)
+        if operation is None or not (operation.is_flat or operation.slope):
             raise NotDifferentiableError(f"numpy.{name} has no rule for its derivative")
+        if operation.tie is not None and np.any(even := operation.tie(*values, *slopes)):
+            self.ties.append(np.asarray(even))
         value = ufunc(*values)
+        if operation.slope is None:
+            return value
         with np.errstate(all="ignore"):
-            slope = rule(value, *values, *slopes)
+            slope = operation.slope(value, *values, *slopes)
         return Dual(value, slope, self.ties)
 
     def __array_function__(
@@ -106,45 +97,10 @@ class Dual(NDArrayOperatorsMixin):
         name = function.__name__
         if name in SHAPES_ONLY:
             return function(*_mapped(value_of, args), **kwargs)
-        if name == "clip":
-            return np.minimum(np.maximum(args[0], args[1]), args[2])
-        args = _mapped(unboxed, args)
-        values, slopes = _mapped(value_of, args), _mapped(slope_of, args)
-        if name == "where":
-            condition = values[0]
-            return Dual(
-                np.where(condition, *values[1:]), np.where(condition, *slopes[1:]), self.ties
-            )
-        if name == "broadcast_arrays":
-            whole = np.broadcast_shapes(*(np.shape(x) for x in values))
-            return tuple(
-                Dual(np.broadcast_to(v, whole), np.broadcast_to(d, whole), self.ties)
-                if isinstance(x, Dual)
-                else np.broadcast_to(v, whole)
-                for x, v, d in zip(args, values, slopes, strict=True)
-            )
-        if name in LINEAR:
-            value, slope = function(*values, **kwargs), function(*_slopes(args), **kwargs)
-            return Dual(value, slope, self.ties)
-        if name == "cross":
-            slopes = _slopes(args)
-            slope = function(slopes[0], values[1], **kwargs)
-            slope = slope + function(values[0], slopes[1], **kwargs)
-            return Dual(function(*values, **kwargs), slope, self.ties)
-        if name in ("max", "amax"):
-            place = np.argmax(values[0], axis=kwargs["axis"], keepdims=True)
-            value, slope = (
-                np.take_along_axis(part[0], place, axis=kwargs["axis"]).squeeze(kwargs["axis"])
-                for part in (values, slopes)
-            )
-            return Dual(value, slope, self.ties)
-        raise NotDifferentiableError(f"numpy.{name} has no rule for its derivative")
-
-    def _note(self, even: Any, a: Any, b: Any) -> None:
-        """Note a choice between equals that a step would decide."""
-        where = even & (slope_of(a) != slope_of(b))
-        if np.any(where):
-            self.ties.append(np.asarray(where))
+        rule = ARRAY_RULES.get(name)
+        if rule is None:
+            raise NotDifferentiableError(f"numpy.{name} has no rule for its derivative")
+        return rule(self.ties, function, _mapped(unboxed, args), kwargs)
 
 
 def unboxed(x: Any) -> Any:
@@ -180,60 +136,57 @@ def _slopes(args: Any) -> Any:
     return np.zeros_like(args, dtype=np.float64) if isinstance(args, np.ndarray | float) else args
 
 
-def _times(factor: Any, slope: Any) -> Any:
-    """Return the product, 0 where nothing changes, however steep the factor."""
-    return np.where(slope == 0, 0.0, factor * slope)
+def _clip(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    return np.minimum(np.maximum(args[0], args[1]), args[2])
 
 
-def _chain(factor: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-    """Return the rule of a function of one argument, from its derivative by value and argument."""
-    return lambda f, x, dx: _times(factor(f, x), dx)
+def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    condition, *values = _mapped(value_of, args)
+    return Dual(
+        np.where(condition, *values), np.where(condition, *_mapped(slope_of, args[1:])), ties
+    )
 
 
-def _power(f: Any, a: Any, b: Any, da: Any, db: Any) -> Any:
-    return _times(b * np.power(a, b - 1.0), da) + _times(f * np.log(a), db)
+def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    whole = np.broadcast_shapes(*(np.shape(value_of(x)) for x in args))
+    return tuple(
+        Dual(np.broadcast_to(x.value, whole), np.broadcast_to(x.slope, whole), ties)
+        if isinstance(x, Dual)
+        else np.broadcast_to(x, whole)
+        for x in args
+    )
 
 
-COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal"}
-SWITCHES = {"absolute", "sign", "maximum", "minimum"}
-VALUE_ONLY = {"isfinite", "isnan", "isinf", "signbit", "rint"}
+def _linear(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    return Dual(
+        function(*_mapped(value_of, args), **kwargs), function(*_slopes(args), **kwargs), ties
+    )
+
+
+def _cross(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    (a, b), (da, db) = _mapped(value_of, args), _slopes(args)
+    slope = function(da, b, **kwargs) + function(a, db, **kwargs)
+    return Dual(function(a, b, **kwargs), slope, ties)
+
+
+def _largest(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    (of,), axis = args, kwargs["axis"]
+    where = np.argmax(of.value, axis=axis, keepdims=True)
+    value, slope = (
+        np.take_along_axis(part, where, axis=axis).squeeze(axis) for part in (of.value, of.slope)
+    )
+    return Dual(value, slope, ties)
+
+
 SHAPES_ONLY = {"shape", "ndim", "size", "zeros_like", "ones_like", "full_like", "empty_like"}
 LINEAR = {"stack", "broadcast_to", "concatenate", "sum", "squeeze", "reshape"}
-
-RULES: dict[str, Callable[..., Any]] = {
-    "positive": _chain(lambda f, x: 1.0),
-    "negative": _chain(lambda f, x: -1.0),
-    "absolute": _chain(lambda f, x: np.sign(x)),
-    "sign": _chain(lambda f, x: 0.0),
-    "square": _chain(lambda f, x: 2 * x),
-    "sqrt": _chain(lambda f, x: 0.5 / f),
-    "reciprocal": _chain(lambda f, x: -f * f),
-    "exp": _chain(lambda f, x: f),
-    "expm1": _chain(lambda f, x: np.exp(x)),
-    "log": _chain(lambda f, x: 1 / x),
-    "log1p": _chain(lambda f, x: 1 / (1 + x)),
-    "sin": _chain(lambda f, x: cosine(x)),
-    "cos": _chain(lambda f, x: -sine(x)),
-    "tan": _chain(lambda f, x: 1 + f * f),
-    "arcsin": _chain(lambda f, x: 1 / np.sqrt((1 - x) * (1 + x))),
-    "arccos": _chain(lambda f, x: -1 / np.sqrt((1 - x) * (1 + x))),
-    "arctan": _chain(lambda f, x: 1 / (1 + x * x)),
-    "sinh": _chain(lambda f, x: np.cosh(x)),
-    "cosh": _chain(lambda f, x: np.sinh(x)),
-    "tanh": _chain(lambda f, x: 1 / np.square(np.cosh(x))),
-    "arctanh": _chain(lambda f, x: 1 / ((1 - x) * (1 + x))),
-    "add": lambda f, a, b, da, db: da + db,
-    "subtract": lambda f, a, b, da, db: da - db,
-    "multiply": lambda f, a, b, da, db: _times(b, da) + _times(a, db),
-    "divide": lambda f, a, b, da, db: _times(1 / b, da) - _times(f / b, db),
-    "power": _power,
-    "hypot": lambda f, a, b, da, db: _times(a / f, da) + _times(b / f, db),
-    "arctan2": lambda f, y, x, dy, dx: (
-        _times(x / (x * x + y * y), dy) - _times(y / (x * x + y * y), dx)
-    ),
-    "maximum": lambda f, a, b, da, db: np.where(a >= b, da, db),
-    "minimum": lambda f, a, b, da, db: np.where(a <= b, da, db),
-    "copysign": lambda f, a, b, da, db: _times(np.sign(a) * np.copysign(1.0, b), da),
-    "ldexp": lambda f, a, n, da, dn: np.ldexp(da, n),
+ARRAY_RULES: dict[str, Callable[..., Any]] = {
+    **dict.fromkeys(LINEAR, _linear),
+    "clip": _clip,
+    "where": _where,
+    "broadcast_arrays": _broadcast,
+    "cross": _cross,
+    "max": _largest,
+    "amax": _largest,
 }
-"""Derivatives: of value, arguments and their slopes, in the order of the arguments."""
+"""Functions of numpy that arrange or choose: of the ties, the function and its arguments."""

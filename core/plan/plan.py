@@ -11,11 +11,9 @@ from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
+from core.scenes.aliases import GIVEN_BY, NEEDS, WRITTEN_AS
 from core.scenes.graph import behind
 from core.suggestions import Suggestions, meant, suggestion
-
-# Parameters that may be given in another way; the error for a missing one names the way to write.
-WRITTEN_AS = {"friction_static": "friction", "friction_kinetic": "friction"}
 
 
 @dataclass(frozen=True)
@@ -271,13 +269,9 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 
 
 def _doubled(given: Collection[str]) -> list[Problem]:
+    """Return what is wrong with parameters that are given twice, or without what they need."""
     problems = []
-    for name, others in (
-        ("friction", ("friction_static", "friction_kinetic")),
-        ("peak_to_peak", ("amplitude",)),
-        ("occupancy", ("part_gap",)),
-        ("hold_down", ("hold_down_force",)),
-    ):
+    for name, others in GIVEN_BY.items():
         doubled = [other for other in others if name in given and other in given]
         if doubled:
             problems.append(
@@ -287,9 +281,9 @@ def _doubled(given: Collection[str]) -> list[Problem]:
                     f"Give either {name} or {' and '.join(others)}",
                 )
             )
-    if "hold_down_force" in given and "mass" not in given:
-        message = "the mass of the part that it presses on is missing"
-        problems.append(Problem("parameters.hold_down_force", message, 'Add mass = "5 g"'))
+    for name, (needed, message, example) in NEEDS.items():
+        if name in given and needed not in given:
+            problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))
     return problems
 
 

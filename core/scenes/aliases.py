@@ -17,3 +17,19 @@ ALIASES = (
     Equation("arrival_rate", rate_by_pitch, "theory 16.3"),
 )
 """They serve only where the parameter itself is not given."""
+
+GIVEN_BY = {
+    "friction": ("friction_static", "friction_kinetic"),
+    "peak_to_peak": ("amplitude",),
+    "occupancy": ("part_gap",),
+    "hold_down": ("hold_down_force",),
+}
+"""Parameters that stand for others; a study gives either."""
+
+WRITTEN_AS = {"friction_static": "friction", "friction_kinetic": "friction"}
+"""Which of both ways the error for a missing parameter names."""
+
+NEEDS = {
+    "hold_down_force": ("mass", "the mass of the part that it presses on is missing", '"5 g"'),
+}
+"""Parameters that say nothing without another: that one, what is wrong, and an example of it."""

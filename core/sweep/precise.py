@@ -8,16 +8,19 @@ its digits or there is none.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import mpmath
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
 from core.errors import VibrafeedError
 from core.mechanics.arrays import Array
+from core.plan.operations import OPERATIONS, Operation
 from core.plan.plan import Plan
 from core.watch import Watch
 
@@ -48,20 +51,18 @@ class NotPreciseError(VibrafeedError):
 
 
 def _mpf(value: Any) -> Any:
+    """Return a value as a number of mpmath; NaN where it is complex, as floats would have it."""
     if isinstance(value, Number):
         return value.value
+    if isinstance(value, CONTEXT.mpf | CONTEXT.mpc):
+        return value if isinstance(value, CONTEXT.mpf) else CONTEXT.nan
     if isinstance(value, float | np.floating):
         plain = float(value)
         return CONSTANTS.get(plain) or CONTEXT.mpf(plain)
     return CONTEXT.mpf(int(value))
 
 
-def _real(value: Any) -> Any:
-    """Return a result as floats would have it: NaN where it is complex."""
-    return CONTEXT.nan if isinstance(value, CONTEXT.mpc) else value
-
-
-class Number:
+class Number(NDArrayOperatorsMixin):
     """A real number of 50 digits that behaves as a float does: no exceptions, NaN and infinities.
 
     It has no `__float__`: what would round it by the way fails.
@@ -70,139 +71,22 @@ class Number:
     __slots__ = ("value",)
 
     def __init__(self, value: Any):
-        self.value = _mpf(value) if not isinstance(value, CONTEXT.mpf) else value
+        self.value = value if type(value) is CONTEXT.mpf else _mpf(value)
 
     def __repr__(self) -> str:
         return f"Number({CONTEXT.nstr(self.value, 20)})"
 
-    def __add__(self, other: Any) -> Number:
-        return Number(self.value + _mpf(other))
-
-    def __sub__(self, other: Any) -> Number:
-        return Number(self.value - _mpf(other))
-
-    def __rsub__(self, other: Any) -> Number:
-        return Number(_mpf(other) - self.value)
-
-    def __mul__(self, other: Any) -> Number:
-        return Number(self.value * _mpf(other))
-
-    def __truediv__(self, other: Any) -> Number:
-        return Number(_divided(self.value, _mpf(other)))
-
-    def __rtruediv__(self, other: Any) -> Number:
-        return Number(_divided(_mpf(other), self.value))
-
-    def __pow__(self, other: Any) -> Number:
-        base, power = self.value, _mpf(other)
-        if base == 0 and power < 0:
-            return Number(CONTEXT.inf)
-        return Number(_real(base**power))
-
-    def __rpow__(self, other: Any) -> Number:
-        return Number(other) ** self
-
-    __radd__, __rmul__ = __add__, __mul__
-
-    def __neg__(self) -> Number:
-        return Number(-self.value)
-
-    def __pos__(self) -> Number:
-        return self
-
-    def __abs__(self) -> Number:
-        return Number(abs(self.value))
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **settings: Any) -> Any:
+        operation = OPERATIONS.get(ufunc)
+        if method != "__call__" or settings or operation is None or operation.digits is None:
+            raise TypeError(f"numpy.{ufunc.__name__} is not known to {DIGITS} digits")
+        return _applied(operation, inputs)
 
     def __bool__(self) -> bool:
         return bool(self.value != 0)
 
-    def __eq__(self, other: object) -> bool:
-        return bool(self.value == _mpf(other))
-
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < _mpf(other))
-
-    def __le__(self, other: Any) -> bool:
-        return bool(self.value <= _mpf(other))
-
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > _mpf(other))
-
-    def __ge__(self, other: Any) -> bool:
-        return bool(self.value >= _mpf(other))
-
     def __hash__(self) -> int:
         return hash(self.value)
-
-
-def _divided(above: Any, below: Any) -> Any:
-    if below == 0:
-        return CONTEXT.nan if above == 0 or CONTEXT.isnan(above) else CONTEXT.sign(above) * math.inf
-    return above / below
-
-
-def _logarithm(x: Any) -> Any:
-    return -CONTEXT.inf if x == 0 else CONTEXT.log(x)
-
-
-def _log1p(x: Any) -> Any:
-    return -CONTEXT.inf if x == -1 else CONTEXT.log1p(x)
-
-
-def _arctanh(x: Any) -> Any:
-    return CONTEXT.sign(x) * CONTEXT.inf if abs(x) == 1 else CONTEXT.atanh(x)
-
-
-def _hypot(x: Any, y: Any) -> Any:
-    return CONTEXT.sqrt(x * x + y * y)
-
-
-def _larger(x: Any, y: Any) -> Any:
-    return x if x >= y or CONTEXT.isnan(x) else y
-
-
-def _smaller(x: Any, y: Any) -> Any:
-    return x if x <= y or CONTEXT.isnan(x) else y
-
-
-def _sign(x: Any) -> Any:
-    return x if CONTEXT.isnan(x) else CONTEXT.sign(x)
-
-
-def _nearest(x: Any) -> Any:
-    return CONTEXT.nint(x) if CONTEXT.isfinite(x) else x
-
-
-Elementwise = Callable[..., Any]
-
-REAL: dict[np.ufunc, Elementwise] = {
-    np.sin: CONTEXT.sin,
-    np.cos: CONTEXT.cos,
-    np.tan: CONTEXT.tan,
-    np.sinh: CONTEXT.sinh,
-    np.tanh: CONTEXT.tanh,
-    np.arctan: CONTEXT.atan,
-    np.arctan2: CONTEXT.atan2,
-    np.arctanh: _arctanh,
-    np.sqrt: CONTEXT.sqrt,
-    np.exp: CONTEXT.exp,
-    np.expm1: CONTEXT.expm1,
-    np.log: _logarithm,
-    np.log1p: _log1p,
-    np.hypot: _hypot,
-    np.maximum: _larger,
-    np.minimum: _smaller,
-    np.sign: _sign,
-    np.ldexp: CONTEXT.ldexp,
-    np.rint: _nearest,
-}
-"""The functions that equations call on arrays, as mpmath has them."""
-
-TESTS: dict[np.ufunc, Elementwise] = {
-    np.isnan: CONTEXT.isnan,
-    np.isinf: CONTEXT.isinf,
-    np.isfinite: CONTEXT.isfinite,
-}
 
 
 class Precise(np.ndarray[Any, np.dtype[np.object_]]):
@@ -212,11 +96,16 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
     ) -> Any:
         """Apply a function of numpy with 50 digits."""
-        plain = [_numbers(one) for one in inputs]
+        operation = OPERATIONS.get(ufunc)
+        if method == "__call__" and operation is not None and operation.digits is not None:
+            result = _applied(operation, inputs)
+            if out is None:
+                return result
+            np.copyto(np.asarray(out[0]), np.asarray(result))
+            return out[0]
         if out is not None:
-            settings["out"] = tuple(np.asarray(one) for one in out)
-        if method == "__call__" and (ufunc in REAL or ufunc in TESTS):
-            return _applied(ufunc, plain)
+            settings["out"] = tuple(np.asarray(array) for array in out)
+        plain = [_numbers(array) for array in inputs]
         return _labelled(getattr(ufunc, method)(*plain, **settings))
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
@@ -224,18 +113,23 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
         return _labelled(super().__array_function__(func, types, args, kwargs))
 
 
-def _applied(ufunc: np.ufunc, inputs: Sequence[Any]) -> Any:
-    if ufunc in TESTS:
-        test = TESTS[ufunc]
-        return np.frompyfunc(lambda x: bool(test(_mpf(x))), 1, 1)(*inputs).astype(np.bool_)
-    function = REAL[ufunc]
-    if ufunc is np.ldexp:
-        inputs = [inputs[0], np.asarray(inputs[1]).astype(object)]
+def _applied(operation: Operation, inputs: Sequence[Any]) -> Any:
+    """Return what a row of the table gives of each number: numbers, or truth values."""
+    results = _of_elements(operation, len(inputs))(*map(np.asarray, inputs))
+    return np.asarray(results).astype(np.bool_) if operation.gives_truth else _labelled(results)
 
-    def apply(*numbers: Any) -> Number:
-        return Number(_real(function(*map(_mpf, numbers))))
 
-    return _labelled(np.frompyfunc(apply, ufunc.nin, 1)(*inputs))
+@cache
+def _of_elements(operation: Operation, count: int) -> Any:
+    """Return a function of numpy that applies a row of the table to each element of arrays."""
+    digits, truth = operation.digits, operation.gives_truth
+    assert digits is not None
+
+    def apply(*elements: Any) -> Any:
+        result = digits(CONTEXT, *[x.value if type(x) is Number else _mpf(x) for x in elements])
+        return result if truth else Number(result)
+
+    return np.frompyfunc(apply, count, 1)
 
 
 def _numbers(values: Any) -> Any:

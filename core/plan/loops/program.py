@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from core.plan.loops.order import Order, order_of, work_of
-from core.plan.loops.source import LONGEST_ROW, STEPS, Lanes, Loop, write_loop
+from core.plan.loops.source import LONGEST_ROW, Lanes, Loop, write_loop
 from core.plan.loops.trace import Graph, Node, Traced
+from core.plan.operations import IN_LOOPS
 
 FEW_CELLS = 4096
 """What numpy computes in some microseconds is not worth a loop."""
@@ -98,7 +99,7 @@ def edge_of(
         size = math.prod(lengths[name] for name in node.axes)
         if node.function is None:
             return True
-        if node.function not in STEPS:
+        if node.function not in IN_LOOPS:
             return size <= many
         return size <= few and (node.axes <= along or not node.axes & along)
 
@@ -140,7 +141,7 @@ def program_of(
     results, needed = _renewed(traced, names, edge, special)
     ready = _ready(results)
     leaves = [node for node in needed if node.function is None]
-    called = [node for node in needed if node.function and node.function not in STEPS]
+    called = [node for node in needed if node.function and node.function not in IN_LOOPS]
     stages = []
     for number in range(1 + max((ready[node.number] for node in called), default=0)):
         before = [node for node in called if ready[node.number] <= number]
@@ -154,7 +155,7 @@ def program_of(
         else:
             loop = write_loop(order, leaves, before, results, in_place=True, lanes=lanes)
             stages.append(Stage(loop, (), ()))
-    taken = [node for node in needed if node.function is None or node.function in STEPS]
+    taken = [node for node in needed if node.function is None or node.function in IN_LOOPS]
     return Program(order, tuple(stages), work_of(order, lengths, taken), len(called), lanes)
 
 
@@ -190,7 +191,9 @@ def _ready(results: Iterable[Any]) -> dict[int, int]:
     def visit(node: Node) -> int:
         if node.number not in ready:
             before = max((visit(one) for one in node.before), default=0)
-            ready[node.number] = before + (node.function is not None and node.function not in STEPS)
+            ready[node.number] = before + (
+                node.function is not None and node.function not in IN_LOOPS
+            )
         return ready[node.number]
 
     for one in results:

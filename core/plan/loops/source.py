@@ -18,40 +18,10 @@ import numpy as np
 
 from core.plan.loops.order import Order
 from core.plan.loops.trace import Node
+from core.plan.operations import IN_LOOPS
 
 LONGEST_ROW = 1024
 """Most cells of a piece of it: the rows that are kept stay in the first and second cache."""
-
-STEPS: dict[Any, str] = {
-    np.add: "{} + {}",
-    np.subtract: "{} - {}",
-    np.multiply: "{} * {}",
-    np.divide: "{} / {}",
-    np.negative: "-{}",
-    np.square: "{0} * {0}",
-    np.sqrt: "sqrt({})",
-    np.reciprocal: "1.0 / {}",
-    np.absolute: "abs({})",
-    np.less: "{} < {}",
-    np.less_equal: "{} <= {}",
-    np.greater: "{} > {}",
-    np.greater_equal: "{} >= {}",
-    np.equal: "{} == {}",
-    np.not_equal: "{} != {}",
-    np.bitwise_and: "{} & {}",
-    np.bitwise_or: "{} | {}",
-    np.invert: "{} ^ True",
-    np.isnan: "{0} != {0}",
-    np.isinf: "abs({}) == inf",
-    np.isfinite: "abs({}) < inf",
-    np.where: "choose({}, {}, {})",
-    # As numpy: what is not a number wins.
-    np.maximum: "choose(({0} >= {1}) | ({0} != {0}), {0}, {1})",
-    np.minimum: "choose(({0} <= {1}) | ({0} != {0}), {0}, {1})",
-    np.sign: "choose({0} > 0.0, 1.0, choose({0} < 0.0, -1.0, choose({0} == 0.0, 0.0, {0})))",
-    np.copysign: "copysign({}, {})",
-}
-"""The steps that a compiled loop takes in, exact or rounded once, so that bits are numpy's."""
 
 UPDATES: dict[str, tuple[int, tuple[str, ...]]] = {
     "store": (1, ("{0} = {value}",)),
@@ -321,7 +291,8 @@ class _Writer:
 
     def _step(self, node: Node) -> str:
         terms = (self._term(one) if isinstance(one, Node) else _literal(one) for one in node.inputs)
-        return STEPS[node.function].format(*terms)
+        assert node.function is not None
+        return IN_LOOPS[node.function].format(*terms)
 
 
 def _literal(value: Any) -> str:

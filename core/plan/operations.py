@@ -1,0 +1,227 @@
+"""The table of operations: what each reader of an equation makes of a function of numpy.
+
+An equation is written once, for arrays. Three readers run it on something else: `core.plan.duals`
+on numbers with a derivative, `core.plan.loops` on nodes of a graph, whose steps become a compiled
+loop, and `core.sweep.precise` on numbers of 50 digits. A row of the table is all that they know of
+one function; where a row has nothing for a reader, that reader refuses the function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.angles import cosine, sine
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """A function of numpy as the three readers have it.
+
+    Attributes
+    ----------
+    function : callable
+        The function: one of numpy's elementwise functions, or `numpy.where`.
+    slope : callable or None
+        Derivative of the result: takes the result, the arguments and their derivatives.
+    loop : str
+        The expression in a compiled loop, of the arguments; exact or rounded once, so that its bits
+        are numpy's. Empty: numpy computes it between two loops.
+    digits : callable or None
+        The function for numbers of many digits: takes a context of mpmath and the arguments.
+    tie : callable or None
+        Where the function chooses between equals that a step would decide; takes the arguments and
+        their derivatives.
+    is_flat : bool
+        True if the result is a truth value or a step function, which carries no derivative.
+    """
+
+    function: Function
+    slope: Function | None = None
+    loop: str = ""
+    digits: Function | None = None
+    tie: Function | None = None
+    is_flat: bool = False
+
+    @property
+    def gives_truth(self) -> bool:
+        """True if the result is a truth value."""
+        return self.is_flat and str(self.function.types[0]).endswith("?")  # type: ignore[attr-defined]
+
+
+def _times(factor: Any, slope: Any) -> Any:
+    """Return the product, 0 where nothing changes, however steep the factor."""
+    return np.where(slope == 0, 0.0, factor * slope)
+
+
+def _chain(factor: Callable[[Any, Any], Any]) -> Function:
+    """Return the rule of a function of one argument, from its derivative by value and argument."""
+    return lambda f, x, dx: _times(factor(f, x), dx)
+
+
+def _divided(m: Any, above: Any, below: Any) -> Any:
+    """Return a quotient as floats have it: infinite over 0, and no number for 0/0."""
+    if below == 0:
+        return m.nan if above == 0 or m.isnan(above) else m.sign(above) * m.inf
+    return above / below
+
+
+def _power(m: Any, base: Any, exponent: Any) -> Any:
+    return m.inf if base == 0 and exponent < 0 else base**exponent
+
+
+def _same(a: Any, b: Any, da: Any, db: Any) -> Any:
+    """True where two arguments are equal and will not stay so."""
+    return (a == b) & (da != db)
+
+
+def _zero(x: Any, dx: Any) -> Any:
+    """True where an argument is 0 and will not stay so."""
+    return (x == 0) & (dx != 0)
+
+
+def _comparison(function: Function, sign: str, digits: Function) -> Operation:
+    return Operation(function, None, f"{{}} {sign} {{}}", digits, _same, is_flat=True)
+
+
+def _flat(function: Function, loop: str, digits: Function | None) -> Operation:
+    return Operation(function, None, loop, digits, is_flat=True)
+
+
+# Columns: function, derivative, compiled loop, 50 digits, ties.
+_ROWS = (
+    # Arithmetic.
+    Operation(np.add, lambda f, a, b, da, db: da + db, "{} + {}", lambda m, x, y: x + y),
+    Operation(np.subtract, lambda f, a, b, da, db: da - db, "{} - {}", lambda m, x, y: x - y),
+    Operation(
+        np.multiply,
+        lambda f, a, b, da, db: _times(b, da) + _times(a, db),
+        "{} * {}",
+        lambda m, x, y: x * y,
+    ),
+    Operation(
+        np.divide,
+        lambda f, a, b, da, db: _times(1 / b, da) - _times(f / b, db),
+        "{} / {}",
+        _divided,
+    ),
+    Operation(
+        np.power,
+        lambda f, a, b, da, db: _times(b * np.power(a, b - 1.0), da) + _times(f * np.log(a), db),
+        digits=_power,
+    ),
+    Operation(np.positive, _chain(lambda f, x: 1.0), digits=lambda m, x: x),
+    Operation(np.negative, _chain(lambda f, x: -1.0), "-{}", lambda m, x: -x),
+    Operation(np.square, _chain(lambda f, x: 2 * x), "{0} * {0}", lambda m, x: x * x),
+    Operation(
+        np.reciprocal, _chain(lambda f, x: -f * f), "1.0 / {}", lambda m, x: _divided(m, 1, x)
+    ),
+    Operation(np.sqrt, _chain(lambda f, x: 0.5 / f), "sqrt({})", lambda m, x: m.sqrt(x)),
+    Operation(
+        np.hypot,
+        lambda f, a, b, da, db: _times(a / f, da) + _times(b / f, db),
+        digits=lambda m, x, y: m.sqrt(x * x + y * y),
+        tie=lambda a, b, da, db: (a == 0) & (b == 0) & (da != -db),
+    ),
+    Operation(
+        np.ldexp, lambda f, a, n, da, dn: np.ldexp(da, n), digits=lambda m, x, n: m.ldexp(x, int(n))
+    ),
+    # Exponentials and logarithms.
+    Operation(np.exp, _chain(lambda f, x: f), digits=lambda m, x: m.exp(x)),
+    Operation(np.expm1, _chain(lambda f, x: np.exp(x)), digits=lambda m, x: m.expm1(x)),
+    Operation(
+        np.log, _chain(lambda f, x: 1 / x), digits=lambda m, x: -m.inf if x == 0 else m.log(x)
+    ),
+    Operation(
+        np.log1p,
+        _chain(lambda f, x: 1 / (1 + x)),
+        digits=lambda m, x: -m.inf if x == -1 else m.log1p(x),
+    ),
+    # Functions of angles, and hyperbolic ones.
+    Operation(np.sin, _chain(lambda f, x: cosine(x)), digits=lambda m, x: m.sin(x)),
+    Operation(np.cos, _chain(lambda f, x: -sine(x)), digits=lambda m, x: m.cos(x)),
+    Operation(np.tan, _chain(lambda f, x: 1 + f * f), digits=lambda m, x: m.tan(x)),
+    Operation(
+        np.arcsin,
+        _chain(lambda f, x: 1 / np.sqrt((1 - x) * (1 + x))),
+        digits=lambda m, x: m.asin(x),
+    ),
+    Operation(
+        np.arccos,
+        _chain(lambda f, x: -1 / np.sqrt((1 - x) * (1 + x))),
+        digits=lambda m, x: m.acos(x),
+    ),
+    Operation(np.arctan, _chain(lambda f, x: 1 / (1 + x * x)), digits=lambda m, x: m.atan(x)),
+    Operation(
+        np.arctan2,
+        lambda f, y, x, dy, dx: _times(x / (x * x + y * y), dy) - _times(y / (x * x + y * y), dx),
+        digits=lambda m, y, x: m.atan2(y, x),
+    ),
+    Operation(np.sinh, _chain(lambda f, x: np.cosh(x)), digits=lambda m, x: m.sinh(x)),
+    Operation(np.cosh, _chain(lambda f, x: np.sinh(x)), digits=lambda m, x: m.cosh(x)),
+    Operation(
+        np.tanh, _chain(lambda f, x: 1 / np.square(np.cosh(x))), digits=lambda m, x: m.tanh(x)
+    ),
+    Operation(
+        np.arctanh,
+        _chain(lambda f, x: 1 / ((1 - x) * (1 + x))),
+        digits=lambda m, x: m.sign(x) * m.inf if abs(x) == 1 else m.atanh(x),
+    ),
+    # Comparisons and truth values.
+    _comparison(np.less, "<", lambda m, x, y: x < y),
+    _comparison(np.less_equal, "<=", lambda m, x, y: x <= y),
+    _comparison(np.greater, ">", lambda m, x, y: x > y),
+    _comparison(np.greater_equal, ">=", lambda m, x, y: x >= y),
+    _comparison(np.equal, "==", lambda m, x, y: x == y),
+    _comparison(np.not_equal, "!=", lambda m, x, y: x != y),
+    Operation(np.bitwise_and, loop="{} & {}"),
+    Operation(np.bitwise_or, loop="{} | {}"),
+    Operation(np.invert, loop="{} ^ True"),
+    _flat(np.isnan, "{0} != {0}", lambda m, x: m.isnan(x)),
+    _flat(np.isinf, "abs({}) == inf", lambda m, x: m.isinf(x)),
+    _flat(np.isfinite, "abs({}) < inf", lambda m, x: m.isfinite(x)),
+    # Numbers of 50 digits have one zero, without a sign.
+    _flat(np.signbit, "", None),
+    _flat(np.rint, "", lambda m, x: m.nint(x) if m.isfinite(x) else x),
+    # Choices. As in numpy, what is not a number wins.
+    Operation(np.where, lambda f, c, a, b, dc, da, db: np.where(c, da, db), "choose({}, {}, {})"),
+    Operation(
+        np.maximum,
+        lambda f, a, b, da, db: np.where(a >= b, da, db),
+        "choose(({0} >= {1}) | ({0} != {0}), {0}, {1})",
+        lambda m, x, y: x if x >= y or m.isnan(x) else y,
+        _same,
+    ),
+    Operation(
+        np.minimum,
+        lambda f, a, b, da, db: np.where(a <= b, da, db),
+        "choose(({0} <= {1}) | ({0} != {0}), {0}, {1})",
+        lambda m, x, y: x if x <= y or m.isnan(x) else y,
+        _same,
+    ),
+    Operation(np.absolute, _chain(lambda f, x: np.sign(x)), "abs({})", lambda m, x: abs(x), _zero),
+    Operation(
+        np.sign,
+        _chain(lambda f, x: 0.0),
+        "choose({0} > 0.0, 1.0, choose({0} < 0.0, -1.0, choose({0} == 0.0, 0.0, {0})))",
+        lambda m, x: x if m.isnan(x) else m.sign(x),
+        _zero,
+    ),
+    Operation(
+        np.copysign,
+        lambda f, a, b, da, db: _times(np.sign(a) * np.copysign(1.0, b), da),
+        "copysign({}, {})",
+        tie=lambda a, b, da, db: (b == 0) & (db != 0),
+    ),
+)
+
+OPERATIONS: dict[Function, Operation] = {row.function: row for row in _ROWS}
+"""The rows, by their function."""
+
+IN_LOOPS: dict[Function, str] = {row.function: row.loop for row in _ROWS if row.loop}
+"""The functions that a compiled loop takes in, with their expressions."""

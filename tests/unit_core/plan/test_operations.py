@@ -1,0 +1,117 @@
+"""Each row of the table of operations: loops to the bit of numpy, slopes and digits by numbers."""
+
+from __future__ import annotations
+
+import ast
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import core.plan
+from core.plan.duals import Dual
+from core.plan.operations import IN_LOOPS, OPERATIONS
+from core.quantities import QUANTITIES
+from core.sweep.precise import CONTEXT, Number, Precise
+
+ROOT = Path(core.plan.__file__).parent
+POINTS = {1: [(0.35,), (0.62,)], 2: [(0.35, 0.62), (0.62, 0.35)]}
+AT_EDGES = [0.0, -0.0, 1.0, -1.5, 3e-300, math.inf, -math.inf, math.nan]
+
+
+def name(operation):
+    return operation.function.__name__
+
+
+def rows(column):
+    return [row for row in OPERATIONS.values() if column(row) and row.function is not np.where]
+
+
+def choose(condition, one, other):
+    return one if condition else other
+
+
+def divided(expression, values):
+    """Return what a loop gives, with the quotients of a processor in place of Python's errors."""
+    words = {"sqrt": np.sqrt, "abs": abs, "copysign": math.copysign, "inf": math.inf}
+    kinds = [v if isinstance(v, bool) else np.float64(v) for v in values]
+    with np.errstate(all="ignore"):
+        return eval(
+            expression.format(*(f"v[{k}]" for k in range(3))),
+            words | {"v": kinds, "choose": choose},
+        )
+
+
+@pytest.mark.parametrize("operation", rows(lambda row: row.loop), ids=name)
+def test_a_loop_has_the_bits_of_numpy(operation):
+    function = operation.function
+    is_logical = function in (np.bitwise_and, np.bitwise_or, np.invert)
+    edges = [False, True] if is_logical else AT_EDGES
+    pairs = [(x, y) for x in edges for y in edges] if function.nin == 2 else [(x,) for x in edges]
+    for values in pairs:
+        with np.errstate(all="ignore"):
+            want = function(*values)
+        got = divided(IN_LOOPS[function], values)
+        if isinstance(want, bool | np.bool_):
+            assert bool(got) == bool(want), values
+        elif np.isnan(want):
+            assert np.isnan(got), values
+        elif function in (np.maximum, np.minimum):  # which of two zeros, numpy does not say
+            assert got == want, values
+        else:
+            assert np.float64(got).tobytes() == np.float64(want).tobytes(), values
+
+
+@pytest.mark.parametrize("operation", rows(lambda row: row.digits), ids=name)
+def test_digits_begin_as_numpy_does(operation):
+    function = operation.function
+    points = [(0.35, 2), (0.62, -3)] if function is np.ldexp else POINTS[function.nin]
+    for values in points:
+        got = function(*(Number(v) if isinstance(v, float) else v for v in values))
+        want = function(*values)
+        if isinstance(want, np.bool_):
+            assert bool(got) == bool(want)
+        else:
+            assert float(got.value) == pytest.approx(float(want), rel=1e-14)
+
+
+@pytest.mark.parametrize("operation", rows(lambda row: row.digits and row.slope), ids=name)
+def test_slopes_are_those_of_fifty_digits(operation):
+    """A central difference over a step of 1e-15 leaves 30 digits of 50: rules have no witness."""
+    function, step = operation.function, CONTEXT.mpf(10) ** -15
+    points = [(0.35, 2), (0.62, -3)] if function is np.ldexp else POINTS[function.nin]
+    for values in points:
+        for place in range(len([v for v in values if isinstance(v, float)])):
+            carried = [Dual(v, 1.0, []) if k == place else v for k, v in enumerate(values)]
+            above, below = (
+                operation.digits(
+                    CONTEXT,
+                    *(CONTEXT.mpf(v) + way * step * (k == place) for k, v in enumerate(values)),
+                )
+                for way in (1, -1)
+            )
+            want = float((above - below) / (2 * step))
+            assert function(*carried).slope == pytest.approx(want, rel=1e-13, abs=1e-15)
+
+
+def test_numbers_and_arrays_of_them_meet_the_same_rows():
+    array = np.array([Number(0.25), Number(4.0)], dtype=object).view(Precise)
+    assert [float(x.value) for x in np.sqrt(array) * 2.0 + Number(1)] == [2.0, 5.0]
+    assert (array > Number(1)).tolist() == [False, True]
+    array *= Number(2)
+    assert [float(x.value) for x in array] == [0.5, 8.0]
+    with pytest.raises(TypeError, match="spacing is not known to 50 digits"):
+        np.spacing(Number(1))
+
+
+def test_the_plan_knows_no_parameter_by_name():
+    """What is said of single parameters and outputs stands in the tables of scenes."""
+    parameters = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
+    named = {
+        (path.name, node.value)
+        for path in ROOT.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Constant) and node.value in parameters
+    }
+    assert named == {("parts.py", "parts")}  # the parts of a study: a key of their records
