@@ -48,7 +48,7 @@ class LeastSquares:
         margin = 1e-9
         share = np.clip((start - model.lower) / model.width, margin, 1.0 - margin)
         before = self._residuals(share[np.newaxis])[0]
-        found = scipy.optimize.least_squares(
+        optimum = scipy.optimize.least_squares(
             lambda x: self._residuals(x[np.newaxis])[0],
             share,
             jac=self._slopes,
@@ -59,9 +59,9 @@ class LeastSquares:
             gtol=1e-14,
             max_nfev=MOST_STEPS,
         )
-        if not 2.0 * found.cost < before @ before:
+        if not 2.0 * optimum.cost < before @ before:
             return start
-        return model.lower + found.x * model.width
+        return model.lower + optimum.x * model.width
 
     def _residuals(self, shares: Array) -> Array:
         """Return residuals over errors at points, shape (points, runs + unknowns)."""

@@ -79,25 +79,25 @@ class Calibration(Prepared):
         """The unit of each variable of the result, in order."""
         model, units = self.model, dict[str, str]()
         output = QUANTITIES[model.runs.output].unit
-        for one in model.unknowns:
-            units |= {f"{what}_{one.name}": one.unit for what in ESTIMATES}
+        for unknown in model.unknowns:
+            units |= {f"{what}_{unknown.name}": unknown.unit for what in ESTIMATES}
         units |= {f"correlation_{a}_{b}": "1" for a, b in combinations(model.names, 2)}
         units |= dict.fromkeys(("discrepancy", *(f"discrepancy_{b}" for b in BANDS)), output)
         units["discrepancy_probability"] = "1"
-        units |= {f"mode_{one.name}": one.unit for one in model.unknowns}
+        units |= {f"mode_{unknown.name}": unknown.unit for unknown in model.unknowns}
         units["mode_share"] = "1"
         units |= dict.fromkeys((model.runs.output, "error", "predicted", "predicted_best"), output)
         units |= {f"predicted_{band}": output for band in BANDS}
         units |= {"predicted_spread": output, "residual": output, "residual_over_error": "1"}
         if model.runs.watched.any():
             units["probability_of_seen"] = "1"
-        for one in model.unknowns:
-            units[f"density_{one.name}"] = "1" if one.unit == "1" else f"({one.unit})-1"
+        for unknown in model.unknowns:
+            units[f"density_{unknown.name}"] = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
         units |= {f"density_{a}_{b}": "1" for a, b in self.pairs}
         units["log_density"] = "1"
         if self.candidates:
             units |= {"information": "bit", "expected": output, "expected_deviation": output}
-            units |= {f"{LEFT}{one.name}": one.unit for one in model.unknowns}
+            units |= {f"{LEFT}{unknown.name}": unknown.unit for unknown in model.unknowns}
         return units
 
     @property

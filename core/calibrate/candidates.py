@@ -82,9 +82,9 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
     least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
     most = np.where(known, value + AROUND * spread, -np.inf).max(axis=0)
     some = (count > 0) & (most > least)
-    found, left = np.full(value.shape[1], 0.0), np.ones((points.shape[1], value.shape[1]))
+    gain, left = np.full(value.shape[1], 0.0), np.ones((points.shape[1], value.shape[1]))
     if not some.any():
-        return found, left
+        return gain, left
     value, spread, known = value[:, some], spread[:, some], known[:, some]
     steps = (most - least)[some] / (PLACES - 1)
     places = least[some] + steps * np.arange(PLACES)[:, np.newaxis]
@@ -98,8 +98,8 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
         own = np.log(spread) + 0.5 * (np.log(2.0 * np.pi) + 1.0)
     noise = np.where(known, own, 0.0).sum(axis=0) / count[some]
     # What motions of no speed tell is not counted: such a run is not one to plan.
-    found[some] = np.maximum(entropy - noise, 0.0) / BIT * (count[some] / len(value))
-    return found, left
+    gain[some] = np.maximum(entropy - noise, 0.0) / BIT * (count[some] / len(value))
+    return gain, left
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:

@@ -288,14 +288,14 @@ class Model:
         """Return the parameters of the plan, SI units, which broadcast to (points, runs)."""
         known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
         known |= {name: values[np.newaxis] for name, values in columns.items()}
-        for k, one in enumerate(self.unknowns):
+        for k, unknown in enumerate(self.unknowns):
             column = points[:, k : k + 1]
-            if one.table == "unknowns":
-                known[one.parameter] = column
-            elif one.table == "offsets":
-                known[one.parameter] = known[one.parameter] + column
+            if unknown.table == "unknowns":
+                known[unknown.parameter] = column
+            elif unknown.table == "offsets":
+                known[unknown.parameter] = known[unknown.parameter] + column
             else:
-                known[one.parameter] = known[one.parameter] * column
+                known[unknown.parameter] = known[unknown.parameter] * column
         return {name: parameter_to_si(name, np.asarray(value)) for name, value in known.items()}
 
     def log_prior(self, points: Array) -> Array:

@@ -152,13 +152,13 @@ def axes_of(posterior: Posterior) -> list[Array]:
     count = AXIS[len(model.unknowns)]
     ends = posterior.quantiles(posterior.points, (TAIL, 1.0 - TAIL))
     axes = []
-    for k, one in enumerate(model.unknowns):
+    for k, unknown in enumerate(model.unknowns):
         low, high = ends[:, k]
         more = BEYOND * (high - low)
-        low, high = max(low - more, one.lower), min(high + more, one.upper)
-        if not high - low > 1e-9 * one.width:
+        low, high = max(low - more, unknown.lower), min(high + more, unknown.upper)
+        if not high - low > 1e-9 * unknown.width:
             middle = 0.5 * (low + high)
-            low, high = middle - 1e-6 * one.width, middle + 1e-6 * one.width
+            low, high = middle - 1e-6 * unknown.width, middle + 1e-6 * unknown.width
         axes.append(np.linspace(low, high, count))
     return axes
 
@@ -190,7 +190,7 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
 
 def _leaf_of(leaves: Leaves, share: Array) -> NDArray[np.int64]:
     """Return the number of the leaf that each point lies in."""
-    found = np.zeros(len(share), dtype=np.int64)
+    leaf = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(leaves.halvings).tolist():
         ours = np.flatnonzero(leaves.halvings == halvings)
         keys = _keys(leaves.centre[ours], halvings)
@@ -198,8 +198,8 @@ def _leaf_of(leaves: Leaves, share: Array) -> NDArray[np.int64]:
         asked = _keys(share, halvings)
         place = np.minimum(np.searchsorted(keys[order], asked), len(ours) - 1)
         hit = keys[order][place] == asked
-        found[hit] = ours[order][place][hit]
-    return found
+        leaf[hit] = ours[order][place][hit]
+    return leaf
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
@@ -233,12 +233,12 @@ def _binned(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -
     mass = np.zeros(int(np.prod(shape)))
     lows, shares, inside = [], [], np.ones(len(posterior.points), dtype=bool)
     for axis, k in zip(axes, which, strict=True):
-        place = (posterior.points[:, k] - axis[0]) / (axis[1] - axis[0])
-        inside &= (place > -0.5) & (place < len(axis) - 0.5)
-        place = np.clip(place, 0.0, len(axis) - 1.0)
-        low = np.minimum(place.astype(np.int64), len(axis) - 2)
+        position = (posterior.points[:, k] - axis[0]) / (axis[1] - axis[0])
+        inside &= (position > -0.5) & (position < len(axis) - 0.5)
+        position = np.clip(position, 0.0, len(axis) - 1.0)
+        low = np.minimum(position.astype(np.int64), len(axis) - 2)
         lows.append(low)
-        shares.append(place - low)
+        shares.append(position - low)
     for corner in np.ndindex(*(2,) * len(axes)):
         weight = np.where(inside, posterior.weights, 0.0)
         flat = np.zeros(len(weight), dtype=np.int64)

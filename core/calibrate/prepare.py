@@ -189,14 +189,14 @@ def _open(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
     """Yield unknowns whose parameter is known, and offsets and factors of what is not there."""
-    for one in unknowns:
-        place, given = f"{one.table}.{one.parameter}", {*shared, *columns}
-        if one.table == "unknowns" and one.parameter in given:
-            where = "observations" if one.parameter in columns else "parameters"
-            message = f"{one.parameter} is unknown, and given in the {where}"
+    for unknown in unknowns:
+        place, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
+        if unknown.table == "unknowns" and unknown.parameter in names:
+            where = "observations" if unknown.parameter in columns else "parameters"
+            message = f"{unknown.parameter} is unknown, and given in the {where}"
             yield Problem(place, message, "Give it once, or make it [offsets] or [factors]")
-        elif one.table != "unknowns" and one.parameter not in given:
-            message = f"there is no {one.parameter} among the parameters or observations"
+        elif unknown.table != "unknowns" and unknown.parameter not in names:
+            message = f"there is no {unknown.parameter} among the parameters or observations"
             fix = "Give what it changes, or move it to [unknowns]"
             yield Problem(place, message, fix)
 
@@ -210,26 +210,30 @@ def _spans(
     for name, column in columns.items():
         values = np.unique(column[~np.isnan(column)]).tolist()
         spans[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
-    for one in unknowns:
-        low, high = one.lower, one.upper
-        if one.table != "unknowns":
-            given = columns.get(one.parameter, np.array([shared.get(one.parameter, np.nan)]))
-            known = spans.get(one.parameter)
+    for unknown in unknowns:
+        low, high = unknown.lower, unknown.upper
+        if unknown.table != "unknowns":
+            given = columns.get(
+                unknown.parameter, np.array([shared.get(unknown.parameter, np.nan)])
+            )
+            known = spans.get(unknown.parameter)
             if isinstance(known, Span):  # it has another unknown already
                 given = np.array([known.start, known.stop])
             given = given[~np.isnan(given)]
             if not given.size:
                 continue
             pair = np.array([low, high])[:, np.newaxis]
-            ends = given + pair if one.table == "offsets" else given * pair
+            ends = given + pair if unknown.table == "offsets" else given * pair
             low, high = float(ends.min()), float(ends.max())
-        quantity = QUANTITIES[one.parameter]
+        quantity = QUANTITIES[unknown.parameter]
         if low < quantity.lower or high > quantity.upper:
             least = f"{quantity.lower:g}" if low < quantity.lower else f"{quantity.upper:g}"
             word = "below" if low < quantity.lower else "above"
-            message = f"with it {one.parameter} may come {word} {least} {quantity.unit}"
-            problems.append(Problem(f"{one.table}.{one.parameter}", message, "Narrow its range"))
-        spans[one.parameter] = Span(low, high, 2) if high > low else Fixed(low)
+            message = f"with it {unknown.parameter} may come {word} {least} {quantity.unit}"
+            problems.append(
+                Problem(f"{unknown.table}.{unknown.parameter}", message, "Narrow its range")
+            )
+        spans[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
     return spans, problems
 
 

@@ -145,16 +145,18 @@ def _by_run(
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
-    found = model.predict(best, Watch())
+    predicted = model.predict(best, Watch())
     bands = posterior.quantiles(posterior.value, SHARES)
-    spread = np.sqrt(found.variance[0])
-    residual = runs.value - found.value[0]
-    whole = np.sqrt(np.square(runs.error) + found.variance[0] + np.square(arrays["discrepancy"]))
+    spread = np.sqrt(predicted.variance[0])
+    residual = runs.value - predicted.value[0]
+    whole = np.sqrt(
+        np.square(runs.error) + predicted.variance[0] + np.square(arrays["discrepancy"])
+    )
     by_run: dict[str, Array] = {
         runs.output: runs.value,
         "error": np.where(runs.measured & (runs.error > 0), runs.error, np.nan),
         "predicted": posterior.mean(posterior.value),
-        "predicted_best": found.value[0],
+        "predicted_best": predicted.value[0],
         **{f"predicted_{band}": bands[n] for n, band in enumerate(BANDS)},
         "predicted_spread": spread,
         "residual": residual,
@@ -171,12 +173,12 @@ def _by_run(
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
     names = prepared.model.names
-    found = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
+    densities = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
     for one, other in prepared.pairs:
         j, k = names.index(one), names.index(other)
-        found[f"density_{one}_{other}"] = pair(posterior, axes, j, k)
-    found["log_density"] = log_density(posterior, axes)
-    return found
+        densities[f"density_{one}_{other}"] = pair(posterior, axes, j, k)
+    densities["log_density"] = log_density(posterior, axes)
+    return densities
 
 
 def _coordinates(
@@ -205,8 +207,8 @@ def _coordinates(
     return coordinates
 
 
-def _unknown_attributes(one: Any) -> dict[str, Any]:
-    return {"units": one.unit, "long_name": one.label}
+def _unknown_attributes(unknown: Any) -> dict[str, Any]:
+    return {"units": unknown.unit, "long_name": unknown.label}
 
 
 _SAYS = {
@@ -244,27 +246,29 @@ _RUNS = {
 
 def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
     """Return the CF attributes of every variable."""
-    model, found = prepared.model, dict[str, dict[str, Any]]()
-    for one in model.unknowns:
-        lowered = one.label[0].lower() + one.label[1:]
+    model, attributes = prepared.model, dict[str, dict[str, Any]]()
+    for unknown in model.unknowns:
+        lowered = unknown.label[0].lower() + unknown.label[1:]
         for what in ESTIMATES:
-            found[f"{what}_{one.name}"] = {"long_name": f"{_SAYS[what]} of the {lowered}"}
-        found[f"density_{one.name}"] = {"long_name": f"Density of the {lowered}"}
-        found[f"{LEFT}{one.name}"] = {
+            attributes[f"{what}_{unknown.name}"] = {"long_name": f"{_SAYS[what]} of the {lowered}"}
+        attributes[f"density_{unknown.name}"] = {"long_name": f"Density of the {lowered}"}
+        attributes[f"{LEFT}{unknown.name}"] = {
             "long_name": f"Standard deviation of the {lowered} after the measurement",
             "comment": "What is expected to be left of it once the speed there is measured.",
         }
-        found[f"mode_{one.name}"] = {"long_name": f"Best of each mode, {lowered}"}
+        attributes[f"mode_{unknown.name}"] = {"long_name": f"Best of each mode, {lowered}"}
     for one_, other in combinations(model.names, 2):
-        found[f"correlation_{one_}_{other}"] = {"long_name": f"Correlation of {one_} and {other}"}
-        found[f"density_{one_}_{other}"] = {"long_name": f"Density of {one_} and {other}"}
-    found[model.runs.output] = {
+        attributes[f"correlation_{one_}_{other}"] = {
+            "long_name": f"Correlation of {one_} and {other}"
+        }
+        attributes[f"density_{one_}_{other}"] = {"long_name": f"Density of {one_} and {other}"}
+    attributes[model.runs.output] = {
         "long_name": f"Measured {QUANTITIES[model.runs.output].label.lower()}"
     }
     for band in BANDS:
         words = _SAYS[band][0].lower() + _SAYS[band][1:]
-        found[f"predicted_{band}"] = {"long_name": f"Predicted, {words}"}
-        found[f"discrepancy_{band}"] = {"long_name": f"Discrepancy, {words}"}
+        attributes[f"predicted_{band}"] = {"long_name": f"Predicted, {words}"}
+        attributes[f"discrepancy_{band}"] = {"long_name": f"Discrepancy, {words}"}
     for name, (label_, comment) in _RUNS.items():
-        found[name] = {"long_name": label_, "comment": comment}
-    return {name: {"units": unit, **found[name]} for name, unit in prepared.units.items()}
+        attributes[name] = {"long_name": label_, "comment": comment}
+    return {name: {"units": unit, **attributes[name]} for name, unit in prepared.units.items()}

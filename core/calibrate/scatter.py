@@ -75,12 +75,12 @@ class Scatter:
         logs = np.log(sizes)
         fine = np.linspace(logs[first], logs[last], FINER)
         step = np.log((fine[1] - fine[0]) / (logs[1] - logs[0]))
-        found = Scatter(np.exp(fine), np.interp(fine, logs, before) + step)
+        scatter = Scatter(np.exp(fine), np.interp(fine, logs, before) + step)
         if sizes.size == self.sizes.size:
-            return found
+            return scatter
         return Scatter(
-            np.concatenate([self.sizes[:1], found.sizes]),
-            np.concatenate([self.log_before[:1], found.log_before]),
+            np.concatenate([self.sizes[:1], scatter.sizes]),
+            np.concatenate([self.log_before[:1], scatter.log_before]),
         )
 
 

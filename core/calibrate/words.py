@@ -90,14 +90,14 @@ class Findings:
 
     def _estimates(self) -> Iterator[str]:
         several = len(self.arrays["mode_share"]) > 1
-        for one in self.model.unknowns:
-            deviation = self._value(f"deviation_{one.name}")
+        for unknown in self.model.unknowns:
+            deviation = self._value(f"deviation_{unknown.name}")
             best, low, high = (
-                rounded(self._value(f"{what}_{one.name}"), deviation, one.unit, self.units)
+                rounded(self._value(f"{what}_{unknown.name}"), deviation, unknown.unit, self.units)
                 for what in ("best", "lower_95", "upper_95")
             )
-            told_best = "" if several or one.name in self.unsettled else f"best {best}; "
-            yield f"{one.label} ({one.name}): {told_best}{low} to {high} with 95 %"
+            told_best = "" if several or unknown.name in self.unsettled else f"best {best}; "
+            yield f"{unknown.label} ({unknown.name}): {told_best}{low} to {high} with 95 %"
 
     def _modes(self) -> Iterator[str]:
         shares = self.arrays["mode_share"]
@@ -136,11 +136,11 @@ class Findings:
             if one.name not in named and self._value(f"deviation_{one.name}") > HARDLY * before:
                 yield f"The runs say next to nothing about {one.name}: it is as it was given"
 
-    def _pair(self, one: Unknown, other: Unknown, j: int, k: int) -> str:
+    def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
         points, weights = self.posterior.points, self.posterior.weights
-        correlation = self._value(f"correlation_{one.name}_{other.name}")
+        correlation = self._value(f"correlation_{unknown.name}_{other.name}")
         first, second = points[:, j], points[:, k]
-        if min(one.lower, other.lower) > 0:
+        if min(unknown.lower, other.lower) > 0:
             logs = [np.log(first), np.log(second)]
             wide = min(_deviation(log, weights) for log in logs)
             for sign, word in ((-1.0, "ratio"), (1.0, "product")):
@@ -150,30 +150,33 @@ class Findings:
                         self.posterior.quantiles(joint, (0.025, 0.5, 0.975))
                     )
                     mark = "/" if sign < 0 else "*"
-                    unit = _joint_unit(one.unit, other.unit, mark)
+                    unit = _joint_unit(unknown.unit, other.unit, mark)
                     return (
-                        f"The runs determine only the {word} {one.name} {mark} {other.name}, "
+                        f"The runs determine only the {word} {unknown.name} {mark} {other.name}, "
                         f"{middle:.4g}{unit} ({least:.4g} to {most:.4g} with 95 %); what "
-                        f"{one.name} and {other.name} are by themselves the data cannot settle"
+                        f"{unknown.name} and {other.name} are by themselves the data cannot settle"
                     )
         if abs(correlation) > TOGETHER:
             how = "the more" if correlation > 0 else "the less"
             return (
-                f"The runs hardly separate {one.name} and {other.name}: the more of one, {how} "
+                f"The runs hardly separate {unknown.name} and {other.name}: the more of one, {how} "
                 f"of the other (correlation {correlation:.2f})"
             )
         return ""
 
     def _bounds(self) -> Iterator[str]:
-        for one in self.model.unknowns:
-            axis, density = self.arrays[one.name], self.arrays[f"density_{one.name}"]
-            for end, bound, word in ((0, one.lower, "lower"), (-1, one.upper, "upper")):
-                near = abs(axis[end] - bound) < 1e-9 * one.width
-                free = not isinstance(one.prior, Normal)
-                some = self._value(f"deviation_{one.name}") < HARDLY * _deviation_before(one)
+        for unknown in self.model.unknowns:
+            axis, density = self.arrays[unknown.name], self.arrays[f"density_{unknown.name}"]
+            for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
+                near = abs(axis[end] - bound) < 1e-9 * unknown.width
+                free = not isinstance(unknown.prior, Normal)
+                some = self._value(f"deviation_{unknown.name}") < HARDLY * _deviation_before(
+                    unknown
+                )
                 if near and free and some and density[end] > AT_BOUND * density.max():
-                    value = told(bound, one.unit, self.units)
-                    yield f"{one.name} may lie beyond its {word} bound, {value}: widen its range"
+                    value = told(bound, unknown.unit, self.units)
+                    beyond = f"its {word} bound, {value}: widen its range"
+                    yield f"{unknown.name} may lie beyond {beyond}"
 
     def _scatter(self) -> Iterator[str]:
         runs = self.model.runs
@@ -237,20 +240,24 @@ class Findings:
     def _narrower(self, candidate: int) -> str:
         """Return how wide the interval is expected to be that a measurement narrows most."""
         shares = {
-            one: self.arrays[f"{LEFT}{one.name}"].ravel()[candidate]
-            / self._value(f"deviation_{one.name}")
-            for one in self.model.unknowns
+            narrowest: self.arrays[f"{LEFT}{narrowest.name}"].ravel()[candidate]
+            / self._value(f"deviation_{narrowest.name}")
+            for narrowest in self.model.unknowns
         }
-        one = min(shares, key=lambda unknown: shares[unknown])
-        now = self._value(f"upper_95_{one.name}") - self._value(f"lower_95_{one.name}")
-        wide = told(now, one.unit, self.units, 2)
-        left = told(now * float(shares[one]), one.unit, self.units, 2)
-        return f"the 95 % interval of {one.name} is expected to be {left} wide, and not {wide}"
+        narrowest = min(shares, key=lambda unknown: shares[unknown])
+        now = self._value(f"upper_95_{narrowest.name}") - self._value(f"lower_95_{narrowest.name}")
+        wide = told(now, narrowest.unit, self.units, 2)
+        left = told(now * float(shares[narrowest]), narrowest.unit, self.units, 2)
+        return (
+            f"the 95 % interval of {narrowest.name} is expected to be {left} wide, and not {wide}"
+        )
 
 
-def _deviation_before(one: Unknown) -> float:
-    uniform = one.width / np.sqrt(12.0)
-    return float(min(uniform, one.prior.deviation if isinstance(one.prior, Normal) else np.inf))
+def _deviation_before(unknown: Unknown) -> float:
+    uniform = unknown.width / np.sqrt(12.0)
+    return float(
+        min(uniform, unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf)
+    )
 
 
 def _deviation(values: Array, weights: Array) -> float:

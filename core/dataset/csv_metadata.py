@@ -41,7 +41,7 @@ def csv_metadata(frame: Frame, name: str) -> bytes:
 def _column(column: FrameColumn) -> dict[str, Any]:
     attributes = column.variable.attributes
     kind = column.variable.values.dtype.kind
-    found = {
+    description = {
         "name": column.name,
         "titles": heading(column),
         "datatype": "string" if column.words or kind == "O" else "integer" if kind in "iu" else
@@ -50,7 +50,7 @@ def _column(column: FrameColumn) -> dict[str, Any]:
         "dc:description": attributes.get("comment"),
         "schema:unitText": attributes.get("units"),
     }  # fmt: skip
-    return {key: value for key, value in found.items() if value is not None}
+    return {key: value for key, value in description.items() if value is not None}
 
 
 def _plain(value: Any) -> Any:

@@ -113,8 +113,8 @@ def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
     return values.astype(values.dtype.newbyteorder("="))  # netCDF4 minds a stated order of bytes
 
 
-def _attributes(found: Any) -> dict[str, Any]:
-    attributes = {name: value for name, value in dict(found).items() if name not in _LINKS}
+def _attributes(raw: Any) -> dict[str, Any]:
+    attributes = {name: value for name, value in dict(raw).items() if name not in _LINKS}
     with contextlib.suppress(KeyError):
         attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)
     return attributes

@@ -75,17 +75,17 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
 
 def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
     """Return a name that MATLAB allows for each name, all different; most are as they were."""
-    found: dict[str, str] = {}
+    renamed: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)
         plain = (plain if plain[:1].isalpha() else f"x{plain}")[:LONGEST]
         number = 1
         while (wanted := plain if number == 1 else f"{plain[: LONGEST - 4]}_{number}") in set(
-            found.values()
+            renamed.values()
         ):
             number += 1
-        found[name] = wanted
-    return found
+        renamed[name] = wanted
+    return renamed
 
 
 def _array(variable: TableVariable) -> NDArray[Any]:

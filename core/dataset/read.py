@@ -64,15 +64,19 @@ def read_netcdf(
     import h5py  # a process that reads nothing does not load it
 
     with h5py.File(path) as file:
-        sizes = {name: one.size for name, one in file.items() if one.is_scale and one.ndim}
+        sizes = {
+            name: dataset.size
+            for name, dataset in file.items()
+            if dataset.is_scale and dataset.ndim
+        }
         check_rows(sizes, most_rows)
-        check_size(sum(one.nbytes for one in file.values()), most_bytes)
-        named = " ".join(_plain(one.attrs.get("coordinates", "")) for one in file.values())
+        check_size(sum(dataset.nbytes for dataset in file.values()), most_bytes)
+        named = " ".join(_plain(dataset.attrs.get("coordinates", "")) for dataset in file.values())
         coordinates: dict[str, TableVariable] = {}
         variables: dict[str, TableVariable] = {}
-        for name, one in file.items():
-            is_coordinate = one.is_scale or name in named.split()
-            (coordinates if is_coordinate else variables)[name] = _variable(file, name, one)
+        for name, dataset in file.items():
+            is_coordinate = dataset.is_scale or name in named.split()
+            (coordinates if is_coordinate else variables)[name] = _variable(file, name, dataset)
         return Table(coordinates, variables, _attributes(file.attrs))
 
 
@@ -83,18 +87,18 @@ def check_size(size: int, most: int | None) -> None:
         raise LimitError("bytes of memory", size, most, fix)
 
 
-def _variable(file: h5py.File, name: str, one: h5py.Dataset) -> TableVariable:
-    dims = tuple(file[ref[0]].name[1:] for ref in one.attrs.get("DIMENSION_LIST", ()))
-    if one.is_scale:
+def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariable:
+    dims = tuple(file[ref[0]].name[1:] for ref in dataset.attrs.get("DIMENSION_LIST", ()))
+    if dataset.is_scale:
         dims = (name,)
-    values = one.asstr()[()] if one.dtype == object else one[()]
-    return TableVariable(dims, np.asarray(values), _attributes(one.attrs))
+    values = dataset.asstr()[()] if dataset.dtype == object else dataset[()]
+    return TableVariable(dims, np.asarray(values), _attributes(dataset.attrs))
 
 
-def _attributes(found: Mapping[str, Any]) -> dict[str, Any]:
+def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: _plain(value)
-        for name, value in found.items()
+        for name, value in raw.items()
         if name not in _OWN and not name.startswith("_")
     }
 

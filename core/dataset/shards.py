@@ -208,12 +208,12 @@ class GrowingZarr:
         table = self._table
         fields: dict[str, StoredField] = {n: f for f in self.tiles.fields for n in f.names}
         documents = {}
-        for name, one in {**table.coordinates, **table.variables}.items():
+        for name, variable in {**table.coordinates, **table.variables}.items():
             if name in fields:
                 cut = fields[name].layout
                 documents[name] = array_document(table, name, cut.shape, cut.chunk, cut.tile)
             else:
-                shape = one.values.shape
+                shape = variable.values.shape
                 documents[name] = array_document(table, name, shape, Layout.of(shape).chunk)
         return documents
 

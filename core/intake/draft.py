@@ -114,41 +114,44 @@ class Draft:
 
     def _parameters(self) -> Collection[str]:
         """Return the parameters of the scene that the study names, or all that there are."""
-        found: set[str] = set()
+        names: set[str] = set()
         for scenes in self.kind.scenes if self.kind else ():
             scene = scenes.get(str(self.content.get("scene"))[:100])
             if scene is not None:
                 named = str(self.content.get(scene.choice))[:100]
                 chosen = named if named in scene.variants else scene.default_variant
-                found |= {*scene_parameters(scene, chosen)}
-        return found or PARAMETERS
+                names |= {*scene_parameters(scene, chosen)}
+        return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
         """Return what a plan would object to besides what is known, as far as it can be told."""
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
-        sections = {key: one for key, one in SECTIONS.items() if key in _keys_of(kind)}
+        sections = {key: section for key, section in SECTIONS.items() if key in _keys_of(kind)}
         outputs = [*self._outputs(kind)]
-        scene, found = self.content.get("scene"), list[Problem]()
+        scene, problems = self.content.get("scene"), list[Problem]()
         if not isinstance(scene, str) or not all(isinstance(name, str) for name in outputs):
             return []
         texts = (self.content.get(key) for key in ("variant", "method"))
         variant, method = (text if isinstance(text, str) else None for text in texts)
 
         def names(parameters: Collection[str]) -> list[str]:
-            found = (one.names(self.content.get(key), parameters) for key, one in sections.items())
-            return [*dict.fromkeys(names_meant(name for some in found for name in some))]
+            problems = (
+                section.names(self.content.get(key), parameters)
+                for key, section in sections.items()
+            )
+            return [*dict.fromkeys(names_meant(name for some in problems for name in some))]
 
         try:
             sketch = Sketch(scene, variant, method, outputs, names(()))
-            chosen, variant, found = kind.choose(sketch)
+            chosen, variant, problems = kind.choose(sketch)
             given = names(scene_parameters(chosen, variant))
             plan_scene(chosen, variant, outputs[:MOST_OUTPUTS], given)
         except StudyError as error:
-            found = [*found, *error.problems]
+            problems = [*problems, *error.problems]
         places = {problem.place for problem in known.problems}
-        return [problem for problem in found if problem.place not in places]
+        return [problem for problem in problems if problem.place not in places]
 
     def _outputs(self, kind: Kind) -> Iterable[Any]:
         """Yield the outputs that the study asks for."""

@@ -146,12 +146,12 @@ def _writable(tomlkit: Any, value: Any) -> Any:
     What it reads takes as long as it is; an array that it puts together itself, the square of that.
     """
     if isinstance(value, Mapping):
-        return {n: _writable(tomlkit, one) for n, one in value.items() if one is not None}
+        return {n: _writable(tomlkit, part) for n, part in value.items() if part is not None}
     if not isinstance(value, list):
         return value
-    if any(isinstance(one, Mapping | list) for one in value):
-        return [_writable(tomlkit, one) for one in value]
-    return tomlkit.value(f"[{', '.join(tomlkit.item(one).as_string() for one in value)}]")
+    if any(isinstance(part, Mapping | list) for part in value):
+        return [_writable(tomlkit, part) for part in value]
+    return tomlkit.value(f"[{', '.join(tomlkit.item(part).as_string() for part in value)}]")
 
 
 def _literal(value: Any, column: int) -> str:

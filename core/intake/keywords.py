@@ -24,7 +24,7 @@ Given = Study | Mapping[str, Any] | str | os.PathLike[str]
 
 
 def gather(
-    given: Given | None, keywords: Mapping[str, Any], kind: str | None = None
+    study: Given | None, keywords: Mapping[str, Any], kind: str | None = None
 ) -> Study | dict[str, Any]:
     """Return the study that was given, or the content of the one that is described.
 
@@ -46,10 +46,10 @@ def gather(
         If it is of another kind, cannot be read, or gives a value twice. Whether the values are
         right is for `parse_study` to say.
     """
-    if isinstance(given, Study) and not keywords:
-        _check_kind(given.kind, kind)
-        return given
-    content = {} if given is None else _content_of(given)
+    if isinstance(study, Study) and not keywords:
+        _check_kind(study.kind, kind)
+        return study
+    content = {} if study is None else _content_of(study)
     more = spread(keywords)
     parameters = content.get("parameters")
     if isinstance(parameters, Mapping) and isinstance(more.get("parameters"), Mapping):
@@ -118,19 +118,19 @@ def plain(value: object, place: str) -> Any:
     return value
 
 
-def _content_of(given: object) -> dict[str, Any]:
-    if isinstance(given, Study):
-        return given.content()
-    if isinstance(given, Mapping):
-        return spread(given)
-    if isinstance(given, str) and given in SCENES:
-        message = f"'{given}' is a scene, not the path of a study"
-        raise StudyError([Problem("study", message, f'Write scene="{given}"')])
-    if isinstance(given, str | os.PathLike):
-        given = read_content(Path(given))
-        if isinstance(given, dict):
-            return given
-    message = f"'{type(given).__name__}' is neither a study, a path nor a mapping"
+def _content_of(study: object) -> dict[str, Any]:
+    if isinstance(study, Study):
+        return study.content()
+    if isinstance(study, Mapping):
+        return spread(study)
+    if isinstance(study, str) and study in SCENES:
+        message = f"'{study}' is a scene, not the path of a study"
+        raise StudyError([Problem("study", message, f'Write scene="{study}"')])
+    if isinstance(study, str | os.PathLike):
+        study = read_content(Path(study))
+        if isinstance(study, dict):
+            return study
+    message = f"'{type(study).__name__}' is neither a study, a path nor a mapping"
     raise StudyError([Problem("study", message, "Give one of these, or keywords")])
 
 
@@ -142,8 +142,8 @@ def _is_key(name: str) -> bool:
     return any(known in KEYS for known in near)
 
 
-def _check_kind(found: object, kind: str | None) -> None:
-    if kind is not None and found != kind and isinstance(found, str) and found in KINDS:
-        message = f"this is a study of kind '{found}', not '{kind}'"
-        fix = f"Carry it out with {found}(), or give a study of kind '{kind}'"
+def _check_kind(actual: object, kind: str | None) -> None:
+    if kind is not None and actual != kind and isinstance(actual, str) and actual in KINDS:
+        message = f"this is a study of kind '{actual}', not '{kind}'"
+        fix = f"Carry it out with {actual}(), or give a study of kind '{kind}'"
         raise StudyError([Problem("kind", message, fix)])

@@ -41,8 +41,8 @@ def problems_of(
     within : str
         The section that it was that pydantic looked at, if not a whole study.
     """
-    found = error.errors(include_url=False, include_input=False)
-    outside = [] if within else [str(one["loc"][0]) for one in found if _is_outside(one)]
+    faults = error.errors(include_url=False, include_input=False)
+    outside = [] if within else [str(fault["loc"][0]) for fault in faults if _is_outside(fault)]
     suggest = Suggestions()
     problems = []
     if outside:
@@ -50,22 +50,24 @@ def problems_of(
         message = f"{listed} {'stands' if len(outside) == 1 else 'stand'} outside"
         fix = "Write them below the line [parameters], in JSON within that object"
         problems.append(Problem("parameters", message, fix))
-        found = [one for one in found if not _is_outside(one) and one["loc"] != ("parameters",)]
-    for one in found[:MOST_PROBLEMS]:
-        path, tag = [within, *one["loc"]] if within else [*one["loc"]], ""
+        faults = [
+            fault for fault in faults if not _is_outside(fault) and fault["loc"] != ("parameters",)
+        ]
+    for fault in faults[:MOST_PROBLEMS]:
+        path, tag = [within, *fault["loc"]] if within else [*fault["loc"]], ""
         section = sections.get(str(path[0]), Section()) if path else Section()
         if len(path) > 1 and path[1] in section.tags:
             tag = str(path.pop(1))  # which alternative it is, and no key
         if path and path[-1] == "[key]":
             del path[-1]  # it is the name that is wrong, and stands before
-        if one["type"] == "extra_forbidden":
+        if fault["type"] == "extra_forbidden":
             says = section.unknown if len(path) > 1 else unknown
             place = section.place(path)
             problems.append(says(Stranger(path, place, tag, keys, parameters, suggest)))
         else:
-            problems.append(_problem(one, path, section, suggest))
-    if len(found) > MOST_PROBLEMS:
-        more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
+            problems.append(_problem(fault, path, section, suggest))
+    if len(faults) > MOST_PROBLEMS:
+        more = f"{len(faults) - MOST_PROBLEMS:,} further problems are not listed"
         problems.append(Problem("study", more, "Fix these first"))
     return problems
 

@@ -38,16 +38,16 @@ def with_posteriors(content: Content, files: bool) -> Resolved:
     uncertain = content.get("uncertain")
     if not files or not isinstance(uncertain, Mapping):
         return Resolved(content)
-    found, problems = dict(uncertain), list[Problem]()
+    resolved, problems = dict(uncertain), list[Problem]()
     for name, raw in uncertain.items():
         if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}:
             read = _density(str(name), raw[CALIBRATION])
             if isinstance(read, Problem):
                 problems.append(read)
-                del found[name]
+                del resolved[name]
             else:
-                found[name] = read
-    return Resolved({**content, "uncertain": found}, problems)
+                resolved[name] = read
+    return Resolved({**content, "uncertain": resolved}, problems)
 
 
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
@@ -62,14 +62,14 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
         table = read_netcdf(Path(path), most_bytes=MOST_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds
         return Problem(place, f"{path} cannot be read: {error}"[:300], fix)
-    told = table.variables.get(f"{DENSITY}{name}")
-    if told is None or told.dims != (name,) or name not in table.coordinates:
+    density = table.variables.get(f"{DENSITY}{name}")
+    if density is None or density.dims != (name,) or name not in table.coordinates:
         known = ", ".join(n.removeprefix(DENSITY) for n, one in table.variables.items()
                           if n.startswith(DENSITY) and len(one.dims) == 1)  # fmt: skip
         message = f"{path} has no density of {name}"
         return Problem(place, message, f"It has those of {known}" if known else fix)
     values = np.asarray(table.coordinates[name].values, dtype=np.float64)
-    densities = np.asarray(told.values, dtype=np.float64)
+    densities = np.asarray(density.values, dtype=np.float64)
     if not (np.isfinite(densities).all() and (densities > 0).any()):
         return Problem(place, f"the density of {name} in {path} has no mass", "Calibrate it again")
     # Nothing is lost beyond the first and the last 0 next to some mass.

@@ -112,17 +112,17 @@ def _kept(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def _source(given: RecordedDrive, files: bool) -> str | Path:
+def _source(drive: RecordedDrive, files: bool) -> str | Path:
     """Return the text or the file of a recording."""
-    if (given.file is None) == (given.data is None):
-        message = "it names no recording" if given.file is None else "both file and data are given"
+    if (drive.file is None) == (drive.data is None):
+        message = "it names no recording" if drive.file is None else "both file and data are given"
         raise StudyError([Problem("drive", message, _which(files))])
-    if given.data is not None:
-        return given.data
+    if drive.data is not None:
+        return drive.data
     if not files:
         raise StudyError([Problem("drive.file", "no file is read here", _which(files))])
-    assert given.file is not None
-    return given.file
+    assert drive.file is not None
+    return drive.file
 
 
 def _which(files: bool) -> str:
@@ -146,8 +146,8 @@ def _too_long(place: str, count: int, what: str) -> Problem:
     return Problem(place, message, "Cut it: one second of recording is enough")
 
 
-def _recording(given: RecordedDrive) -> measured.Recording:
-    asked = given.model_dump(exclude_none=True, exclude={"file", "data"})
+def _recording(drive: RecordedDrive) -> measured.Recording:
+    asked = drive.model_dump(exclude_none=True, exclude={"file", "data"})
     return measured.Recording(**asked)
 
 

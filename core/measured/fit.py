@@ -47,15 +47,15 @@ def fit_signal(signal: Signal) -> Fit:
     check_orders(signal, samples, start)
     if signal.harmonics is not None:
         orders = orders[: signal.harmonics]
-    found, noise = _weighted(samples, start, orders, DRIFT, signal.resolution)
-    told, degree = _told(samples, found, noise)
+    solution, noise = _weighted(samples, start, orders, DRIFT, signal.resolution)
+    significant, degree = _told(samples, solution, noise)
     if signal.harmonics is None:
-        orders = tuple(np.array(orders)[told.any(axis=0)].tolist()) or (1,)
-    found, noise = _weighted(samples, found.frequency, orders, degree, signal.resolution)
-    told, _ = _told(samples, found, noise)
-    check_fit(signal, samples, found, noise, bool(told.any()))
-    fit = _stated(signal, samples, found, noise, told)
-    return fit if signal.harmonics is None else replace(fit, told=np.ones_like(told))
+        orders = tuple(np.array(orders)[significant.any(axis=0)].tolist()) or (1,)
+    solution, noise = _weighted(samples, solution.frequency, orders, degree, signal.resolution)
+    significant, _ = _told(samples, solution, noise)
+    check_fit(signal, samples, solution, noise, bool(significant.any()))
+    fit = _stated(signal, samples, solution, noise, significant)
+    return fit if signal.harmonics is None else replace(fit, told=np.ones_like(significant))
 
 
 def _weighted(
@@ -69,66 +69,70 @@ def _weighted(
     return found, noise_of(samples, found, resolution)._replace(weights=weights)
 
 
-def _told(samples: Samples, found: Solution, noise: Noise) -> tuple[NDArray[np.bool_], int]:
+def _told(samples: Samples, solution: Solution, noise: Noise) -> tuple[NDArray[np.bool_], int]:
     """Return which orders of each axis are told from zero, and the degree of the drift that is."""
-    covariance = covariance_of(samples, found, noise)
-    axes, size = found.coefficients.shape
-    first, fine = found.degree + 1, hurdle(samples.size)
+    covariance = covariance_of(samples, solution, noise)
+    axes, size = solution.coefficients.shape
+    first, fine = solution.degree + 1, hurdle(samples.size)
     own = np.einsum("jajb->jab", covariance[1:, 1:].reshape(axes, size, axes, size))
-    pairs = own[:, first:, first:].reshape(axes, len(found.orders), 2, len(found.orders), 2)
-    waves = np.stack([found.waves.real, found.waves.imag], axis=-1)
+    pairs = own[:, first:, first:].reshape(axes, len(solution.orders), 2, len(solution.orders), 2)
+    waves = np.stack([solution.waves.real, solution.waves.imag], axis=-1)
     inverse = np.linalg.pinv(np.einsum("jkakb->jkab", pairs), hermitian=True)
     told = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * fine
     variance = np.diagonal(own, axis1=1, axis2=2)[:, :first]
-    degree = int(np.flatnonzero((found.drift**2 > fine * variance).any(axis=0)).max(initial=0))
+    degree = int(np.flatnonzero((solution.drift**2 > fine * variance).any(axis=0)).max(initial=0))
     return told, degree
 
 
 def _stated(
-    signal: Signal, samples: Samples, found: Solution, noise: Noise, told: NDArray[np.bool_]
+    signal: Signal,
+    samples: Samples,
+    solution: Solution,
+    noise: Noise,
+    significant: NDArray[np.bool_],
 ) -> Fit:
     """Return the fit in terms of displacements, with the origin of time chosen."""
-    covariance = covariance_of(samples, found, noise)
+    covariance = covariance_of(samples, solution, noise)
     error = float(np.sqrt(covariance[0, 0]))
     line = signal.line_frequency
-    frequency = found.frequency if line is None else line
-    orders = np.array(found.orders)
-    strength = np.abs(found.waves)
-    lowest = int(np.flatnonzero(told.any(axis=0))[0])
+    frequency = solution.frequency if line is None else line
+    orders = np.array(solution.orders)
+    strength = np.abs(solution.waves)
+    lowest = int(np.flatnonzero(significant.any(axis=0))[0])
     largest = int(strength[:, lowest].argmax())
     # -c/(k w)^2 is the displacement; turned by k theta, the reference has phase 0.
-    displacement = -found.waves / (2.0 * np.pi * frequency * orders) ** 2
-    theta = -float(np.angle(displacement[largest, lowest])) / found.orders[lowest]
+    displacement = -solution.waves / (2.0 * np.pi * frequency * orders) ** 2
+    theta = -float(np.angle(displacement[largest, lowest])) / solution.orders[lowest]
     displacement = displacement * np.exp(1j * orders * theta)
     displacement[largest, lowest] = np.abs(displacement[largest, lowest])
     periodic = np.sqrt((strength**2).sum() / 2.0)
-    drift = found.drift[:, 1:]
-    drift_squares = (drift**2 / (2.0 * np.arange(1, found.degree + 1) + 1.0)).sum(axis=1)
+    drift = solution.drift[:, 1:]
+    drift_squares = (drift**2 / (2.0 * np.arange(1, solution.degree + 1) + 1.0)).sum(axis=1)
     density = noise.densities[1 + lowest].diagonal()
     return Fit(
         axes=signal.axes,
-        orders=found.orders,
+        orders=solution.orders,
         frequency=frequency,
         frequency_error=error if line is None else 0.0,
-        clock=None if line is None else Clock(found.frequency / line - 1.0, error / line),
+        clock=None if line is None else Clock(solution.frequency / line - 1.0, error / line),
         amplitudes=np.abs(displacement),
         phases=wrapped(np.angle(displacement)),
-        told=told,
-        covariance=_turned(covariance, found, displacement, theta, (largest, lowest), line),
-        constant=found.drift[:, 0],
+        told=significant,
+        covariance=_turned(covariance, solution, displacement, theta, (largest, lowest), line),
+        constant=solution.drift[:, 0],
         drift=drift,
-        left_over=np.sqrt(np.mean(found.residual**2, axis=1)) / periodic,
+        left_over=np.sqrt(np.mean(solution.residual**2, axis=1)) / periodic,
         drifting=np.sqrt(drift_squares) / periodic,
         effective_samples=samples.size * np.minimum(1.0 / (noise.weights * density), 1.0),
-        tilt=_tilt(signal.axes, found.drift[:, 0]),
-        origin=samples.half + theta / (2.0 * np.pi * found.frequency),
+        tilt=_tilt(signal.axes, solution.drift[:, 0]),
+        origin=samples.half + theta / (2.0 * np.pi * solution.frequency),
         signal=signal,
     )
 
 
 def _turned(
     covariance: Array,
-    found: Solution,
+    solution: Solution,
     displacement: NDArray[np.complex128],
     theta: float,
     reference: tuple[int, int],
@@ -139,11 +143,11 @@ def _turned(
     With z = -c exp(i k theta)/(k w)^2 and theta = -arg(-c_ref)/k_ref:
     dz = -dc exp(i k theta)/(k w)^2 - i k z Im(dc_ref/c_ref)/k_ref - 2 z df/f.
     """
-    axes, size = found.coefficients.shape
-    first = found.degree + 1
-    orders, waves = np.array(found.orders), found.waves
+    axes, size = solution.coefficients.shape
+    first = solution.degree + 1
+    orders, waves = np.array(solution.orders), solution.waves
     pairs = 1 + np.arange(axes)[:, None] * size + first + 2 * np.arange(orders.size)
-    frequency = found.frequency if line is None else line
+    frequency = solution.frequency if line is None else line
     change = np.zeros((*waves.shape, len(covariance)), dtype=np.complex128)
     scale = -np.exp(1j * orders * theta) / (2.0 * np.pi * frequency * orders) ** 2
     for axis in range(axes):

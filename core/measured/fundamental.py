@@ -65,14 +65,14 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
         lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
         return near or strongest_line(start, lowest, highest).frequency
     if line is not None and (near := _part_near(frequency, line)) is not None:
-        found = solved(samples, near, orders_below(samples, near), DRIFT)
-        left = np.mean(found.residual**2, axis=1).sum()
-        if left <= MOST_LEFT**2 * (np.abs(found.waves) ** 2).sum() / 2.0:
-            return found.frequency
-    found = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
-    while (lower := _lower(samples, found)) is not None:
-        found = lower
-    return found.frequency
+        solution = solved(samples, near, orders_below(samples, near), DRIFT)
+        left = np.mean(solution.residual**2, axis=1).sum()
+        if left <= MOST_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
+            return solution.frequency
+    solution = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+    while (lower := _lower(samples, solution)) is not None:
+        solution = lower
+    return solution.frequency
 
 
 def _part_near(frequency: float, expected: float) -> float | None:
@@ -106,26 +106,28 @@ def stands_out(line: Line, count: int) -> bool:
     return line.contrast > hurdle(count**2)
 
 
-def _lower(samples: Samples, found: Solution) -> Solution | None:
+def _lower(samples: Samples, solution: Solution) -> Solution | None:
     """Return the solution at a whole part of the frequency that takes in a line left over."""
-    left = samples._replace(values=found.residual)
+    left = samples._replace(values=solution.residual)
     line = strongest_line(left)
-    power = (np.abs(found.waves) ** 2).sum() / 2.0
+    power = (np.abs(solution.waves) ** 2).sum() / 2.0
     if not stands_out(line, samples.size) or line.power < LEAST_SHARE * power:
         return None
-    ratio = line.frequency / found.frequency
+    ratio = line.frequency / solution.frequency
     # Three standard errors of a line's place, in bins: sqrt(6/contrast)/(2 pi) each.
     error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
-    error /= found.frequency * samples.duration
+    error /= solution.frequency * samples.duration
     for part in range(2, MOST_ORDERS + 1):
-        frequency = found.frequency / part
+        frequency = solution.frequency / part
         whole = round(part * ratio)
         if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MOST_ORDERS:
             return None
         if abs(part * ratio - whole) > part * error:
             continue
         lower = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
-        gained = np.mean(found.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
+        gained = (
+            np.mean(solution.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
+        )
         if gained > line.power / 2.0:
             return lower
     return None

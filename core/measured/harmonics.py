@@ -122,10 +122,10 @@ def solved(
         gram = basis.T @ basis
         coefficients = np.asarray(np.linalg.solve(gram, basis.T @ samples.values.T).T, np.float64)
         residual = samples.values - coefficients @ basis.T
-        found = Solution(frequency, orders, degree, coefficients, residual)
+        solution = Solution(frequency, orders, degree, coefficients, residual)
         if last:
             break
-        change = _by_frequency(samples, basis, found)
+        change = _by_frequency(samples, basis, solution)
         change -= np.linalg.solve(gram, basis.T @ change.T).T @ basis.T
         size = weights @ (change * change).sum(axis=1)
         if size <= 0.0:  # nothing moves at this frequency
@@ -133,12 +133,12 @@ def solved(
         step = float(weights @ (change * residual).sum(axis=1) / size)
         frequency += float(np.clip(step, -limit, limit))
         last = abs(step) * samples.duration < CONVERGED
-    return found
+    return solution
 
 
-def _by_frequency(samples: Samples, basis: Array, found: Solution) -> Array:
+def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
     """Return the derivative of the model by the frequency, shape (axes, n)."""
-    waves = basis[:, found.degree + 1 :]
+    waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]
-    turned = 2.0 * np.pi * np.array(found.orders) * found.waves
+    turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
     return (turned.real @ cosine.T - turned.imag @ sine.T) * samples.times

@@ -38,18 +38,18 @@ class Noise(NamedTuple):
     weights: Array
 
 
-def noise_of(samples: Samples, found: Solution, resolution: Array) -> Noise:
+def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
     """Return the noise of a fit, which is never below the rounding of its values."""
     count = samples.size
     # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
     floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
-    variance = np.maximum(np.mean(found.residual**2, axis=1), floor)
+    variance = np.maximum(np.mean(solution.residual**2, axis=1), floor)
     variance[variance == 0.0] = 1.0  # of a recording that is nothing but zeros
-    centres = np.array([0, *found.orders]) * found.frequency * samples.duration
+    centres = np.array([0, *solution.orders]) * solution.frequency * samples.duration
     densities = []
-    spectrum = np.fft.rfft(found.residual) / np.sqrt(count)
+    spectrum = np.fft.rfft(solution.residual) / np.sqrt(count)
     for centre in centres:
-        density = density_near(spectrum, centre, centres, found.degree)
+        density = density_near(spectrum, centre, centres, solution.degree)
         lacking = np.maximum(floor - np.diag(density), 0.0)
         densities.append(density + np.diag(lacking))
     return Noise(np.array(densities), 1.0 / variance)
@@ -91,25 +91,25 @@ def hurdle(count: int) -> float:
     return float(BINS * (count ** (1.0 / BINS) - 1.0))
 
 
-def covariance_of(samples: Samples, found: Solution, noise: Noise) -> Array:
+def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
     """Return the covariance of the frequency [Hz] and of the coefficients, axis after axis.
 
     H^-1 M H^-1 with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where
     J_jg is the derivative of the model of axis j by all unknowns, of which g takes the drift or
     one order, and S(g) is the density there.
     """
-    axes, size = found.coefficients.shape
-    first = found.degree + 1
-    basis = columns(samples, found.frequency, found.orders, found.degree)
+    axes, size = solution.coefficients.shape
+    first = solution.degree + 1
+    basis = columns(samples, solution.frequency, solution.orders, solution.degree)
     slanted = basis[:, first:] * (samples.times / samples.half)[:, None]
     gram = np.hstack([basis, slanted])
     gram = gram.T @ gram
-    order = np.repeat(np.arange(1, len(found.orders) + 1), 2)
+    order = np.repeat(np.arange(1, len(solution.orders) + 1), 2)
     group = np.concatenate([np.zeros(first, dtype=np.int64), order, order])
 
     # Column by unknown: the first unknown is the frequency, in turns over half of the recording.
     derivative = np.zeros((axes, group.size, 1 + axes * size))
-    turned = 2.0 * np.pi * np.array(found.orders) * found.waves
+    turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
     for axis in range(axes):
         derivative[axis, np.arange(size), 1 + axis * size + np.arange(size)] = 1.0
         derivative[axis, size::2, 0] = -turned[axis].imag
@@ -131,6 +131,6 @@ def covariance_of(samples: Samples, found: Solution, noise: Noise) -> Array:
     return (covariance + covariance.T) / 2.0
 
 
-def _summed(one: Array, other: Array) -> Array:
+def _summed(stack: Array, other: Array) -> Array:
     """Return sum_j A_j' B_j of two stacks of matrices."""
-    return one.reshape(-1, one.shape[-1]).T @ other.reshape(-1, other.shape[-1])
+    return stack.reshape(-1, stack.shape[-1]).T @ other.reshape(-1, other.shape[-1])

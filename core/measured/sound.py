@@ -104,7 +104,9 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
         raise StudyError([_too_short("recording", frequency, samples.duration)])
 
 
-def check_fit(signal: Signal, samples: Samples, found: Solution, noise: Noise, told: bool) -> None:
+def check_fit(
+    signal: Signal, samples: Samples, solution: Solution, noise: Noise, stated: bool
+) -> None:
     """Refuse a fit that does not state a drive.
 
     Raises
@@ -114,14 +116,14 @@ def check_fit(signal: Signal, samples: Samples, found: Solution, noise: Noise, t
         last, or the clock is too far off.
     """
     problems = []
-    periodic = np.sqrt((np.abs(found.waves) ** 2).sum() / 2.0)
-    left = np.sqrt(np.mean(found.residual**2, axis=1).sum())
-    if not told or left > MOST_LEFT * periodic:
-        problems.append(_not_periodic(samples, found, left, periodic))
-    if told:  # a drive that grows leaves much over as well
-        problems += _unsteady(signal, samples, found, noise, periodic)
+    periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
+    left = np.sqrt(np.mean(solution.residual**2, axis=1).sum())
+    if not stated or left > MOST_LEFT * periodic:
+        problems.append(_not_periodic(samples, solution, left, periodic))
+    if stated:  # a drive that grows leaves much over as well
+        problems += _unsteady(signal, samples, solution, noise, periodic)
     if not problems:
-        problems += _off(signal.line_frequency, found.frequency)
+        problems += _off(signal.line_frequency, solution.frequency)
     if problems:
         raise StudyError(problems)
 
@@ -135,16 +137,16 @@ def _too_short(place: str, frequency: float, duration: float) -> Problem:
     )
 
 
-def _not_periodic(samples: Samples, found: Solution, left: float, periodic: float) -> Problem:
-    line = strongest_line(samples._replace(values=found.residual))
+def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
+    line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
     share = f"{100 * left / periodic:.0f} % of" if left < periodic else "more than"
     strongest = f", most at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
     return Problem(
         "recording",
-        f"it is not periodic: {found.frequency:.4g} Hz and its orders leave {share} their own rms "
-        f"over{strongest}",
+        f"it is not periodic: {solution.frequency:.4g} Hz and its orders leave {share} their own "
+        f"rms over{strongest}",
         f"Record the empty feeder at a steady drive (at most {100 * MOST_LEFT:.0f} % may be left), "
         "or correct frequency or harmonics",
     )
@@ -158,11 +160,13 @@ class _Third(NamedTuple):
 
 
 def _unsteady(
-    signal: Signal, samples: Samples, found: Solution, noise: Noise, periodic: float
+    signal: Signal, samples: Samples, solution: Solution, noise: Noise, periodic: float
 ) -> list[Problem]:
     """Return a problem for each axis whose harmonics grow or fade."""
     third = samples.size // 3
-    thirds = [_of_part(samples, part, found, noise) for part in (slice(third), slice(-third, None))]
+    thirds = [
+        _of_part(samples, part, solution, noise) for part in (slice(third), slice(-third, None))
+    ]
     problems = []
     for axis, first, last in zip(signal.axes, *thirds, strict=True):
         change = last.rms - first.rms
@@ -177,10 +181,10 @@ def _unsteady(
     return problems
 
 
-def _of_part(samples: Samples, part: slice, found: Solution, noise: Noise) -> list[_Third]:
+def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
-    fit = solved(piece, found.frequency, found.orders, found.degree, free=False)
+    fit = solved(piece, solution.frequency, solution.orders, solution.degree, free=False)
     squares = np.abs(fit.waves) ** 2
     rms = np.sqrt(squares.sum(axis=1) / 2.0)
     # rms^2 = sum(p^2 + q^2)/2, and p and q have the variance 2 S/n.

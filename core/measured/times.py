@@ -28,7 +28,7 @@ def read_times(
     Times that differ from even ones by no more than their own rounding are made even; others are
     kept, since least squares needs no even times.
     """
-    found = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
+    usual = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
     if rate is not None:
         if time is not None:
             fix = "Give the one that the recorder measures best"
@@ -39,7 +39,7 @@ def read_times(
         except UnitError as error:
             problems.append(problem("rate", error))
             return None
-    name = time or found
+    name = time or usual
     if name is None:
         fix = "Give rate = samples a second, or time = the name of a column of times"
         problems.append(Problem("rate", "neither a rate nor a column of times is given", fix))

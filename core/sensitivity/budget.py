@@ -96,13 +96,13 @@ class Budget:
     def _places(self) -> Array:
         """Every point, shape (parameters, points): the nominal one first."""
         count = len(self.middle)
-        one = np.eye(count)
+        unit = np.eye(count)
         lower, upper, middle = self.ends[0], self.ends[1], self.middle
         # At an end of its tolerance a parameter steps inwards: differences stay within the box.
         centre = np.clip(middle, lower + self._steps, upper - self._steps)
-        rows = [middle[None], middle + one * (lower - middle), middle + one * (upper - middle)]
-        base = middle + one * (centre - middle)
-        rows += [base, *(base + one * (step * self._steps) for step in (-1.0, -0.5, 0.5, 1.0))]
+        rows = [middle[None], middle + unit * (lower - middle), middle + unit * (upper - middle)]
+        base = middle + unit * (centre - middle)
+        rows += [base, *(base + unit * (step * self._steps) for step in (-1.0, -0.5, 0.5, 1.0))]
         inside = points(count, INSIDE, self.seed)[:, 0].T
         if count <= MOST_CORNERS:
             corners = np.array(list(product((0.0, 1.0), repeat=count)))

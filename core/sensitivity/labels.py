@@ -52,7 +52,7 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
         "comment": "; ".join(f"{name}: {QUANTITIES[name].label}" for name in names),
     }
     share = {"units": "1", "comment": "Share of the points below the value."}
-    found = {
+    coordinates = {
         UNCERTAIN: TableVariable((UNCERTAIN,), np.arange(len(names), dtype=np.int8), uncertain),
         QUANTILE: TableVariable(
             (QUANTILE,), np.array(prepared.study.quantiles), {**share, "long_name": "Quantile"}
@@ -60,7 +60,7 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
         LEVEL: TableVariable((LEVEL,), ends, {**share, "long_name": "Level of the distribution"}),
     }
     used = {dim for dims in prepared.dims.values() for dim in dims}
-    return {name: one for name, one in found.items() if name in used}
+    return {name: one for name, one in coordinates.items() if name in used}
 
 
 def _distributions(prepared: Sensitivity) -> str:

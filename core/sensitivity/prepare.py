@@ -225,35 +225,44 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
         message = "statistics of sampled points have errors, which the result states"
         yield Problem("verify", message, "Leave it out, or verify a simulation or a sweep")
     seen: set[str] = set()
-    for number, one in enumerate(study.demands):
+    for number, demand in enumerate(study.demands):
         place = f"demands.{number}"
-        if (one.output is None) == (one.regime is None):
+        if (demand.output is None) == (demand.regime is None):
             yield Problem(place, "it names neither or both", "Name an output, or a regime")
-        elif one.output is not None and one.at_least is None and one.at_most is None:
+        elif demand.output is not None and demand.at_least is None and demand.at_most is None:
             yield Problem(place, "it asks for nothing", "Give at_least, at_most or both")
-        elif one.regime is not None and (one.at_least is not None or one.at_most is not None):
+        elif demand.regime is not None and (
+            demand.at_least is not None or demand.at_most is not None
+        ):
             fix = "Remove the bounds: the result is the probability of the regime"
             yield Problem(place, "a regime has no bounds", fix)
-        elif one.at_least is not None and one.at_most is not None and one.at_least > one.at_most:
+        elif (
+            demand.at_least is not None
+            and demand.at_most is not None
+            and demand.at_least > demand.at_most
+        ):
             yield Problem(place, "at_least is above at_most", "Swap them")
-        if one.output in FLAGS:
+        if demand.output in FLAGS:
             fix = 'Name the regime, for example regime = "hopping"'
-            yield Problem(f"{place}.output", f"{one.output} is a name and not a number", fix)
-        if one.name in seen:
+            yield Problem(f"{place}.output", f"{demand.output} is a name and not a number", fix)
+        if demand.name in seen:
             fix = "Remove one of them; quantiles take any number of bounds"
-            yield Problem(place, f"there is such a demand of {one.output or one.regime}", fix)
-        seen.add(one.name)
+            yield Problem(place, f"there is such a demand of {demand.output or demand.regime}", fix)
+        seen.add(demand.name)
 
 
 def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
     """Yield the demands of regimes that the outputs asked for do not tell."""
-    for number, one in enumerate(study.demands):
-        if one.regime is not None and one.regime not in plan.regimes:
-            if one.regime in REGIMES:
+    for number, demand in enumerate(study.demands):
+        if demand.regime is not None and demand.regime not in plan.regimes:
+            if demand.regime in REGIMES:
                 fix = f"Those of these outputs are {', '.join(plan.regimes)}"
-                message = f"'{one.regime}' is not a regime of these outputs"
+                message = f"'{demand.regime}' is not a regime of these outputs"
             else:
-                message, fix = f"'{one.regime}' is not a regime", suggestion(one.regime, REGIMES)
+                message, fix = (
+                    f"'{demand.regime}' is not a regime",
+                    suggestion(demand.regime, REGIMES),
+                )
             yield Problem(f"demands.{number}.regime", message, fix)
 
 

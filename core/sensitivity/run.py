@@ -103,12 +103,12 @@ class _Evaluator:
         step = max(1, BLOCK // self.count)
         parts = []
         for start in range(0, number, step):
-            parts.append(self._some({n: one[start : start + step] for n, one in drawn.items()}))
+            parts.append(self._some({n: part[start : start + step] for n, part in drawn.items()}))
             if self.watch.stopped():
                 raise StoppedError("it was stopped before all points were computed")
         return SampledOutputs(
-            {n: np.concatenate([one.outputs[n] for one in parts], -1) for n in parts[0].outputs},
-            np.concatenate([one.regime for one in parts], -1),
+            {n: np.concatenate([part.outputs[n] for part in parts], -1) for n in parts[0].outputs},
+            np.concatenate([part.regime for part in parts], -1),
         )
 
     def _some(self, drawn: Mapping[str, Array]) -> SampledOutputs:
@@ -130,37 +130,39 @@ class _Evaluator:
 
     def _sound(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
         """Return where each output describes a real part, by the conditions that concern it."""
-        plan, found, masks = self.prepared.plan, {}, {}
+        plan, sound, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
             doubted = plan.conditions if name not in EXACT else ()
             concerned = tuple(one for one in doubted if name in one.outputs)
             if concerned not in masks:
                 codes = regimes_of(concerned, plan.otherwise, known)
                 masks[concerned] = np.broadcast_to(~np.isin(codes, INVALID), shape)
-            found[name] = masks[concerned]
-        return found
+            sound[name] = masks[concerned]
+        return sound
 
 
 def _told(evaluator: _Evaluator) -> Arrays:
     """Return every variable of some designs; designs are the last axis."""
     prepared = evaluator.prepared
     study = prepared.study
-    found: Arrays = {"regime": evaluator.of(_first(prepared.budget.values())).regime[..., 0]}
+    statistics_of: Arrays = {
+        "regime": evaluator.of(_first(prepared.budget.values())).regime[..., 0]
+    }
     for name, values in _of_points(evaluator):
-        found[name] = values
+        statistics_of[name] = values
     if "morris" in study.analyses:
         along = paths(len(prepared.uncertain), prepared.paths, study.seed)
         screened = evaluator.at(along.points)
         for name in prepared.outputs:
             effects = effects_of(screened.outputs[name], along)
-            found[f"{name}_effect"] = effects.size.T
-            found[f"{name}_effect_deviation"] = effects.deviation.T
+            statistics_of[f"{name}_effect"] = effects.size.T
+            statistics_of[f"{name}_effect_deviation"] = effects.deviation.T
     if "budget" in study.analyses:
         placed = evaluator.of(prepared.budget.values())
         for name in prepared.outputs:
             told = prepared.budget.told(placed.outputs[name])
-            found |= {f"{name}_{part}": one for part, one in vars(told).items()}
-    return {name: found[name] for name in prepared.dims}
+            statistics_of |= {f"{name}_{part}": one for part, one in vars(told).items()}
+    return {name: statistics_of[name] for name in prepared.dims}
 
 
 def _first(values: Mapping[str, Array]) -> dict[str, Array]:
@@ -179,25 +181,28 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
     # The points a alone tell of distributions, so that they do not hang on what else is asked.
     values = evaluator.at(at if "sobol" in study.analyses else at[:, :1])
     for demand in study.demands:
-        told = statistics.probability(_met(demand, values))
-        yield f"probability_{demand.name}", told.value
-        yield f"probability_{demand.name}_error", told.error
+        estimate = statistics.probability(_met(demand, values))
+        yield f"probability_{demand.name}", estimate.value
+        yield f"probability_{demand.name}_error", estimate.error
     for name in prepared.outputs:
-        one = values.outputs[name]
-        first = one[:, 0]
+        output = values.outputs[name]
+        first = output[:, 0]
         yield f"{name}_left_out", statistics.share(np.isnan(first))
         if "distribution" in study.analyses:
             mean, deviation = statistics.mean_and_deviation(first)
             shares = statistics.quantiles(first, np.array(study.quantiles))
             pairs = (("mean", mean), ("deviation", deviation), ("quantile", shares))
-            for part, told in pairs:
-                yield f"{name}_{part}", told.value
-                yield f"{name}_{part}_error", told.error
+            for part, estimate in pairs:
+                yield f"{name}_{part}", estimate.value
+                yield f"{name}_{part}_error", estimate.error
             levels = np.linspace(0.0, 1.0, statistics.LEVELS)
-            yield f"{name}_distribution", statistics.quantile(first.reshape(len(one), -1), levels)
+            yield (
+                f"{name}_distribution",
+                statistics.quantile(first.reshape(len(output), -1), levels),
+            )
         if "sobol" in study.analyses:
-            for part, told in indices_of(one)._asdict().items():
-                yield f"{name}_{part}", told.T
+            for part, estimate in indices_of(output)._asdict().items():
+                yield f"{name}_{part}", estimate.T
 
 
 def _met(demand: Demand, values: SampledOutputs) -> Mask:

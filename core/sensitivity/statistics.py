@@ -69,12 +69,12 @@ def quantile(values: Array, shares: Array) -> Array:
     """
     values = np.sort(values, axis=-1)  # NaN come last
     number = np.isfinite(values).sum(axis=-1)
-    place = np.multiply.outer(shares, np.maximum(number - 1, 0))
-    below = np.floor(place).astype(np.intp)
+    rank = np.multiply.outer(shares, np.maximum(number - 1, 0))
+    below = np.floor(rank).astype(np.intp)
     above = np.minimum(below + 1, np.maximum(number - 1, 0))
     low = np.take_along_axis(values[None], below[..., None], axis=-1)[..., 0]
     high = np.take_along_axis(values[None], above[..., None], axis=-1)[..., 0]
-    part = place - below
+    part = rank - below
     return np.where(part == 0, low, low + (high - low) * part)
 
 

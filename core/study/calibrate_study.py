@@ -51,13 +51,13 @@ def quantity_of(table: str, parameter: str) -> Quantity:
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
     of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
-    found = read_distribution(of + parameter, raw, quantity_of(table, parameter))
-    if not isinstance(found, Prior):
+    prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
+    if not isinstance(prior, Prior):
         message = f"what is known of {of}{parameter} is neither a range nor a normal distribution"
         raise UnitError(
             message, "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }"
         )
-    return found
+    return prior
 
 
 def _prior_field(table: str, name: str) -> Any:
@@ -164,13 +164,13 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
 
     def priors(self) -> dict[str, Prior]:
         """Return the unknowns by name, those of each table in the order of the declaration."""
-        found: dict[str, Prior] = {}
+        priors_of: dict[str, Prior] = {}
         for table in STEMS:
             given = getattr(self, table)
             if given is not None:
                 names = [name for name in PARAMETERS if name in given.model_fields_set]
-                found |= {STEMS[table] + name: getattr(given, name) for name in names}
-        return found
+                priors_of |= {STEMS[table] + name: getattr(given, name) for name in names}
+        return priors_of
 
     def asked_next(self) -> dict[str, Values]:
         """Return the candidates and their values, in the order of the declaration."""
@@ -181,15 +181,15 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
 
     def places(self) -> dict[str, str]:
         """As in `Study`: what runs have of their own stands before what is unknown of it."""
-        found: dict[str, str] = {}
+        origins: dict[str, str] = {}
         for run in self.observations:
-            found |= {name: f"observations, {name}" for name in parameters_of(run)}
+            origins |= {name: f"observations, {name}" for name in parameters_of(run)}
         for table in STEMS:
             given = getattr(self, table)
             for name in PARAMETERS:
                 if given is not None and name in given.model_fields_set:
-                    found.setdefault(name, f"{table}.{name}")
-        return found
+                    origins.setdefault(name, f"{table}.{name}")
+        return origins
 
     def content(self) -> dict[str, Any]:
         """Return the study as plain values, ranges and units in one form."""

@@ -170,15 +170,15 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
     written = raw["deviation"] if written is None else written
     size = read_number(f"deviation of {name}", as_difference(quantity), written)
     ends = {key: read_number(name, quantity, raw[key]) for key in ("lower", "upper") if key in raw}
-    found = Normal(mean, size, **ends)
-    lower, upper = found.within(quantity)
+    normal = Normal(mean, size, **ends)
+    lower, upper = normal.within(quantity)
     if not lower < upper:
         message = f"the upper bound of {name} ({upper:g}) is not above the lower one ({lower:g})"
         raise UnitError(message, "Swap them")
     if not lower <= mean <= upper:
         message = f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})"
         raise UnitError(message, "Move the mean or the bounds")
-    return found
+    return normal
 
 
 def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
@@ -195,18 +195,18 @@ def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognorm
 
 def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
     columns = [raw["values"], raw["densities"]]
-    if not all(isinstance(one, list | tuple) for one in columns):
+    if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(f"values and densities of {name} are no lists", "Write two lists")
     count = len(columns[0])
     if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MOST_TABULATED:
         message = f"{name} has {count:,} values and {len(columns[1]):,} densities"
         fix = f"Give {FEWEST_TABULATED} to {MOST_TABULATED:,} values, and a density for each"
         raise UnitError(message, fix)
-    values = tuple(read_number(name, quantity, one) for one in columns[0])
+    values = tuple(read_number(name, quantity, value) for value in columns[0])
     if any(after <= before for before, after in pairwise(values)):
         raise UnitError(f"the values of {name} do not ascend", "Sort them, each once")
     plain = Quantity("1", "", "Density", "", 0.0, examples=("1",))
-    densities = tuple(read_number(f"a density of {name}", plain, one) for one in columns[1])
+    densities = tuple(read_number(f"a density of {name}", plain, value) for value in columns[1])
     if not any(densities):
         raise UnitError(f"all densities of {name} are 0", "Give one above 0")
     return Tabulated(values, densities)

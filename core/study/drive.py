@@ -101,15 +101,15 @@ def names_recording(content: object) -> bool:
 
 
 def _fitted(raw: object) -> object:
-    told = None
+    problem = None
     if isinstance(raw, Mapping) and "sha256" not in raw:
         fix = "Carry the study out, or load it by vibrafeed.load_study"
-        told = {"message": "its recording has not been fitted yet", "fix": fix}
+        problem = {"message": "its recording has not been fitted yet", "fix": fix}
     elif not isinstance(raw, Mapping | MeasuredDrive | None):
         fix = 'Write [drive] with file = "recording.csv" and the columns along and normal'
-        told = {"message": f"{str(raw)[:40]!r} does not say how to read a recording", "fix": fix}
-    if told is not None:
-        raise PydanticCustomError("value", "{message}", told)
+        problem = {"message": f"{str(raw)[:40]!r} does not say how to read a recording", "fix": fix}
+    if problem is not None:
+        raise PydanticCustomError("value", "{message}", problem)
     return raw
 
 

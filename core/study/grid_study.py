@@ -59,12 +59,12 @@ def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
         number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
     if quantity.upper < float("inf"):
         number["maximum"] = quantity.upper
-    one = {"anyOf": [number, {"type": "string", "maxLength": 200}]}
+    value = {"anyOf": [number, {"type": "string", "maxLength": 200}]}
     span = {
         "type": "object",
         "properties": {
-            "start": one,
-            "stop": one,
+            "start": value,
+            "stop": value,
             "num": {"type": "integer", "minimum": 2},
             "step": {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]},
             "spacing": {"enum": ["linear", "log"], "default": "linear"},
@@ -77,7 +77,12 @@ def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
     return {
         "title": quantity.label,
         "description": quantity.description + unit,
-        "anyOf": [number, {"type": "string"}, {"type": "array", "items": one, "minItems": 1}, span],
+        "anyOf": [
+            number,
+            {"type": "string"},
+            {"type": "array", "items": value, "minItems": 1},
+            span,
+        ],
         "examples": list(quantity.examples),
     }
 
@@ -125,12 +130,12 @@ def _between_field(name: str, quantity: Quantity) -> Any:
         except UnitError as error:
             raise refusal(error.message, error.fix) from error
 
-    one = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+    end = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
     schema = {
         "title": quantity.label,
         "description": f"Bounds of the {quantity.label.lower()}, both included.",
         "type": "object",
-        "properties": {"lower": one, "upper": one},
+        "properties": {"lower": end, "upper": end},
         "required": ["lower", "upper"],
         "additionalProperties": False,
     }

@@ -170,9 +170,9 @@ class OptimiseStudy(DrivenStudy):
 
     def output_places(self) -> dict[str, str]:
         """As in `Study`."""
-        found: dict[str, str] = {}
+        origins: dict[str, str] = {}
         for number, one in enumerate(self.constraints):
-            found.setdefault(one.output, f"constraints.{number}.output")
+            origins.setdefault(one.output, f"constraints.{number}.output")
         for name, key in zip(self.criterion_outputs(), ("output", "against"), strict=False):
-            found.setdefault(name, f"criterion.{key}")
-        return found
+            origins.setdefault(name, f"criterion.{key}")
+        return origins

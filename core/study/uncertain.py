@@ -20,13 +20,13 @@ from core.study.units import UnitError
 
 def _schema(quantity: Quantity) -> dict[str, Any]:
     # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
-    one: dict[str, Any] = {"type": ["number", "string"]}
-    many = {"type": "array", "items": one, "minItems": 2, "maxItems": MOST_TABULATED}
+    value: dict[str, Any] = {"type": ["number", "string"]}
+    many = {"type": "array", "items": value, "minItems": 2, "maxItems": MOST_TABULATED}
     kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
     return {
         "title": quantity.label,
         "type": "object",
-        "properties": {key: kinds.get(key, one) for keys in FORMS.values() for key in keys},
+        "properties": {key: kinds.get(key, value) for keys in FORMS.values() for key in keys},
         "additionalProperties": False,
         "minProperties": 2,
     }

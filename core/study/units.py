@@ -147,8 +147,8 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     if not _UNIT.fullmatch(unit) or _HIGH_POWER.search(_POWER.sub("", unit)):
         raise UnitError(f"'{unit[:40]}' is not a unit", fix)
     try:
-        one = _registry().Quantity(Fraction(1), unit)
-        is_angular = "radian" in dict(one.to_root_units().unit_items())
+        base = _registry().Quantity(Fraction(1), unit)
+        is_angular = "radian" in dict(base.to_root_units().unit_items())
     except Exception as error:  # pint raises of many kinds for a malformed unit
         raise UnitError(f"'{unit}' is not a unit", fix) from error
     if quantity.unit == "Hz" and is_angular:
@@ -158,7 +158,7 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     if (quantity.is_angle or quantity.unit.startswith("rad")) != is_angular:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)
     try:
-        converted = one.to(_pint_name(quantity.unit)).magnitude
+        converted = base.to(_pint_name(quantity.unit)).magnitude
     except Exception as error:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
     return Fraction(converted)
