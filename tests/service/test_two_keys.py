@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from benchmarks.two_keys import LIMITED, STRICT, make_keys, play
 from night import count
+from two_keys import LIMITED, STRICT, make_keys, play
 
 CALLS = count(100, 2000, "VIBRAFEED_FUZZ_CASES")
 

@@ -17,9 +17,9 @@ from app.jobs.keys import Key
 from app.main import create_app
 from app.settings import Settings
 from app.web import wrong_keys
-from benchmarks.two_keys import ASYNC, SLICE, study
 from local_client import local_client
 from posted_sweeps import problem
+from two_keys import ASYNC, SLICE, study
 from waiting import wait_for
 
 EXECUTION = "/processes/sweep/execution"

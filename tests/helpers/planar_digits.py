@@ -1,6 +1,6 @@
 """Mean velocities of planar motions to 20 digits, by a program of its own in mpmath.
 
-``python -m benchmarks.planar_digits`` writes tests/data/planar_digits.json: where the errors that
+`python tests/helpers/planar_digits.py` writes tests/data/planar_digits.json: where the errors that
 `events` states are hard to state. Just above throw number 1, at huge friction, and just above the
 threshold of slip with static above kinetic friction. It shares nothing with the kernels but the
 laws: a part without restitution, flows in closed form, events by bisection on monotone pieces.
@@ -20,7 +20,7 @@ from mpmath import asin, cos, floor, mp, mpf, pi, sin
 
 PERIODS = 40
 CONVERGED = 1e-17
-TARGET = Path(__file__).parents[1] / "tests" / "data" / "planar_digits.json"
+TARGET = Path(__file__).parents[1] / "data" / "planar_digits.json"
 
 mp.dps = 30
 TURN = 2 * pi

@@ -1,8 +1,8 @@
 """Two keys that share a service: neither sees, changes, evicts or slows the other.
 
-`python -m benchmarks.two_keys` lets both make 2,000 calls in a random order against a server of its
-own: equal and different studies, reads by identifiers of their own and of the other, lists,
-dismissals, events, slices, Zarr, NetCDF, sharing. What each is to be told is known from what it did
+`python -m tests.helpers.two_keys` lets both make 2,000 calls in a random order against a server of
+its own: equal and different studies, reads by identifiers of their own and of the other, lists,
+dismissals, events, slices, Zarr, NetCDF, sharing. What each should see is known from what it did
 itself and what it was shared. One has a limit of bytes, and so loses results of its own; the other
 may lose nothing. Then a small slice is asked for alone, and beside the other's work.
 """
