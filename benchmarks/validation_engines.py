@@ -50,6 +50,7 @@ ASKED = {
     "W-winkler-2": ("Winkler's wave, load near 0", 10),
     "M-ellipse-4": ("Fast ellipse", 40),
     "Z-turn-1": ("Level sine: where slip turns", 10),
+    "V-speed-7": ("Short hops", 30),
 }
 """Cases that engines can run, with one coefficient of friction: title, and periods until the motion
 repeats."""
@@ -74,9 +75,8 @@ def jobs(case: Case) -> list[dict[str, Any]]:
     found = []
     for steps in STEPS:
         phases = np.linspace(0.0, 2 * math.pi, steps + 1)
-        along, normal = _track(given, phases)
         step = 1 / (frequency * steps)
-        gravity = np.stack([-np.diff(along), -np.diff(normal)], axis=1) / step
+        gravity = -np.diff(_track(given, phases)).T / step
         gravity[:, 1] -= GRAVITY
         found.append(
             {
@@ -99,12 +99,12 @@ def _parameters(case: Case) -> dict[str, float]:
     }
 
 
-def _track(given: Mapping[str, float], phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the velocity of the track along and normal to itself, at phases of the drive."""
+def _track(given: Mapping[str, float], phases: np.ndarray) -> np.ndarray:
+    """Return the velocity of a level track along and normal to itself, at phases of the drive."""
     w = 2 * math.pi * given["frequency"]
     if "amplitude" in given:
-        along = given["amplitude"] * w * np.cos(phases)
-        return along, np.zeros_like(along)
+        line = np.array([[math.cos(given["beta"])], [math.sin(given["beta"])]])
+        return line * given["amplitude"] * w * np.cos(phases)
     numbers = {name: np.asarray(value) for name, value in given.items()}
     known = motions(("conveying_velocity",), numbers)
     scale = GRAVITY / w
@@ -113,7 +113,7 @@ def _track(given: Mapping[str, float], phases: np.ndarray) -> tuple[np.ndarray, 
         velocity = np.asarray(speed(known["wave"], axis, phases)) * scale
         velocity[-1] = velocity[0]  # the phase is 0 again
         found.append(velocity)
-    return found[0], found[1]
+    return np.array(found)
 
 
 def answer(case: Case, steps: int, told: Mapping[str, Any]) -> float:
@@ -209,11 +209,11 @@ def draw(found: list[dict[str, Any]]) -> None:
         panel.set_title(f"{title} ({name})", fontsize=9)
         panel.grid(visible=True, which="major", linewidth=0.4, color="0.85")
         panel.xaxis.set_tick_params(labelbottom=True)
-    panels[5].axis("off")
-    panels[5].legend(*panels[0].get_legend_handles_labels(), loc="center", frameon=False)
+    handles = panels[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=len(NAMES) + 1, frameon=False)
     for panel in panels[[0, 3]]:
         panel.set_ylabel("error of the answer, as a share of it")
-    for panel in panels[[2, 3, 4]]:
+    for panel in panels[3:]:
         panel.set_xlabel("seconds for the answer")
     panels[2].set_ylim(5e-7, 3)
     figure.savefig(PICTURE, dpi=100)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,9 +14,7 @@ from core.assurance.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
 from core.motion.prepare import Simulation
 from core.motion.result import STATUS
-from core.motion.systems import CONTACTS
 from core.plan.equations import run_equations
-from core.plan.grid import Grid
 from core.plan.plan import plan_scene, scene_parameters
 from core.scenes import Scene
 from core.watch import Watch
@@ -102,18 +100,8 @@ def run_method(
     )
 
 
-Rivals = Callable[
-    [Scene, Mapping[str, Array], Array, NDArray[np.bool_], Watch],
-    tuple[Sequence[Curve], Sequence[str]],
-]
-"""Measure other programs on planar cells (their scene, parameters, true velocities, and where the
-part hops); return curves and notes."""
-
-
-def measure(
-    simulation: Simulation, watch: Watch, cells: int = CELLS, rivals: Rivals | None = None
-) -> Measured:
-    """Return error and time of all methods that follow the motion of a study, and of rivals."""
+def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
+    """Return error and time of all methods that follow the motion of a study."""
     scene, grid = simulation.plan.scene, simulation.grid
     settings = {
         name: value for name, value in simulation.study.settings().items() if name == "most_periods"
@@ -182,20 +170,9 @@ def measure(
     )
     if "regularised" in scene.variants:
         curves += _regularised(scene, picked, truth, hops, watch.part(0.35))
-    if rivals and exact and _is_planar(scene, grid):
-        theirs, remarks = rivals(scene, picked, truth, hops, watch)
-        curves += theirs
-        notes += remarks
     if watch.stopped():
         notes.append("The time given ran out: settings that were not reached are left out.")
     return Measured("motion", tuple(curves), tuple(notes))
-
-
-def _is_planar(scene: Scene, grid: Grid) -> bool:
-    given = {*grid.axes, *grid.fixed}
-    return not CONTACTS[scene.name].wall and (
-        "alpha" not in given or grid.bounds("alpha") == (0, 0)
-    )
 
 
 def _is_used(scene: Scene, name: str) -> bool:
