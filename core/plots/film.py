@@ -142,6 +142,10 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         notes.append(f"gap {number(exaggeration)} times as large")
     if cycles > 1:
         notes.append(f"cycle shown {cycles} times")
+    climb = float(dataset["gamma"]) if "gamma" in dataset else 0.0  # degrees, as files hold angles
+    if climb:
+        way = "climbs" if climb > 0 else "falls"
+        notes.append(f"seen along the track, which {way} by {number(abs(climb))}\N{DEGREE SIGN}")
     track = np.stack([then(along), then(normal)])
     ride = then(position) + shown.factor * turns * (position[-1] - position[0])
     half = shown.factor * np.array([length, PART_SHAPE * length]) / 2

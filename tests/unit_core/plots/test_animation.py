@@ -130,3 +130,10 @@ def test_wrong_requests(hop: xarray.Dataset, tmp_path: Path):
         draw(hop, kind="animation")
     with pytest.raises(PlotError, match="no motion over a cycle"):
         vibrafeed.animate(hop.isel(cycle_time=0, drop=True), tmp_path / "part.gif")
+
+
+@pytest.mark.parametrize(("gamma", "says"), [(2.0, "climbs by 2"), (-3.0, "falls by 3")])
+def test_a_track_that_is_not_level_is_said_to_be_so(hop: xarray.Dataset, gamma, says):
+    tilted = hop.assign(gamma=hop["gamma"] * 0 + gamma)
+    assert any(says in note for note in read_film(tilted, UNITS).notes)
+    assert not any("seen along" in note for note in read_film(hop, UNITS).notes)
