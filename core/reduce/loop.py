@@ -86,7 +86,7 @@ class FieldLoop:
         results: dict[str, Any] = {}
         for number, (gathering, result) in enumerate(
             [
-                *_counts(self._counters(counted, flags)),
+                *self._counts(counted, flags),
                 *(pair for name in field.outputs for pair in _statistics(name, counted, asked)),
             ]
         ):
@@ -154,16 +154,31 @@ class FieldLoop:
         invalid = {number: np.nan for number in numbers if not self._valid >> number & 1}
         return self._by_regime(invalid, value)
 
-    def _counters(self, counted: Mapping[str, Any], flags: Sequence[int]) -> list[Any]:
-        """Return for each counter 1.0 where a cell is counted, else 0.0."""
+    def _counts(
+        self, counted: Mapping[str, Any], flags: Sequence[int]
+    ) -> list[tuple[Gathering, Any]]:
+        """Return the counts of cells, some in one number: each adds its own power of 2.
+
+        They are those of outputs, then of regimes, then of shares. Of the regimes of a cell at most
+        one holds: all that are in one number are chosen at once.
+        """
         field = self._field
-        counters = [np.where(counted[n] == counted[n], 1.0, 0.0) for n in field.outputs]
-        if field.regimes:
-            counters += [self._by_regime({flag: 1.0}, 0.0) for flag in flags]
-        return [
-            *counters,
-            *(np.where(self._met(each, counted), 1.0, 0.0) for each in field.shares.values()),
-        ]
+        counters: list[Any] = [counted[name] == counted[name] for name in field.outputs]
+        counters += flags if field.regimes else ()
+        counters += [self._met(each, counted) for each in field.shares.values()]
+        pairs = []
+        for first in range(0, len(counters), COUNTS):
+            some = counters[first : first + COUNTS]
+            weights = [float(1 << COUNT_BITS * k) for k in range(len(some))]
+            regimes = {
+                one: weight for one, weight in zip(some, weights, strict=True) if type(one) is int
+            }
+            packed = self._by_regime(regimes, 0.0) if regimes else 0.0
+            for one, weight in zip(some, weights, strict=True):
+                if type(one) is not int:
+                    packed = np.where(one, weight, 0.0) + packed
+            pairs.append((Gathering("sum", counters=(first, first + len(some))), packed))
+        return pairs
 
     def _met(self, conditions: Sequence[ShareCondition], counted: Mapping[str, Any]) -> Any:
         met: Any = True
@@ -176,16 +191,6 @@ class FieldLoop:
                 holds = COMPARISONS[one.comparison](value, float(one.value)) & (value == value)
             met = holds & met
         return met
-
-
-def _counts(counters: Sequence[Any]) -> list[tuple[Gathering, Any]]:
-    """Return counters, some packed in one number: each is 1 at its own power of 2."""
-    pairs = []
-    for first in range(0, len(counters), COUNTS):
-        some = counters[first : first + COUNTS]
-        packed = sum(one * float(1 << COUNT_BITS * k) for k, one in enumerate(some))
-        pairs.append((Gathering("sum", counters=(first, first + len(some))), packed))
-    return pairs
 
 
 def _statistics(

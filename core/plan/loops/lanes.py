@@ -23,7 +23,7 @@ from core.plan.plan import Plan
 
 DEPTH = 240
 """Most cells that a lane gathers: their sum is that exact, and counts fit in 8 bits."""
-LANES, MOST_LANES = 4096, 1 << 15
+LANES, MOST_LANES = 1024, 1 << 15
 """Lanes of a tile, and their number where few cells go to each."""
 TILE_CELLS = 1 << 18
 """Most cells of a tile: some hundred microseconds."""
