@@ -34,7 +34,7 @@ from core.motion.kernels.track import drive
 from core.motion.kernels.track.cycle import new_history, settle
 from core.motion.kernels.track.solve import FINE
 from core.motion.kernels.track.tables import at_rest, new_work
-from core.motion.kernels.waves import passages
+from core.motion.kernels.waves import SineSum, passages
 from core.motion.methods.events import planar_motion
 from core.motion.methods.spatial_events import spatial_motion
 from core.motion.waves import TURN
@@ -107,7 +107,7 @@ def found_by_kernel(one: Sum, search=passages) -> Array:
     orders = one.sines.size
     table = np.zeros((3, 26))
     table[0, 1 : orders + 1], table[1, 1 : orders + 1] = one.sines, one.cosines
-    return table[2, 1 : 1 + search(table, 0, 1, orders, one.level, 2, 24)]
+    return table[2, 1 : 1 + search(SineSum(table, 0, 1, orders), one.level, 2, 24)]
 
 
 def sums_agree(count: int, seed: int) -> None:

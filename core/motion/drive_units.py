@@ -114,19 +114,27 @@ def unit_of(given: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
         for other in names
         if other in FOLLOWS or other in DRIVE
     ]
-    if loaded and turns:
+    if loaded:
+        problems += _problems_of_parts(told, turns)
+    shape = HalfWave() if "force_harmonic" in told else None
+    return ChosenUnit(SCENES[name], variant, loaded, shape), problems
+
+
+def _problems_of_parts(told: list[str], turns: list[str]) -> list[Problem]:
+    """Return why what conveyed parts do to a unit is not known."""
+    problems = []
+    if turns:
         message = "what parts do to a unit that turns is not known"
         fix = f"Give load_mass in its place, or leave out {', '.join(turns)}"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if loaded and "force_harmonic" in told:
+    if "force_harmonic" in told:
         message = "what parts do to a unit is known for a force of one harmonic"
         fix = "Give load_mass in its place, or leave out force_harmonic"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if loaded and "load_damping" in told:
+    if "load_damping" in told:
         message = "it follows from the motion of the parts, whose conveyed_mass is given"
         problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
-    shape = HalfWave() if "force_harmonic" in told else None
-    return ChosenUnit(SCENES[name], variant, loaded, shape), problems
+    return problems
 
 
 # --- equations

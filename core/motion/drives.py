@@ -203,29 +203,36 @@ def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     """
     names = [name for name in given if name in DRIVE or name in SINE]
     terms = {(m[1], int(m[2])) for m in map(_HARMONIC.fullmatch, names) if m}
-    found = [match for match in map(_STEP.fullmatch, names) if match]
-    steps = [match[0] for match in found]
-    if terms and steps:
-        return None, [_mixed(steps[0], "a drive in steps", "harmonics", "Give one kind of drive")]
+    steps = [match for match in map(_STEP.fullmatch, names) if match]
     sines = [name for name in SINE if name in names]
-    if terms and sines:
-        fix = (
-            "Remove it, and write amplitude_along_1 = A cos(beta), amplitude_normal_1 = A sin(beta)"
-        )
-        return None, [_mixed(name, "the plain sine", "harmonics", fix) for name in sines]
-    if steps and sines:
-        fix = "Remove it, or the steps"
-        return None, [_mixed(name, "the plain sine", "steps", fix) for name in sines]
+    if terms and steps:
+        fix = "Give one kind of drive"
+        return None, [_mixed(steps[0][0], "a drive in steps", "harmonics", fix)]
+    if sines and (terms or steps):
+        other = "harmonics" if terms else "steps"
+        return None, [_mixed(name, "the plain sine", other, _NO_SINE[other]) for name in sines]
     if terms:
         return Harmonics(tuple(sorted(terms, key=_by_axis))), []
-    if not steps:
-        return None, []
-    levels = {(m[1], int(m[2])) for m in found if m[1]}
-    count = max(int(m[2]) for m in found)
+    return _steps_of(steps) if steps else (None, [])
+
+
+_NO_SINE = {
+    "harmonics": (
+        "Remove it, and write amplitude_along_1 = A cos(beta), amplitude_normal_1 = A sin(beta)"
+    ),
+    "steps": "Remove it, or the steps",
+}
+"""What to do where a study gives the plain sine beside another drive."""
+
+
+def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
+    """Return the drive in steps that names give, and what is wrong with them."""
+    levels = {(m[1], int(m[2])) for m in names if m[1]}
+    count = max(int(m[2]) for m in names)
     if not levels or count == 1:
         message = "one step alone does not make a drive" if levels else "steps need an acceleration"
         fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
-        return None, [Problem(f"parameters.{steps[0]}", message, fix)]
+        return None, [Problem(f"parameters.{names[0][0]}", message, fix)]
     return Steps(count, tuple(sorted(levels, key=_by_axis))), []
 
 

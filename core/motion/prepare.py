@@ -33,8 +33,9 @@ from core.study.values import Fixed
 
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
-MOST_BY_DIFFERENCES = 1_000
-"""Cells times parameters whose derivatives are taken from differences, 25 motions each."""
+MAX_BY_DIFFERENCES = 1_000
+"""Cells times parameters whose derivatives are taken from differences, 25 motions each: 25,000 in
+all, as much as a large map of a scene in space."""
 
 
 class Simulation(Prepared):
@@ -192,12 +193,12 @@ def _derivable(prepared: Simulation) -> Simulation:
         fix = f"Leave it out, or choose among {', '.join(CONTACTS)}"
         raise StudyError([Problem("sensitivities", message, fix)])
     runs = prepared.cells * len(asked.parameters)
-    if runs > MOST_BY_DIFFERENCES and not _all_exact(prepared):
+    if runs > MAX_BY_DIFFERENCES and not _all_exact(prepared):
         message = (
             "only motion in the plane under the plain sine, by the method events, has exact "
             f"derivatives; {runs:,} others are too many"
         )
-        fix = f"Keep cells times parameters within {MOST_BY_DIFFERENCES:,}, or set alpha to 0"
+        fix = f"Keep cells times parameters within {MAX_BY_DIFFERENCES:,}, or set alpha to 0"
         raise StudyError([Problem("sensitivities", message, fix)])
     return prepared
 

@@ -15,7 +15,7 @@ NEAR = 1e-8
 In a step as short as that what rounding leaves of the velocities would look like no solution.
 """
 
-MOST_MOVES = 32
+MAX_MOVES = 32
 """Of the ends of steps, to get them apart; more than there are jumps."""
 
 
@@ -50,7 +50,7 @@ def drives_of(wave: Wave, steps: int, begin: float) -> Array:
 def _apart(starts: Array, least: float, end: float) -> Array:
     """Return ascending phases with those that are too near to the one before in the next gap."""
     starts = starts.copy()
-    for _ in range(MOST_MOVES):
+    for _ in range(MAX_MOVES):
         gaps = np.diff(starts, axis=0, append=end)
         near = gaps < least
         if not near.any():

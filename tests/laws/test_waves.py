@@ -10,7 +10,7 @@ from core.intake import parse_study
 from core.kinds import run_study
 from core.motion import waves
 from core.motion.groups import Contacts, Groups
-from core.motion.kernels.waves import passages
+from core.motion.kernels.waves import SineSum, passages
 from core.motion.methods.events import planar_motion
 from core.motion.methods.spatial_events import spatial_motion
 from core.motion.result import STATUS
@@ -272,7 +272,7 @@ def test_every_passage_of_a_sum_is_found():
             table = np.zeros((3, 26))
             table[:2, 1 : orders + 1] = pick.normal(size=(2, orders))
             level = 0.5 * pick.normal()
-            count = passages(table, 0, 1, orders, level, 2, 24)
+            count = passages(SineSum(table, 0, 1, orders), level, 2, 24)
             total = table[0, 1 : orders + 1] @ np.sin(k * phases)
             total += table[1, 1 : orders + 1] @ np.cos(k * phases)
             seen = phases[:-1][np.diff(total > level)]

@@ -34,8 +34,9 @@ Random numbers that do not depend on each other give 2 on the mean; a straight l
 def batch_means(values: Floats) -> Floats:
     """Return the means of successive batches of the values but the first quarter; shape (16,).
 
-    All batches are equally long, and the last ends with the values. NaN where there are fewer
-    values than batches.
+    m_b = (sum of the s values of batch b)/s, with s = floor((n - floor(n/4))/16) of n values: all
+    batches are equally long, and the last ends with the values. NaN where there are fewer values
+    than batches.
     """
     means = np.full(BATCHES, math.nan)
     size = (values.size - int(SETTLING * values.size)) // BATCHES
@@ -74,10 +75,11 @@ def succession(means: Floats) -> float:
 
 @compiled
 def is_steady(means: Floats, resolved: float) -> bool:
-    """Return whether batches' means show neither a drift nor a memory longer than a batch.
+    """True if batches' means show neither a drift nor a memory longer than a batch.
 
-    Those that scatter by less than what is `resolved` of them are the same. False of NaN. Batches
-    of a steady motion fail once in 1,000 times.
+    s(m) <= `resolved`: those that scatter by less than what is known of them are the same; or r >=
+    0.684, with `scatter` and `succession`. False of NaN. Batches of a steady motion fail once in
+    1,000 times (theory 13.13).
     """
     return scatter(means) <= resolved or succession(means) >= LEAST_RATIO
 
@@ -97,7 +99,10 @@ def mean_error(means: Floats) -> float:
 
 @compiled
 def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float:
-    """Return the mean velocity over the periods from `first` to before `last`."""
+    """Return the mean velocity over the periods from `first` to before `last`.
+
+    v = (sum of x_k)/(n T). x_k is the way of a period k, T how long a period is, n = last - first.
+    """
     total = 0.0
     for k in range(first, last):
         total += travel[k]
@@ -106,7 +111,10 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 @compiled
 def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
-    """Return by how much the mean velocity grew from the third to the last quarter, and before."""
+    """Return by how much the mean velocity grew from the third to the last quarter, and before.
+
+    v_4 - v_3 and v_3 - v_2, with v_q the `mean_velocity` of quarter q.
+    """
     quarter = done // 4
     first = mean_velocity(travel, quarter, 2 * quarter, period)
     second = mean_velocity(travel, 2 * quarter, 3 * quarter, period)
@@ -116,9 +124,10 @@ def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
 
 @compiled
 def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
-    """Return whether the mean velocity grows on and on, as gravity is no less than friction.
+    """True if the mean velocity grows on and on, as gravity is no less than friction.
 
-    At high speed friction is kinetic, on the mean load, whether the part hops or not.
+    For its growth d after d', d d' > 0, |d| > |d'|/2 and `pull` >= `friction`, g sin(gamma) against
+    mu_k times the mean load: at high speed friction is kinetic, whether the part hops or not.
     """
     return gain * before > 0.0 and pull >= friction and abs(gain) > 0.5 * abs(before)
 
@@ -156,7 +165,8 @@ def ended(
 ) -> tuple[int, Floats]:
     """Return the status of a motion that did not repeat, and the means of its batches of periods.
 
-    `pull` is gravity's, which friction may not hold; `resolved` as in `is_steady`.
+    `pull` is gravity's, sin(gamma), against the friction mu_k n + mu_w max(0, n_y) that may not
+    hold it (theory 13.8); `resolved` as in `is_steady`.
     """
     gain, before = gains(travel, travel.size, period)
     friction = cell.friction_kinetic * cell.gravity_number_normal
@@ -172,8 +182,9 @@ def ended(
 def wall_gap(tallies: Floats, first: int, last: int, away: float) -> float:
     """Return how far two distances from the wall lie apart, as far as it matters.
 
-    `away` is by how much the part moved away over the periods from `first` to before `last`: to one
-    that did not touch the wall meanwhile, and does not come nearer, it does not matter.
+    |dy| for a part that touched the wall over the periods from `first` to before `last`; max(0,
+    -dy) for one that did not, with `away` = dy: to one that does not come nearer it does not
+    matter.
     """
     for k in range(first, last):
         if tallies[k, TALLY.at_wall] > 0.0:

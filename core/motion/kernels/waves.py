@@ -1,12 +1,14 @@
 """Sums of sines in compiled code: their values, and where they pass through a level.
 
-A sum stands in two rows of a table, the coefficients of sin(k tau) in `sines` and those of
-cos(k tau) in `cosines`, from column 1 on.
+A sum is S(tau) = sum of a_k sin(k tau) + b_k cos(k tau), k = 1 to `orders` (theory 13.14). It
+stands in two rows of a table, the coefficients a_k in `sines` and b_k in `cosines`, from column 1
+on.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,17 +23,29 @@ LAST_STEP = 3e-5
 POINTS = 128
 """Phases of a period at which sums are looked at first: four to each change of the highest."""
 SINES = np.sin(TURN * np.arange(POINTS + POINTS // 4) / POINTS)
-MOST_ITERATIONS = 80
+MAX_ITERATIONS = 80
+"""Of Halley's iteration in a bracket: halving alone ends after 53."""
+
+
+class SineSum(NamedTuple):
+    """A sum of sines: its table, the rows of its coefficients there, and its highest order."""
+
+    table: Floats
+    sines: int
+    cosines: int
+    orders: int
 
 
 @borrowing
-def value_and_slope(
-    table: Floats, sines: int, cosines: int, orders: int, tau: float
-) -> tuple[float, float]:
-    """Return a sum and its derivative."""
+def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
+    """Return a sum and its derivative, S and S' = sum of k (a_k cos(k tau) - b_k sin(k tau)).
+
+    sin(k tau) and cos(k tau) come from those of (k - 1) tau by the addition theorem.
+    """
+    table, sines, cosines = wave.table, wave.sines, wave.cosines
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine, value, slope = sine_1, cosine_1, 0.0, 0.0
-    for k in range(1, orders + 1):
+    for k in range(1, wave.orders + 1):
         a, b = table[sines, k], table[cosines, k]
         value += a * sine + b * cosine
         slope += k * (a * cosine - b * sine)
@@ -40,21 +54,21 @@ def value_and_slope(
 
 
 @borrowing
-def bend_bound(table: Floats, sines: int, cosines: int, orders: int) -> float:
-    """Return what the second derivative of a sum does not exceed."""
+def bend_bound(wave: SineSum) -> float:
+    """Return a bound of the second derivative of a sum, sum of k^2 sqrt(a_k^2 + b_k^2)."""
+    table, sines, cosines = wave.table, wave.sines, wave.cosines
     total = 0.0
-    for k in range(1, orders + 1):
+    for k in range(1, wave.orders + 1):
         total += k * k * math.sqrt(table[sines, k] ** 2 + table[cosines, k] ** 2)
     return total
 
 
 @borrowing
-def at_point(
-    table: Floats, sines: int, cosines: int, orders: int, point: int
-) -> tuple[float, float]:
-    """Return a sum and its derivative at one of `POINTS` phases, from one table of sines."""
+def at_point(wave: SineSum, point: int) -> tuple[float, float]:
+    """Return what `value_and_slope` does at one of `POINTS` phases, from one table of sines."""
+    table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
-    for k in range(1, orders + 1):
+    for k in range(1, wave.orders + 1):
         turned = (k * point) & (POINTS - 1)
         sine, cosine = SINES[turned], SINES[turned + POINTS // 4]
         a, b = table[sines, k], table[cosines, k]
@@ -64,49 +78,48 @@ def at_point(
 
 
 @borrowing
-def passages(
-    table: Floats, sines: int, cosines: int, orders: int, level: float, found: int, room: int
-) -> int:
+def passages(wave: SineSum, level: float, found: int, room: int) -> int:
     """Fill the row `found`, from column 1 on, with where a sum passes a level; return how many.
 
-    Ascending in [0, 2 pi). On each of some equal pieces the sum is off the level all along, by its
-    value, slope and the bound of its second derivative at the middle; or it runs one way only, and
-    a sign at both ends decides; or the piece is halved. None is missed but a pair within `FINEST`.
+    Ascending in [0, 2 pi). On each of some equal pieces, h on either side of its middle, with the
+    bound M of the second derivative: |S - level| > |S'| h + M h^2/2, and the sum is off the level
+    all along; or |S'| > M h, it runs one way only, and a sign at both ends decides; or the piece is
+    halved. None is missed but a pair within `FINEST` (theory 13.14).
     There are 2 `orders` at most; what finds no `room` is left out.
     """
+    table, orders = wave.table, wave.orders
     if orders == 1:
-        return two_passages(table[sines, 1], table[cosines, 1], level, table, found)
-    bend = bend_bound(table, sines, cosines, orders)
+        return two_passages(table[wave.sines, 1], table[wave.cosines, 1], level, table, found)
+    bend = bend_bound(wave)
     stride = 4 if orders <= 2 else 2 if orders <= 5 else 1
     step = TURN * (2 * stride) / POINTS
     half, count = 0.5 * step, 0
-    first = at_point(table, sines, cosines, orders, 0)[0] - level
+    first = at_point(wave, 0)[0] - level
     for point in range(stride, POINTS, 2 * stride):
-        value, slope = at_point(table, sines, cosines, orders, point)
+        value, slope = at_point(wave, point)
         value -= level
         if abs(value) > (abs(slope) + 0.5 * bend * half) * half:
             first = value
             continue
         low = TURN * (point - stride) / POINTS
         if abs(slope) > bend * half:
-            last = at_point(table, sines, cosines, orders, point + stride)[0] - level
+            last = at_point(wave, point + stride)[0] - level
             if passes(first, last) and count < room:
                 count += 1
-                table[found, count] = passage(
-                    table, sines, cosines, orders, level, low, low + step, first, last
-                )
+                table[found, count] = passage(wave, level, low, low + step, first, last)
             first = last
         else:
-            count, first = in_piece(
-                table, sines, cosines, orders, level, low, low + step, bend, first, found, count,
-                room,
-            )  # fmt: skip
+            count, first = in_piece(wave, level, low, low + step, bend, first, found, count, room)
     return count
 
 
 @borrowing
 def two_passages(sine: float, cosine: float, level: float, table: Floats, found: int) -> int:
-    """Fill where one sine passes a level, in closed form; return how often, twice or never."""
+    """Fill where one sine passes a level, in closed form; return how often, twice or never.
+
+    a sin(tau) + b cos(tau) = A sin(tau + lead) = level at asin(level/A) - lead and
+    pi - asin(level/A) - lead, with A = sqrt(a^2 + b^2) and lead = atan2(b, a).
+    """
     size = math.sqrt(sine * sine + cosine * cosine)
     if not abs(level) < size:
         return 0
@@ -118,21 +131,24 @@ def two_passages(sine: float, cosine: float, level: float, table: Floats, found:
 
 @borrowing
 def passes(first: float, last: float) -> bool:
-    """Return whether a sign changes; what is 0 belongs to what comes after it."""
+    """True if a sign changes, a <= 0 < b or a >= 0 > b.
+
+    What is 0 belongs to what comes after it.
+    """
     return first <= 0.0 < last or first >= 0.0 > last
 
 
 @borrowing
 def in_piece(
-    table: Floats, sines: int, cosines: int, orders: int, level: float, low: float, high: float,
-    bend: float, first: float, found: int, count: int, room: int,
+    wave: SineSum, level: float, low: float, high: float, bend: float, first: float, found: int,
+    count: int, room: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Do what `passages` does within a piece, by halves; return the count, and the end's value."""
     tau, step = low, 0.5 * (high - low)
     while tau < high:
         step = min(step, high - tau)
         half = 0.5 * step
-        value, slope = value_and_slope(table, sines, cosines, orders, tau + half)
+        value, slope = value_and_slope(wave, tau + half)
         value -= level
         if abs(value) > (abs(slope) + 0.5 * bend * half) * half:
             first = value
@@ -140,12 +156,10 @@ def in_piece(
             step = half
             continue
         else:
-            last = value_and_slope(table, sines, cosines, orders, tau + step)[0] - level
+            last = value_and_slope(wave, tau + step)[0] - level
             if passes(first, last) and count < room:
                 count += 1
-                table[found, count] = passage(
-                    table, sines, cosines, orders, level, tau, tau + step, first, last
-                )
+                wave.table[found, count] = passage(wave, level, tau, tau + step, first, last)
             first = last
         tau, step = tau + step, 2.0 * step
     return count, first
@@ -153,18 +167,19 @@ def in_piece(
 
 @borrowing
 def passage(
-    table: Floats, sines: int, cosines: int, orders: int, level: float, low: float, high: float,
-    first: float, last: float,
-) -> float:  # fmt: skip
+    wave: SineSum, level: float, low: float, high: float, first: float, last: float
+) -> float:
     """Return where a sum that runs one way passes a level, by Halley's iteration in a bracket.
 
-    `first` and `last` are how far it is off the level at both ends.
+    `first` and `last` are how far it is off the level at both ends. The step is that of `halley`
+    with S - level, S' and S'' = -sum of k^2 (a_k sin(k tau) + b_k cos(k tau)).
     """
+    table, sines, cosines = wave.table, wave.sines, wave.cosines
     piece, at = high - low, low + (high - low) * first / (first - last)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         sine_1, cosine_1 = math.sin(at), math.cos(at)
         sine, cosine, value, slope, bend = sine_1, cosine_1, -level, 0.0, 0.0
-        for k in range(1, orders + 1):
+        for k in range(1, wave.orders + 1):
             a, b = table[sines, k], table[cosines, k]
             here = a * sine + b * cosine
             value += here
@@ -188,14 +203,14 @@ def passage(
 
 @borrowing
 def halley(value: float, slope: float, bend: float) -> float:
-    """Return the step to a root from value, slope and second derivative; infinite if none."""
+    """Return the step to a root, f f'/(f'^2 - f f''/2), by Halley; infinite if there is none."""
     below = slope * slope - 0.5 * value * bend
     return value * slope / below if below > 0.0 else math.inf
 
 
 @borrowing
 def is_near_root(value: float, slope: float, bend: float, nearness: float) -> bool:
-    """Return whether Halley's step ends at a root of the parabola here: |f f''| <= nearness f'^2.
+    """True if Halley's step ends at a root of the parabola here: |f f''| <= nearness f'^2.
 
     A short step alone tells nothing: where the slope f' vanishes it is some 2 f'/f'', however far
     off the root. The height f'^2/(2 |f''|) of the parabola above or below its vertex is the scale

@@ -19,8 +19,8 @@ from core.motion.path import Path
 from core.motion.result import Motion, motion_of
 from core.watch import Watch
 
-MOST_TURNS = 100_000
-"""Periods of the drive that a course may be shown over."""
+MAX_TURNS = 100_000
+"""Periods of the drive that a course may be shown over, as many as a study may follow a part."""
 
 
 def spatial_motion(
@@ -81,12 +81,12 @@ def spatial_path(
     Raises
     ------
     ValueError
-        If phases are negative, do not ascend, or are beyond `MOST_TURNS` periods.
+        If phases are negative, do not ascend, or are beyond `MAX_TURNS` periods.
     """
     if phases.size and (phases[0] < 0.0 or np.any(np.diff(phases) < 0.0)):
         raise ValueError("phases must be at least 0, and ascend")
-    if phases.size and phases[-1] > MOST_TURNS * 2 * np.pi:
-        raise ValueError(f"phases reach beyond {MOST_TURNS:,} periods")
+    if phases.size and phases[-1] > MAX_TURNS * 2 * np.pi:
+        raise ValueError(f"phases reach beyond {MAX_TURNS:,} periods")
     (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     with (watch or Watch()).flag() as stop:
         samples = compiled.track.follow(contacts.wall, float(contacts.rolling), cell, phases, stop)

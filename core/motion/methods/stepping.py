@@ -34,8 +34,9 @@ from core.motion.waves import TURN, of_columns
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
-MOST_STEPS = 100_000_000
-"""Steps of one path, and steps of one period times periods of one cell; more is refused."""
+MAX_STEPS = 100_000_000
+"""Steps of one path, and steps of one period times periods of one cell. More is refused: it is a
+slip of a digit, and would keep a processor busy for minutes."""
 
 
 ROOM = 1_000_000
@@ -155,10 +156,10 @@ def without_landing_steps(motion: Motion, steps: int) -> Motion:
     all the time, and has `flight` of exactly 1 and nothing else.
 
     Both sides are counts over whole periods, kept as means: they are equal but for rounding, or
-    apart by one in all steps of a path, which are `MOST_STEPS` at most.
+    apart by one in all steps of a path, which are `MAX_STEPS` at most.
     """
     floor = motion.stick + motion.forward + motion.backward
-    room = 1.0 + 0.1 / MOST_STEPS
+    room = 1.0 + 0.1 / MAX_STEPS
     lands = (motion.impacts > 0) & (floor * steps <= motion.impacts * room)
     others = {name: np.where(lands, 0.0, getattr(motion, name)) for name in SHARES}
     return with_whole_shares(motion._replace(**{**others, "flight": motion.flight}))
@@ -199,7 +200,7 @@ def stepped_path(
     Raises
     ------
     ValueError
-        If phases are not finite and ascending, or need more than `MOST_STEPS` steps.
+        If phases are not finite and ascending, or need more than `MAX_STEPS` steps.
     """
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
@@ -209,8 +210,8 @@ def stepped_path(
     _check(steps_per_period, 8, 1.0, contacts)
     step = 2.0 * math.pi / steps_per_period
     steps = (asked[-1] - asked[0]) / step
-    if steps > MOST_STEPS:
-        raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
+    if steps > MAX_STEPS:
+        raise ValueError(f"phases need {steps:.3g} steps; the limit is {MAX_STEPS:,}")
     (row,), _ = cells_of(groups, tolerance=0.0, most_periods=0.0)
     cell, columns = np.split(row, [compiled.stepping.GROUPS])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
@@ -233,8 +234,8 @@ def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts:
     """Raise if a count or a plain number is out of its range."""
     if steps_per_period < 8 or most_periods < 8:
         raise ValueError("steps_per_period and most_periods must be at least 8")
-    if 4 * steps_per_period * most_periods > MOST_STEPS:
-        raise ValueError(f"a cell may take {MOST_STEPS:,} steps at most")
+    if 4 * steps_per_period * most_periods > MAX_STEPS:
+        raise ValueError(f"a cell may take {MAX_STEPS:,} steps at most")
     rolling = contacts.rolling
     if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(tolerance + rolling)):
         raise ValueError("tolerance and rolling must be finite, and not negative")
@@ -318,6 +319,6 @@ TIME_STEPPING = Method(
     seconds_a_cell=_price,
     defaults={"steps_per_period": 1000.0, "most_periods": 200.0},
     course=_course,
-    most_steps=MOST_STEPS,
+    most_steps=MAX_STEPS,
     checked_by=("events", "reference"),
 )

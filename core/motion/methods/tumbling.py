@@ -48,7 +48,8 @@ Way = Literal["events", "stepping"]
 STEPS_A_PERIOD = 64
 STEP_IN_FALLS = 0.02  # of sqrt(half diagonal/gravity)
 
-MOST_STEPS = 2e7  # of a cell
+MAX_STEPS = 2e7
+"""Of a cell, as the kernels have it."""
 _DERIVED = frozenset({
     "half_diagonal", "inertia_ratio", "corner_angle", "pull_along", "pull_normal", "drive_along",
     "drive_normal", "circular_frequency", "time_step",
@@ -363,7 +364,7 @@ def _pricing(step: float, settles: float, rebounds: float) -> Pricing:
     def price(cells: Priced) -> Price:
         throw: Throw = cells.known["throw"]
         duration = np.asarray(throw.duration, dtype=float)
-        steps = np.minimum(duration / _step_of(throw), MOST_STEPS)
+        steps = np.minimum(duration / _step_of(throw), MAX_STEPS)
         push = np.asarray(throw.amplitude) * (2 * np.pi * np.asarray(throw.frequency)) ** 2
         lift = push * np.sin(np.asarray(throw.beta)) / np.asarray(throw.gravity)
         rest = settles * np.exp(rebounds * np.asarray(throw.restitution))

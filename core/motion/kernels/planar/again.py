@@ -30,7 +30,7 @@ from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
 from core.motion.kernels.planar.solve import UNREPEATED, solve_cell
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
 from core.motion.kernels.results import COLUMN, RESULTS, SPENT
 from core.motion.kernels.statuses import MODE, STATUS
@@ -49,12 +49,13 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 def follow(row: Floats, waves: Waves, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the cycle of one cell, the phase shift and the way of `upright`.
 
-    The last value tells whether the motion repeats after them. A piece is a row of the log. `known`
-    is the status of the cell, for a motion that does not repeat.
+    The last value tells whether the motion repeats after them. A piece is a row of the log, columns
+    of `PIECE`, by `follow_cycle`. `known` is the status of the cell, for a motion that does not
+    repeat.
     """
     cell = cell_of(row)
-    rows, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
-    sums, log = np.empty(SUMS), np.empty((4 * MOST_SEGMENTS, len(PIECE)))
+    rows, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
+    sums, log = np.empty(SUMS), np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     log[:, PIECE.span] = -1.0
     status, first, count, u = solve_cell(cell, row, waves, False, rows, sums, log, result, stop)
     status = known if status == UNREPEATED else status
@@ -70,7 +71,11 @@ def pieces_of(
     drive: Drive, phase: float, cell: Cell, status: int, rows: Floats, count: int, u: float,
     sums: Floats, log: Floats,
 ) -> tuple[Floats, bool]:  # fmt: skip
-    """Return the pieces of a cycle that was solved, and whether the motion repeats after them."""
+    """Return the pieces of a cycle that was solved, and whether the motion repeats after them.
+
+    By `follow_cycle`, from the velocity u at its start. Of a motion that does not repeat, the last
+    `SHOWN_PERIODS` of the way that it takes from rest.
+    """
     used = 0
     if status == STATUS.at_rest:
         used = write_piece(log, used, 0.0, TURN, MODE.stick, 0.0, 0.0, 0.0)
@@ -131,7 +136,10 @@ def sample(
 
 @compiled
 def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, float, float]:
-    """Return position, height and velocities along and normal some phase after a piece began."""
+    """Return position, height and velocities along and normal some phase after a piece began.
+
+    x + that of `fly` or `slide`, and z of `rise`, with the velocities at the start of the piece.
+    """
     tau, mode, x = piece[PIECE.phase], piece[PIECE.mode], piece[PIECE.position]
     u, w = piece[PIECE.along], piece[PIECE.normal]
     if mode == MODE.stick:
@@ -207,8 +215,8 @@ def spend_over_cycle(
 @compiled
 def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle."""
-    rows, sums, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
-    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
+    rows, sums, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
+    log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
         cell = cell_of(row)

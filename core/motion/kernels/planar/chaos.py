@@ -32,7 +32,7 @@ from core.motion.kernels.planar.drive import (
 from core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
 from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import after_hops, contact
-from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES
+from core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, TIMES
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
@@ -45,7 +45,7 @@ PATIENCE = 512  # hops without rest after which a part is taken to fall into no 
 MORE_PATIENCE = 1024  # where others of its starts fell into one
 RECENT = 64  # hops since the part was at rest, from which on it may be nearing a cycle
 PERIODS_A_START = 32  # of those allowed; so many starts tell in which cycle a part ends
-MOST_STARTS = 256
+MAX_STARTS = 256  # a share of them is then known to a sixteenth of its standard deviation
 HOPS_PER_PERIOD = 16  # of a run, on average; more end it
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
 JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
@@ -77,7 +77,10 @@ class FollowedRun(NamedTuple):
 
 @compiled
 def jolted(number: int, gn: float) -> float:
-    """Return the speed of a lift-off from rest, another one for every number."""
+    """Return the speed of a lift-off from rest, another one for every number k.
+
+    1e-8 n (0.618 k mod 1), since the multiples of the golden ratio come nowhere twice.
+    """
     return JOLT * gn * ((GOLDEN * number) % 1.0)
 
 
@@ -94,6 +97,50 @@ def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
         travel[period] += distance * inside / (end - begin)
         period += 1
     return min(travel.size, int(end // TURN))
+
+
+@borrowing
+def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
+    """Return the slip after a landing takes mu_k I off it, I = v + w, or all (theory 13.4)."""
+    friction = mu_k * (speed + w)
+    return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
+
+
+@borrowing
+def stay(
+    drive: Drive, tau: float, u: float, sums: Floats, no_log: Floats
+) -> tuple[float, float, float]:
+    """Return the slip and the phase at the lift-off after a stay on the floor, and its length.
+
+    By `contact`, up to `lift_off`.
+    """
+    span = to_lift_off(drive, tau)
+    u, _, _ = contact(tau, span, u, drive, sums, no_log, 0)
+    return u, lift_off(drive, tau), span
+
+
+@borrowing
+def ran_away(slips_down: bool, gs: float, before: float, u: float, sums: Floats) -> bool:
+    """True if a part slipped downhill at all landings, |u| grew, and t_stick + t_uphill = 0."""
+    uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
+    return slips_down and uphill == 0 and abs(u) > abs(before)
+
+
+@borrowing
+def is_over(enough: bool, count: int, patience: int) -> bool:
+    """True if a run ends: it is long `enough`, and no cycle may be near.
+
+    One may where 64 <= k < `patience`, of the hops k since the last rest.
+    """
+    return enough and not RECENT <= count < patience
+
+
+@borrowing
+def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
+    """Return min(least, v) and max(most, v); v is NaN where there was no rest before."""
+    if math.isnan(velocity):
+        return least, most
+    return min(least, velocity), max(most, velocity)
 
 
 @compiled
@@ -125,20 +172,20 @@ def long_run(
     least, most = math.inf, -math.inf
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
-        span = to_lift_off(drive, tau)
-        u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-        tau, w, total = lift_off(drive, tau), jolted(jolt, gn), span
+        u, tau, total = stay(drive, tau, u, sums, no_log)
+        w = jolted(jolt, gn)
         rest_at, rest_time = sums[DISTANCE], total
     for hop in range(hops + patience):
         if raised(stop):
             break
-        if began == math.inf and (total >= settling or hop >= settling_hops):
+        settled = total >= settling or hop >= settling_hops
+        if settled and began == math.inf:
             began, impacts, fastest, highest = total, 0, 0.0, 0.0
             dropped = sums[DISTANCE]
             sums[:] = 0.0
             u_began = u
         enough = total - began >= periods * TURN - settling or hop >= hops
-        if enough and not RECENT <= count < patience:
+        if is_over(enough, count, patience):
             break
         span = landing(drive, w, tau)
         if span < 0:
@@ -156,31 +203,26 @@ def long_run(
         total += span
         tau, w = (tau + span) % TURN, e * speed
         stays = rests(drive, tau, w, e, SETTLED_ROUGHLY)
-        friction = mu_k * (speed if stays else speed + w)
-        u = 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
+        u = slowed(u, mu_k, speed, 0.0 if stays else w)
         if stays:
-            u = after_hops(drive, tau, u, w)
-            span = to_lift_off(drive, tau)
-            u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-            jolt += MOST_STARTS
-            tau, w, total = lift_off(drive, tau), jolted(jolt, gn), total + span
+            u, tau, span = stay(drive, tau, after_hops(drive, tau, u, w), sums, no_log)
+            jolt += MAX_STARTS
+            w, total = jolted(jolt, gn), total + span
             count, look_at = 0, FIRST_LOOK
             velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
-            if not math.isnan(velocity):  # there was a rest before
-                least, most = min(least, velocity), max(most, velocity)
+            least, most = widened(least, most, velocity)
             rest_at, rest_time = dropped + sums[DISTANCE], total
         elif count >= look_at and patience > 0:
             look_at = count + count // 2
             cycle, turns = find_cycle(drive, e, rows, count, tau, w)
             if cycle:
                 return FollowedRun(TURN * turns, 0, 0, 0.0, 0.0, False, least, most, cycle)
-        if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
+        if count >= MAX_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
             complete = share_out(travel, since, total - began, sums[DISTANCE] - covered)
             slips_down = slips_down and u * gs < 0
-    uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
-    away = slips_down and uphill == 0 and abs(u) > abs(u_began)
+    away = ran_away(slips_down, gs, u_began, u, sums)
     time = max(0.0, total - began)
     return FollowedRun(time, complete, impacts, fastest, highest, away, least, most, 0)
 
@@ -192,7 +234,8 @@ def means_of(
 ) -> int:  # fmt: skip
     """Fill `result` with the means of the motion of one run; return a status.
 
-    A motion that ends in a cycle has the means of that.
+    v = x/T, shares t_mode/T and impacts 2 pi k/T of the time T that is counted. A motion that ends
+    in a cycle has the means of that, by `repeating`.
     """
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
@@ -263,7 +306,7 @@ def from_phases(
     """
     drive, e = rounded(drive), kept(cell.restitution)
     most_periods = int(cell.most_periods)
-    starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
+    starts = min(MAX_STARTS, max(PHASES, most_periods // PERIODS_A_START))
     found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
     count, cycles, known = 0, 0, 0.0
     least, most = math.inf, -math.inf

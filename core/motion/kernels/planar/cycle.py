@@ -18,14 +18,14 @@ from core.motion.kernels.planar.drive import (
 )
 from core.motion.kernels.planar.flow import EPSILON, TURN
 from core.motion.kernels.planar.growth import CERTAIN, grown, growth
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
+from core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
 from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
 SEARCH_PERIODS = 400
 FIRST_LOOK = 32  # hops before the first search for a cycle; each later one waits half as long again
-MOST_TRIES = 3  # at cycles of different lengths, in one search
-MOST_NEWTON = 40  # near a period doubling it closes in by two thirds a step at first
+MAX_TRIES = 3  # at cycles of different lengths, in one search; a later one tries again
+MAX_NEWTON = 40  # near a period doubling it closes in by two thirds a step: (2/3)^40 = 1e-7
 LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
 SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
@@ -37,7 +37,7 @@ SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
 def write_segment(
     rows: Floats, row: int, tau: float, span: float, w: float, speed: float, impulse: float
 ) -> None:
-    """Write a segment."""
+    """Write a segment into a row, columns of `SEGMENT`."""
     rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
     rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
 
@@ -48,7 +48,14 @@ def one_hop(
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
 
-    The last four are d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w).
+    With the loads n0 at take-off and n1 at the landing, speed v after the span D, and rebound eps
+    v,
+
+        d(phase)/d(tau)   = (n0 D - w)/v                 d(phase)/d(w)   = D/v
+        d(rebound)/d(tau) = -eps (n0 - n1 d(phase)/d(tau))
+        d(rebound)/d(w)   = -eps (1 - n1 d(phase)/d(w))
+
+    in this order: the landing velocity changes by dw + n0 dtau - n1 dphase (theory 13.16).
     """
     span = landing(drive, w, tau)
     speed = max(0.0, -rise(drive, w, tau, span)[0])
@@ -66,12 +73,12 @@ def one_hop(
 
 @compiled
 def rests(drive: Drive, tau: float, w: float, e: float, settled: float) -> bool:
-    """Return whether the part stays on the floor after a landing with rebound w (theory 13.5).
+    """True if the part stays on the floor after a landing with rebound w (theory 13.5).
 
-    It does where it does not rebound, and where the hops still to come shrink to nothing within
-    less than `settled` of w times their time, and long before lift-off. Their impulses then add up
-    to what the floor gives in that time, less w: the last impact is taken as one without rebound,
-    and the hops as a stay on the floor. The position is wrong by less than friction times
+    It does where it does not rebound, and where the hops still to come shrink to nothing within the
+    time T = 2 w/(n (1 - eps)), with w T < `settled`, and long before lift-off. Their impulses then
+    add up to what the floor gives in that time, less w: the last impact is taken as one without
+    rebound, and the hops as a stay on the floor. The position is wrong by less than friction times
     `settled`.
 
     Without rebound it stays too where it lands just as the floor lets go, n(tau) = 0, as at throw
@@ -96,7 +103,8 @@ def run_cycle(
 ) -> tuple[float, float, float, float, float, float]:
     """Return phase, rebound and their four derivatives after some hops; fill `rows`.
 
-    A hop that ends on the floor, or that never ends, gives a phase of NaN.
+    The derivatives are the product of the matrices of `one_hop`. A hop that ends on the floor, or
+    that never ends, gives a phase of NaN.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
@@ -115,9 +123,10 @@ def fixed_point(
 ) -> tuple[float, float, bool]:
     """Return a state near the given one that repeats after some hops, and whether it attracts.
 
-    By Newton's iteration; False as well where none is found. Fills `rows`.
+    By Newton's iteration, (M - 1) dy = -(y1 - y0), with M of `run_cycle`; False as well where none
+    is found. It attracts where |tr M| < 1 + det M and det M < 1 (Jury). Fills `rows`.
     """
-    for _ in range(MOST_NEWTON):
+    for _ in range(MAX_NEWTON):
         after, rebound_after, a, b, c, d = run_cycle(drive, at, rebound, hops, e, rows)
         if math.isnan(after):
             break
@@ -136,7 +145,11 @@ def fixed_point(
 
 @compiled
 def shortest_part(rows: Floats, hops: int, periods: int) -> int:
-    """Return the hops of the shortest cycle: near a period doubling two may be one hop twice."""
+    """Return the hops of the shortest cycle: near a period doubling two may be one hop twice.
+
+    The smallest part p of the hops, in whole periods, with sum |y[k + p] - y[k]| < 1e-7 a hop, y
+    the phase and the rebound.
+    """
     for part in range(1, hops // 2 + 1):
         if hops % part == 0 and periods % (hops // part) == 0:
             apart = 0.0
@@ -154,8 +167,9 @@ def find_cycle(
 ) -> tuple[int, int]:
     """Return hops and periods of an attracting cycle near the last states; 0, 0 if there is none.
 
-    Fills the first rows with the cycle. Newton's iteration on the map of some hops, from where the
-    motion nearly recurs; accepted if it attracts (Jury's criterion) and the motion nears it.
+    Fills the first rows with the cycle. `fixed_point` of the map of some hops, from where the
+    motion nearly recurs, |sum of D - 2 pi k| + |w1 - w0| < 0.01; accepted if it attracts and the
+    motion nears it (theory 13.7).
     """
     travelled, tries = 0.0, 0
     for hops in range(1, min(LONGEST_CYCLE, count) + 1):
@@ -166,7 +180,7 @@ def find_cycle(
         if periods < 1 or recurrence > NEAR:
             continue
         tries += 1
-        if tries > MOST_TRIES:
+        if tries > MAX_TRIES:
             break
         at, rebound = tau % TURN, w
         start, start_rebound = at, rebound
@@ -208,7 +222,7 @@ def normal_cycle(
     tau = lift_off(drive, start)
     w, total, count, look_at = 0.0, 0.0, 0, FIRST_LOOK
     doubt = CERTAIN
-    while count < MOST_SEGMENTS - LONGEST_CYCLE - 2:
+    while count < MAX_SEGMENTS - LONGEST_CYCLE - 2:
         span, speed, after, rebound, tt, tw, wt, ww = one_hop(drive, tau, w, e)
         if span < 0:
             return 0, count, -1
@@ -247,7 +261,7 @@ def normal_cycle(
 def same_start(rows: Floats, count: int, tau: float) -> int:
     """Return the segment at which the part took off from rest at this phase; -1 if there is none.
 
-    A drive has few phases of lift-off, each known to rounding.
+    |tau - tau_k| < 1e-9, modulo a turn. A drive has few phases of lift-off, each known to rounding.
     """
     for row in range(count):
         if rows[row, SEGMENT.take_off] == 0.0:
@@ -261,10 +275,11 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 def phase_doubt(rows: Floats, count: int, drive: Drive, e: float) -> float:
     """Return by how much roundings may move a phase of the cycle, as far as that moves the part.
 
-    They grow along a chain of hops until the part rests on the floor; where it never does, the
-    cycle is known the less, the nearer its map is to one that has it twice. A landing that comes
-    late matters by what the floor gives there, its force and the impulse: next to nothing where a
-    part has hardly lifted off.
+    They grow along a chain of hops by the product M of the matrices of `one_hop`, |M|/min |M| so
+    far, until the part rests on the floor; where it never does, the cycle is known the less, the
+    nearer its map is to one that has it twice, (2 + |M|)/|det(M - 1)|. A landing that comes late
+    matters by what the floor gives there, its force and the impulse, (|n1| + v)/(s + n): next to
+    nothing where a part has hardly lifted off.
     """
     s, gn = sizes(drive)[1], drive.gn
     a, b, c, d = 1.0, 0.0, 0.0, 1.0

@@ -22,7 +22,7 @@ from core.motion.kernels.planar.slope_tables import (
 )
 from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
 from core.motion.kernels.planar.solve import solve_cell
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 
@@ -44,8 +44,9 @@ DERIVED_COLUMNS = MARGIN + 1
 def start_of_cycle(drive: SineDrive, rows: Floats, count: int, d: Floats) -> int:
     """Fill the derivatives at the start of a cycle; return how many directions there are.
 
-    A cycle with a rest starts at a lift-off, one without contact at a landing, whose phase and
-    rebound are free, and one that never lifts off where static friction lets go.
+    A cycle with a rest starts at a lift-off, `lift`, one without contact at a landing, whose phase
+    and rebound are free, and one that never lifts off where static friction lets go, `release`
+    (theory 13.16).
     """
     d[:, :] = 0.0
     d[ROW.along, BY.start_along] = 1.0
@@ -71,7 +72,10 @@ def carry(
     drive: SineDrive, e: float, rows: Floats, count: int, cycles: int, u: float, energy: bool,
     d: Floats, nearest: Floats,
 ) -> int:  # fmt: skip
-    """Carry the derivatives over so many rounds of a cycle; return how many directions."""
+    """Carry the derivatives over so many rounds of a cycle; return how many directions.
+
+    Segment by segment: `in_air` of a flight, `on_floor` of a stay up to its `lift` (theory 13.16).
+    """
     size = start_of_cycle(drive, rows, count, d)
     flies = lifts(drive)
     for cycle in range(cycles):
@@ -94,7 +98,7 @@ def carry(
 
 @borrowing
 def add(d: Floats, to: int, factor: float, of: int) -> None:
-    """Add so much of a direction to another."""
+    """Add so much of a direction to another: d_to + `factor` d_of."""
     for row in range(d.shape[0]):
         d[row, to] += factor * d[row, of]
 
@@ -103,8 +107,9 @@ def add(d: Floats, to: int, factor: float, of: int) -> None:
 def close(size: int, d: Floats, nearest: Floats) -> None:
     """Put in what the state y at the start must change by for the cycle to close again.
 
-    y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter
-    (theory 13.16): of hops y is phase and rebound, and the slip after them.
+    y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter (theory
+    13.16): of hops y is phase and rebound, and the slip after them. With M = (a, b; c, f) + 1,
+    phase. = (b Q_2 - f Q_1)/det and rebound. = (c Q_1 - a Q_2)/det, det = a f - b c.
     """
     free = DIRECTIONS - size
     if not free:
@@ -129,7 +134,8 @@ def close(size: int, d: Floats, nearest: Floats) -> None:
 def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) -> None:
     """Do what `carry` and `close` do where a part slides to and fro without a stick.
 
-    The cycle starts where it turns forward, at a phase that is free.
+    The cycle starts where it turns forward, at a phase tau that is free: the forward slip of
+    `two_sided` and the backward one after it, tau. = Q/(1 - M) (theory 13.16).
     """
     _, share = two_sided(drive)
     c, s, gs, gn, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
@@ -176,7 +182,11 @@ def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
 
 @borrowing
 def turn_slopes(c: float, s: float, slopes: Floats) -> None:
-    """Undo the mirror images of `flow.upright`, of a drive (c, s)."""
+    """Undo the mirror images of `flow.upright`, of a drive (c, s).
+
+    d/dc and d/ds of (-c, -s) change sign, and d/dc and d/dsin(gamma) of the mirror, where v. does,
+    too, and the shares forward and backward change places.
+    """
     mirrored = (-c if s < 0 else c) < 0
     for told in range(len(TOLD)):
         if s < 0:
@@ -195,7 +205,8 @@ def turn_slopes(c: float, s: float, slopes: Floats) -> None:
 def from_edges(drive: SineDrive) -> float:
     """Return how far a drive is from lifting off, letting go or running away, or from not doing it.
 
-    Relative; beside these a motion changes its kind.
+    The least of |s - n|/n, |1 - |S|| of both bounds of `stick_range`, and |mu_s n -
+    |sin(gamma)||/(mu_s n + |sin(gamma)|). Beside these a motion changes its kind.
     """
     gn, least, largest = drive.gn, drive.least, drive.largest
     edge = min(abs(drive.s - gn) / gn, abs(1.0 - abs(least)), abs(1.0 - abs(largest)))
@@ -213,7 +224,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     Those by restitution are NaN, too, where the least restitution is a jump (theory 13.16).
     Those of landing speed and hop height are NaN where two are the largest.
     """
-    rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
+    rows = np.empty((MAX_SEGMENTS, len(SEGMENT)))
     sums, nearest = np.empty(SUMS), np.empty(5)
     log, d = np.empty((0, len(PIECE))), np.empty((len(ROW), DIRECTIONS))
     for number in range(groups.shape[0]):

@@ -39,45 +39,60 @@ def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
 def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
     """Return the drive of a cell, phase and way; those of a wave are 0 and 1.
 
-    A sine has c and s positive: one that points down pushes up half a turn later, `phase` is where
-    the study's own phase 0 lies; one that points back is the mirror image, `way` is -1 there.
+    A sine has c and s positive: `flow.upright`. One that points down pushes up half a turn later,
+    `phase` is where the study's own phase 0 lies; one that points back is the mirror image, `way`
+    is -1 there.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.sizes, wave_flight.sizes)
 def sizes(drive: Drive) -> tuple[float, float]:
-    """Return how much the drive pushes along and normal to the floor."""
+    """Return how much the drive pushes along and normal to the floor.
+
+    max |b_x| and max |b_z| in units of g, p cb and p sb of a sine, bounds for a wave.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.track_speed, wave_flight.track_speed)
 def track_speed(drive: Drive, tau: float) -> float:
-    """Return the velocity of the track along itself."""
+    """Return the velocity of the track along itself.
+
+    Minus the integral of the push b_x, without mean.
+    """
     raise NotImplementedError
 
 
 @by_type("drive", {SineDrive: flow.rounded, WaveDrive: wave.rounded})
 def rounded(drive: Drive) -> Drive:
-    """Return a drive with the first bits of its numbers only."""
+    """Return a drive with the first bits of its numbers only, each as `flow.kept`."""
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.push, wave_flight.push)
 def push(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the push of the drive on a part, along and normal to the floor."""
+    """Return the push of the drive on a part, along and normal to the floor.
+
+    Minus the acceleration of the track over g, (c, s) sin(tau) of a sine (theory 13.2), p(tau) of a
+    wave (13.14).
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.push_slope, wave_flight.push_slope)
 def push_slope(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the derivative of a sine's push by the phase, along and normal; NaN of a wave."""
+    """Return the derivative of a sine's push by the phase, (c, s) cos(tau); NaN of a wave."""
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.smooth_span, wave_flight.smooth_span)
 def smooth_span(drive: Drive, tau: float) -> float:
-    """Return a phase from tau on over which the push is a polynomial, but for rounding."""
+    """Return a phase D from tau on over which b(tau + D) is a polynomial, but for rounding.
+
+    `SMOOTH` over the highest order, 1.5 of a sine, whose terms beyond D^10 are rounding; of steps
+    that to the next one.
+    """
     raise NotImplementedError
 
 
@@ -86,25 +101,34 @@ def smooth_span(drive: Drive, tau: float) -> float:
 
 @_by_drive(sine_flight.lifts, wave_flight.lifts)
 def lifts(drive: Drive) -> bool:
-    """Return whether the drive ever lifts a part off the floor."""
+    """True if the drive ever lifts a part off the floor: n(tau) = n - b_z(tau) < 0 somewhere."""
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.load, wave_flight.load)
 def load(drive: Drive, tau: float) -> float:
-    """Return the load on the floor of a part that rests on it; below 0 the drive lifts it off."""
+    """Return the load on the floor of a part that rests on it, n(tau) = n - b_z(tau).
+
+    With gravity's n; below 0 the drive lifts it off (theory 13.2).
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.lift_off, wave_flight.lift_off)
 def lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase, modulo a turn, at which a part on the floor at tau lifts off."""
+    """Return the phase, modulo a turn, at which a part on the floor at tau lifts off.
+
+    The next at which n(tau) of `load` falls through 0 (theory 13.3).
+    """
     raise NotImplementedError
 
 
 @compiled
 def to_lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase from tau, at which the floor carries the part, to where it lifts off."""
+    """Return the phase from tau, at which the floor carries the part, to its `lift_off`.
+
+    (tau1 - tau) mod 2 pi.
+    """
     return phase_to(lift_off(drive, tau), tau)
 
 
@@ -112,26 +136,36 @@ def to_lift_off(drive: Drive, tau: float) -> float:
 def landing(drive: Drive, w: float, tau: float) -> float:
     """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
 
-    The drive lifts the part off at times.
+    The first D > 0 at which the height of `rise` comes down to z = 0 (theory 13.3). The drive lifts
+    the part off at times.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.rise, wave_flight.rise)
 def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height a phase d after take-off with velocity w."""
+    """Return velocity off the floor and height a phase D after take-off with velocity w.
+
+    w1 = w + integral of (b_z - n), z = integral of w over the phase: C = s, k = n in 13.2.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.hop_height, wave_flight.hop_height)
 def hop_height(drive: Drive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, or `known` if that is larger."""
+    """Return the largest height of a flight, max z over 0 <= D <= span of `rise`.
+
+    `known` if larger.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.fly, wave_flight.fly)
 def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track a phase d after velocity u, in the air."""
+    """Return velocity and distance along the track a phase D after velocity u, in the air.
+
+    u1 = u + integral of (b_x - sin(gamma)), x = integral of u: C = c, k = sin(gamma) in 13.2.
+    """
     raise NotImplementedError
 
 
@@ -140,7 +174,10 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
 
 @_by_drive(sine_slip.holds, wave_slip.holds)
 def holds(drive: Drive, at: float) -> bool:
-    """Return whether static friction holds a part that does not slip."""
+    """True if static friction holds a part that does not slip.
+
+    |b_x - sin(gamma)| <= mu_s n(tau), by the bounds of 13.3.
+    """
     raise NotImplementedError
 
 
@@ -148,20 +185,23 @@ def holds(drive: Drive, at: float) -> bool:
 def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward.
 
-    Until `end` at the latest.
+    It sticks while |b_x - sin(gamma)| <= mu_s n(tau) (theory 13.3), until `end` at the latest.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.always_holds, wave_slip.always_holds)
 def always_holds(drive: Drive) -> bool:
-    """Return whether friction holds a part all the time."""
+    """True if friction holds a part all the time: |b_x - sin(gamma)| <= mu_s n(tau) for all tau."""
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.first_slip, wave_slip.first_slip)
 def first_slip(drive: Drive, tau: float) -> float:
-    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
+    """Return a phase at which a part that never lifts off starts to slip, where `hold` ends.
+
+    NaN if there is none.
+    """
     raise NotImplementedError
 
 
@@ -169,26 +209,32 @@ def first_slip(drive: Drive, tau: float) -> float:
 def stop_after(drive: Drive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase until a slip of velocity u in the way of `sign` stops; -1 if it does not.
 
-    From u = 0 it starts to slip.
+    The first D at which the velocity of `slide` is 0. From u = 0 it starts to slip.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.slide, wave_slip.slide)
 def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
+    """Return velocity and distance a phase D after velocity u in a slip in the way of `sign`.
+
+    u' = b_x - sin(gamma) -+ mu_k n(tau): C = c +- mu_k s, k = sin(gamma) +- mu_k n in 13.2.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.slip_acceleration, wave_slip.slip_acceleration)
 def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in the way of `sign`."""
+    """Return the acceleration of a slip in the way of `sign`, u' of `slide`; of a flight for 0."""
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.two_sided, wave_slip.two_sided)
 def two_sided(drive: Drive) -> tuple[float, float]:
-    """Return mean velocity and forward share of sliding without stick, 0 where none is known."""
+    """Return mean velocity and forward share of sliding without stick, 0 where none is known.
+
+    The closed form of a sine, `sine_slip.two_sided`.
+    """
     raise NotImplementedError
 
 
@@ -196,7 +242,8 @@ def two_sided(drive: Drive) -> tuple[float, float]:
 def slip_doubt(drive: Drive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
-    Friction falls there from the static to the kinetic one, so that a slip starts with a jerk. Its
-    phase is known the less, the slower the push passes the threshold.
+    Friction falls there by (mu_s - mu_k) n, so that a slip starts with a jerk, and velocity changes
+    by that times the error of the phase, which is known the less, the slower the push passes the
+    threshold.
     """
     raise NotImplementedError

@@ -12,8 +12,11 @@ from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
 
 TURN = 2 * math.pi
-MOST_ITERATIONS = 200  # of a bracketed search
-MOST_PIECES = 20_000  # of one flow
+MAX_ITERATIONS = 200
+"""Of a bracketed search: halving alone ends after 53, and it may come between Newton's steps."""
+MAX_PIECES = 20_000
+"""Of one flow, the stretches on which it bends one way: two a turn of a sine, so that a hop may
+last 10,000 periods, at a throw number of some 30,000."""
 LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
 SMOOTH = 1.5
 """Of phase: a sine over so much is a polynomial of order ten but for rounding."""
@@ -55,9 +58,10 @@ def stick_range(
 ) -> tuple[float, float, float]:
     """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
 
-    (gs + mu_s gn)/(c + mu_s s) is the one bound, (gs - mu_s gn)/(c - mu_s s) the other.
-    Below the least value the part slips backward; beyond the largest one forward (1), or backward
-    (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
+    (sin(gamma) + mu_s n)/(c + mu_s s) is the one bound, (sin(gamma) - mu_s n)/(c - mu_s s) the
+    other, with gs = sin(gamma) and gn = n. Below the least value the part slips backward; beyond
+    the largest one forward (1), or backward (-1) where the drive lifts it off more than it pushes
+    it on (theory 13.3).
     """
     least, largest, way = -math.inf, math.inf, 1.0
     if c + mu_s * s > 0:
@@ -78,7 +82,10 @@ def stick_range(
 
 @compiled
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> SineDrive:
-    """Return the sine of these numbers, s not below 0."""
+    """Return the sine of these numbers, s not below 0.
+
+    Lift-off at asin(n/s), stick by `stick_range`.
+    """
     least, largest, way = stick_range(c, s, gs, gn, mu_s)
     up_at = math.asin(gn / s) if s > gn else math.nan
     return SineDrive(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
@@ -88,8 +95,9 @@ def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) 
 def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
     """Return the drive with c and s positive, phase and way.
 
-    A drive that points down pushes up half a turn later; one that points back is the mirror image.
-    `phase` is where the study's own phase 0 lies, `way` is -1 in the mirror.
+    (c, s) sin(tau) = (-c, -s) sin(tau - pi): a drive that points down pushes up half a turn later.
+    (c, sin(gamma)) -> (-c, -sin(gamma)) mirrors one that points back. `phase` is where the study's
+    own phase 0 lies, `way` is -1 in the mirror.
     """
     c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
     phase, way = 0.0, 1.0
@@ -103,14 +111,14 @@ def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, 
 
 @compiled
 def kept(value: float) -> float:
-    """Return a value with the first bits only."""
+    """Return a value m 2^e, 1/2 <= |m| < 1, with the first bits only: round(m 2^32)/2^32 2^e."""
     mantissa, exponent = math.frexp(value)
     return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
 
 
 @compiled
 def rounded(drive: SineDrive) -> SineDrive:
-    """Return a drive with its first bits only, where a part still lifts off."""
+    """Return a drive with its first bits only, by `kept`, where a part still lifts off."""
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
         kept(drive.mu_s), kept(drive.mu_k),
@@ -120,7 +128,11 @@ def rounded(drive: SineDrive) -> SineDrive:
 
 @compiled
 def arc(d: float) -> tuple[float, float]:
-    """Return d - sin d and 1 - cos d."""
+    """Return D - sin D and 1 - cos D = 2 sin^2(D/2).
+
+    Below 0.7 from their series, D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 -
+    D^2/30 ...)), since differences lose digits (theory 13.2).
+    """
     if abs(d) > 0.7:
         half = math.sin(d / 2)
         return d - math.sin(d), 2 * half * half
@@ -156,19 +168,19 @@ def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> 
 
 @compiled
 def velocity_after(v: float, C: float, k: float, tau: float, d: float) -> float:
-    """Return the velocity a phase d after it was v at tau."""
+    """Return the velocity a phase D after it was v at tau, u of `flow`."""
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)[0]
 
 
 @compiled
 def distance_after(v: float, C: float, k: float, tau: float, d: float) -> float:
-    """Return the distance covered in the same time."""
+    """Return the distance covered in the same time, x of `flow`."""
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)[1]
 
 
 @compiled
 def phase_to(target: float, tau: float) -> float:
-    """Return the phase from tau on to the next `target`, a phase modulo a turn; in [0, 2 pi)."""
+    """Return the phase from tau on to the next `target`, (target - tau) mod 2 pi, in [0, 2 pi)."""
     d = (target - tau) % TURN
     # What rounding put a hair before tau is at tau.
     return 0.0 if d > TURN - 1e-12 else d
@@ -176,5 +188,5 @@ def phase_to(target: float, tau: float) -> float:
 
 @compiled
 def arc_sine(value: float) -> float:
-    """Return the arc sine of what rounding may have put beyond 1."""
+    """Return the arc sine of what rounding may have put beyond 1, asin(min(1, max(-1, x)))."""
     return math.asin(min(1.0, max(-1.0, value)))

@@ -9,7 +9,7 @@ from core.motion.kernels.planar.drive import Drive, load, sizes
 from core.motion.kernels.planar.flow import TURN
 
 ROUNDED = 2.0**-52  # of a phase or a speed, relative
-MOST_GROWTH = 1e11
+MAX_GROWTH = 1e11
 """Of a rounding, up to where a motion repeats: of 16 digits 5 are left then.
 
 Below it a neighbour a few ulp away goes the same way, unless it passes within some 1e-4 of an edge
@@ -31,12 +31,12 @@ def grown(
     known: Doubt, span: float, speed: float, after: float, drive: Drive, e: float,
     slopes: tuple[float, float, float, float],
 ) -> Doubt:  # fmt: skip
-    """Return the doubt after a hop from that before it.
+    """Return the doubt after a hop from that before it, E' = M E M^T + j j^T (theory 13.7).
 
-    What was there is carried on by the derivatives of the hop, d(phase)/d(tau), d(phase)/d(w),
-    d(rebound)/d(tau) and d(rebound)/d(w). What is added is a rounding of the parameters: it moves
-    the height at the landing by (s + gn) span^2, thus the phase by that over the speed. A landing
-    that only grazes the floor makes it huge; it is at most the flight itself.
+    What was there is carried on by M, the derivatives of the hop, d(phase)/d(tau), d(phase)/d(w),
+    d(rebound)/d(tau) and d(rebound)/d(w) of `one_hop`. What is added, j, is a rounding of the
+    parameters: it moves the height at the landing by (s + n) D^2, thus the phase by that over the
+    speed. A landing that only grazes the floor makes it huge; it is at most the flight itself.
     """
     square, product, rebounds = known
     tt, tw, wt, ww = slopes
@@ -55,8 +55,9 @@ def grown(
 def growth(known: Doubt, speed: float, after: float, drive: Drive) -> float:
     """Return how many roundings the state after a hop is in doubt by, as far as they move a part.
 
-    A landing that comes late matters by what the floor gives there, its force and the impulse: next
-    to nothing where a part has hardly lifted off.
+    sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22): a landing that comes late matters by what
+    the floor gives there, its force and the impulse: next to nothing where a part has hardly lifted
+    off.
     """
     given = min(1.0, (abs(load(drive, after)) + speed) / (sizes(drive)[1] + drive.gn))
     return math.sqrt(known[0]) * given + math.sqrt(known[2])

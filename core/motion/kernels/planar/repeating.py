@@ -28,7 +28,7 @@ from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
-MOST_RUBBING = 8.0
+MAX_RUBBING = 8.0
 """Friction adds up over no more than so many times the share of the period in which a part slides,
 times its largest: what is huge acts for as short a time."""
 
@@ -37,7 +37,8 @@ times its largest: what is huge acts for as short a time."""
 def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, count: int) -> float:
     """Return the velocity at the start of a cycle of a part at rest on the floor at `phase`.
 
-    Where it never lifts off the cycle may start anywhere: it is moved to where slip begins.
+    That of `contact` and `follow_cycle` up to there. Where it never lifts off the cycle may start
+    anywhere: it is moved to where slip begins. Without friction on the level u + v_track is kept.
     """
     if drive.mu_s == 0 and drive.gs == 0:  # nothing acts along the track but the drive
         return track_speed(drive, phase) - track_speed(drive, rows[first, SEGMENT.phase])
@@ -60,7 +61,7 @@ def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, coun
 def keep_speed(
     drive: Drive, phase: float, rows: Floats, count: int, periods: int, sums: Floats
 ) -> None:
-    """Fill `sums` over a cycle without friction.
+    """Fill `sums` over a cycle without friction, x = v_track(phase) T.
 
     As the part does not run away on the level, it keeps the speed that the track had at the start:
     the fastest forward, or backward half a turn later.
@@ -77,7 +78,10 @@ def keep_speed(
 
 @compiled
 def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: Floats) -> None:
-    """Fill what the flights of a cycle give: impacts per period, their speed, the height."""
+    """Fill what the flights of a cycle give.
+
+    Impacts over the periods, the largest landing speed, and the largest `hop_height`.
+    """
     impacts, fastest, highest = 0, 0.0, 0.0
     for row in range(count):
         if rows[row, SEGMENT.take_off] >= 0:
@@ -101,8 +105,10 @@ def repeating(
 ) -> tuple[int, float]:  # fmt: skip
     """Fill `result` with the means over a cycle of the motion normal to the floor.
 
-    Returns the status and the velocity at the start of the cycle; u is that at which it is first
-    entered. Where no motion along the track is found that repeats, `result` is left as it was.
+    v = x/T and shares t_mode/T of the sums of `follow_cycle` over the cycles after which the slip
+    repeats, by `settle` (theory 13.8). Returns the status and the velocity at the start of the
+    cycle; u is that at which it is first entered. Where no motion along the track is found that
+    repeats, `result` is left as it was.
     """
     gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
     c, s = sizes(drive)
@@ -127,7 +133,7 @@ def repeating(
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
     slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
     doubt = ROUNDING + (phase_doubt(rows, count, drive, cell.restitution) if lifts(drive) else 0.0)
-    rubbing = mu_k * (s + gn) * min(1.0, MOST_RUBBING * slides)
+    rubbing = mu_k * (s + gn) * min(1.0, MAX_RUBBING * slides)
     result[COLUMN.error] = error + doubt * (c + abs(gs) + rubbing)
     if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
         result[COLUMN.error] += slip_doubt(drive) * slides

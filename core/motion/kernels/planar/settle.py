@@ -9,13 +9,13 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.planar.drive import Drive, sizes
-from core.motion.kernels.planar.flow import EPSILON, MOST_ITERATIONS
+from core.motion.kernels.planar.flow import EPSILON, MAX_ITERATIONS
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.tables import TIMES
 from core.motion.kernels.statuses import MODE, STATUS
 
 LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may repeat
-MOST_UNSURE = 1e-3  # of the drive: a state that rounding leaves less sure is no answer
+MAX_UNSURE = 1e-3  # of the drive: a state that rounding leaves less sure is no answer
 
 Settled = tuple[float, float, int, int]
 """Velocity, estimate of its error, cycles after which it repeats (0: not found), status."""
@@ -35,6 +35,8 @@ def settle(
 ) -> Settled:
     """Return the velocity at the start of the cycle once the motion repeats.
 
+    By `settle_bracketed` where mu_s = mu_k, else by `settle_followed` (theory 13.8).
+
     Returns
     -------
     tuple
@@ -51,12 +53,14 @@ def settle_bracketed(
 ) -> Settled:
     """Return the fixed point of the map of one cycle where one coefficient of friction serves.
 
-    Coulomb friction never drives two motions under the same normal force apart: the map is
-    increasing and stretches nothing, so that the change over a cycle falls with the velocity.
+    Coulomb friction never drives two motions under the same normal force apart: the map u -> f(u)
+    of `follow_cycle` is increasing and stretches nothing, 0 <= f' <= 1, so that the change f(u) - u
+    falls with the velocity. u -> u + (f(u) - u)/(1 - f') in the bracket that its sign gives; the
+    state is known to 2e-15 of the drive over 1 - f' (theory 13.8).
     """
     scale = sizes(drive)[0] + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
         if used < 0:
             return u, math.inf, 0, STATUS.limit_reached
@@ -64,9 +68,9 @@ def settle_bracketed(
         error = abs(change) / max(1e-300, 1 - slope) if slope < 1 else math.inf
         # The change is known but for rounding; the state the less, the nearer the slope is to 1.
         unsure = EPSILON * scale / max(1e-300, 1 - slope) if slope < 1 else math.inf
-        if (change == 0 or error <= tolerance * scale) and unsure <= MOST_UNSURE * scale:
+        if (change == 0 or error <= tolerance * scale) and unsure <= MAX_UNSURE * scale:
             return u, error + unsure, 1, STATUS.periodic
-        if abs(change) <= EPSILON * scale and unsure > MOST_UNSURE * scale:
+        if abs(change) <= EPSILON * scale and unsure > MAX_UNSURE * scale:
             return u, unsure, 0, STATUS.limit_reached
         if change > 0:
             low = u
@@ -80,7 +84,7 @@ def settle_bracketed(
         if not low < new < high:
             new = (low + high) / 2 if high - low < math.inf else after
         if new == u:
-            sure = unsure <= MOST_UNSURE * scale
+            sure = unsure <= MAX_UNSURE * scale
             return (
                 u,
                 abs(change) + unsure,
@@ -106,49 +110,85 @@ def settle_followed(
     """Return a periodic state by following the motion, where static friction is the larger.
 
     Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
+    The slip u_k after k cycles of `follow_cycle` repeats after m, |u_k - u_(k-m)| <= tol (1 - f'),
+    with f' the product of the m slopes (theory 13.8).
     """
-    gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
-    scale = sizes(drive)[0] + abs(gs)
+    scale = sizes(drive)[0] + abs(drive.gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
     slopes = np.empty(LONGEST_MULTIPLE + 1)
-    downhill = mu_k * gn < abs(gs)
     for cycle in range(max(8, most_periods)):
         if raised(stop):
             break
         after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
         if used < 0:
             return u, math.inf, 0, STATUS.limit_reached
-        uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)]
-        slid_down = slope == 1 and uphill == 0 and sums[TIMES + MODE.stick] == 0
-        if downhill and slid_down and (after - u) * gs < 0 and u * gs < 0 and after * gs < 0:
-            # It slid downhill all cycle long and gained speed: so it will in every cycle to come.
+        if slides_away(drive, sums, u, after, slope):
             return u, math.inf, 0, STATUS.runaway
         known = min(cycle, LONGEST_MULTIPLE)
         for back in range(known, 0, -1):
             states[back] = states[back - 1]
             slopes[back] = slopes[back - 1] * slope
         states[0], slopes[0] = u, slope
-        for multiple in range(1, known + 2):
-            earlier, factor = states[multiple - 1], abs(slopes[multiple - 1])
-            error = abs(after - earlier) / max(1e-300, 1 - factor) if factor < 1 else math.inf
-            unsure = EPSILON * scale / max(1e-300, 1 - factor) if factor < 1 else math.inf
-            if after == earlier and unsure <= MOST_UNSURE * scale:
-                return after, unsure, multiple, STATUS.periodic
-            if error <= tolerance * scale and unsure <= MOST_UNSURE * scale:
-                return after, error + unsure, multiple, STATUS.periodic
-        change = after - u
-        guess = u + change / (1 - slope) if 0 < slope < 1 else after
-        if slope > 0.5 and guess * after > 0:
-            # Slow convergence: try the fixed point of the tangent. It is kept if it is nearer, and
-            # if the motion would drift there: no stick and no turning back on the way.
-            beyond, _, used = follow_cycle(rows, count, guess, drive, sums, log)
-            nearer = used >= 0 and abs(beyond - guess) < 0.1 * abs(change)
-            for part in range(1, 4):
-                if nearer:
-                    between = after + (guess - after) * part / 4
-                    moved, factor, used = follow_cycle(rows, count, between, drive, sums, log)
-                    nearer = used >= 0 and factor > 0 and (moved - between) * change > 0
-            if nearer:
-                after = guess
-        u = after
+        found = repeated(after, states, slopes, known, tolerance, scale)
+        if found[2] > 0:
+            return found
+        u = sped_up(rows, count, u, after, slope, drive, sums, log)
     return u, math.inf, 0, STATUS.limit_reached
+
+
+@compiled
+def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float) -> bool:
+    """True if a part slid downhill all cycle long and gained speed: so it will ever after.
+
+    mu_k n < |sin(gamma)|, f' = 1 with neither stick nor slip uphill, and u, f(u) and f(u) - u
+    downhill (theory 13.8).
+    """
+    gs = drive.gs
+    uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)]
+    slid_down = slope == 1 and uphill == 0 and sums[TIMES + MODE.stick] == 0
+    downhill = drive.mu_k * drive.gn < abs(gs)
+    return downhill and slid_down and (after - u) * gs < 0 and u * gs < 0 and after * gs < 0
+
+
+@compiled
+def repeated(
+    after: float, states: Floats, slopes: Floats, known: int, tolerance: float, scale: float
+) -> Settled:
+    """Return after how many cycles a slip repeats, 0 for none, with its error.
+
+    From the slips before and the products f' of the slopes since: d/(1 - f') of the change d, and
+    2e-15 of the drive over 1 - f' for what rounding leaves of the state (theory 13.8).
+    """
+    for multiple in range(1, known + 2):
+        earlier, factor = states[multiple - 1], abs(slopes[multiple - 1])
+        error = abs(after - earlier) / max(1e-300, 1 - factor) if factor < 1 else math.inf
+        unsure = EPSILON * scale / max(1e-300, 1 - factor) if factor < 1 else math.inf
+        if after == earlier and unsure <= MAX_UNSURE * scale:
+            return after, unsure, multiple, STATUS.periodic
+        if error <= tolerance * scale and unsure <= MAX_UNSURE * scale:
+            return after, error + unsure, multiple, STATUS.periodic
+    return after, math.inf, 0, STATUS.limit_reached
+
+
+@compiled
+def sped_up(
+    rows: Floats, count: int, u: float, after: float, slope: float, drive: Drive, sums: Floats,
+    log: Floats,
+) -> float:  # fmt: skip
+    """Return the slip to go on from: f(u), or the fixed point of the tangent where that is nearer.
+
+    u + (f(u) - u)/(1 - f') where convergence is slow, f' > 1/2. It is kept if a cycle changes it by
+    a tenth at most, and if the motion would drift there: no stick and no turning back on the way.
+    """
+    change = after - u
+    guess = u + change / (1 - slope) if 0 < slope < 1 else after
+    if not (slope > 0.5 and guess * after > 0):
+        return after
+    beyond, _, used = follow_cycle(rows, count, guess, drive, sums, log)
+    nearer = used >= 0 and abs(beyond - guess) < 0.1 * abs(change)
+    for part in range(1, 4):
+        if nearer:
+            between = after + (guess - after) * part / 4
+            moved, factor, used = follow_cycle(rows, count, between, drive, sums, log)
+            nearer = used >= 0 and factor > 0 and (moved - between) * change > 0
+    return guess if nearer else after

@@ -7,8 +7,8 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.planar.flow import (
     LAST_STEP,
-    MOST_ITERATIONS,
-    MOST_PIECES,
+    MAX_ITERATIONS,
+    MAX_PIECES,
     SMOOTH,
     TURN,
     SineDrive,
@@ -21,71 +21,89 @@ from core.motion.kernels.planar.flow import (
 
 @compiled
 def sizes(drive: SineDrive) -> tuple[float, float]:
-    """Return the drive along and normal to the floor."""
+    """Return the drive along and normal to the floor, |c| and s."""
     return abs(drive.c), drive.s
 
 
 @compiled
 def track_speed(drive: SineDrive, tau: float) -> float:
-    """Return the velocity of the track along itself."""
+    """Return the velocity of the track along itself, c cos(tau).
+
+    Minus the integral of c sin(tau).
+    """
     return drive.c * math.cos(tau)
 
 
 @compiled
 def push(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the push along and normal to the floor."""
+    """Return the push along and normal to the floor, (c, s) sin(tau) (theory 13.2)."""
     sine = math.sin(tau)
     return drive.c * sine, drive.s * sine
 
 
 @compiled
 def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the derivative of the push by the phase, along and normal to the floor."""
+    """Return the derivative of the push by the phase, along and normal to the floor.
+
+    (c, s) cos(tau).
+    """
     cosine = math.cos(tau)
     return drive.c * cosine, drive.s * cosine
 
 
 @compiled
 def smooth_span(drive: SineDrive, tau: float) -> float:
-    """Return a phase over which the push is nearly a polynomial."""
+    """Return a phase over which the push is nearly a polynomial, `SMOOTH` = 1.5."""
     return SMOOTH
 
 
 @compiled
 def lifts(drive: SineDrive) -> bool:
-    """Return whether the drive ever lifts a part off the floor."""
+    """True if the drive ever lifts a part off the floor: s > n, throw number above 1."""
     return drive.s > drive.gn
 
 
 @compiled
 def load(drive: SineDrive, tau: float) -> float:
-    """Return the load on the floor of a part that rests on it."""
+    """Return the load on the floor of a part that rests on it, n - s sin(tau) (theory 13.2)."""
     return drive.gn - drive.s * math.sin(tau)
 
 
 @compiled
 def lift_off(drive: SineDrive, tau: float) -> float:
-    """Return the phase of the next lift-off."""
+    """Return the phase of the next lift-off, asin(n/s).
+
+    Where s sin(tau) rises through n (theory 13.3).
+    """
     return drive.up_at
 
 
 @compiled
 def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height a phase d after take-off."""
+    """Return velocity off the floor and height a phase D after take-off.
+
+    `flow` with C = s, k = n.
+    """
     return flow(w, drive.s, drive.gn, math.sin(tau), math.cos(tau), d)
 
 
 @compiled
 def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track a phase d after velocity u, in the air."""
+    """Return velocity and distance along the track a phase D after velocity u, in the air.
+
+    `flow` with C = c, k = sin(gamma).
+    """
     return flow(u, drive.c, drive.gs, math.sin(tau), math.cos(tau), d)
 
 
 @compiled
 def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, start: float) -> float:
-    """Return the landing time by Newton's iteration from `start`, on its own side of the root."""
+    """Return the landing time by Newton's iteration from `start`, on its own side of the root.
+
+    D -> D - z(D)/w(D), with w and z of `flow` for C = s, k = n.
+    """
     d, first = start, 0.0
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         slope, height = flow(w, s, gn, sine, cosine, d)
         if slope >= 0:
             break
@@ -100,9 +118,12 @@ def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, star
 
 @compiled
 def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
-    """Return where the normal velocity, rising from negative to positive, is zero."""
+    """Return where the normal velocity, rising from negative to positive, is zero.
+
+    w(D) = 0 by Newton's iteration in a bracket, D -> D - w/w', w' = s sin(tau + D) - n.
+    """
     d = (low + high) / 2
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         value = velocity_after(w, s, gn, tau, d)
         if value > 0:
             high = d
@@ -122,10 +143,12 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 
 @compiled
 def landing(drive: SineDrive, w: float, tau: float) -> float:
-    """Return the phase from take-off at tau to landing, for s > gn and w >= 0; -1 if none is found.
+    """Return the phase from take-off at tau to landing, for s > n and w >= 0; -1 if none is found.
 
-    The height bends down where s sin(tau) < gn, and up elsewhere. Where it bends down and ends
-    above the floor it was above all the way; where it bends up its least value is found first.
+    The height z of `rise` bends down where s sin(tau) < n, and up elsewhere. Where it bends down
+    and ends above the floor it was above all the way; where it bends up its least value is found
+    first (theory 13.3). It is above the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2,
+    since sin(tau + D) <= 1: whole turns of that are skipped.
     """
     s, gn, up_at = drive.s, drive.gn, drive.up_at
     sine, cosine = math.sin(tau), math.cos(tau)
@@ -149,7 +172,7 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
         skip_to = (rise + math.sqrt(inner)) / gn
         skip_from = 2 * s * (1 - sine) / gn / skip_to
     d, velocity = 0.0, w
-    for _ in range(MOST_PIECES):
+    for _ in range(MAX_PIECES):
         if skip_from < d < skip_to - TURN:
             d += TURN * math.floor((skip_to - d) / TURN)
             velocity = flow(w, s, gn, sine, cosine, d)[0]
@@ -171,7 +194,10 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 
 @compiled
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, or `known` if that is larger."""
+    """Return the largest height of a flight, z at `top_at`, or `known` if that is larger.
+
+    z <= (n + s) span^2/8, since z'' >= -(n + s) and both ends are on the floor.
+    """
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
     at = top_at(drive, w, tau, span)
@@ -180,13 +206,18 @@ def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float
 
 @compiled
 def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
-    """Return the phase from take-off to the top of a flight."""
+    """Return the phase from take-off to the top of a flight, the highest zero of w of `rise`.
+
+    z is the parabola w D + s cos(tau) D - n D^2/2 and a sine of size s: its top is within 2
+    sqrt(s/n) + 1 of that of the parabola, (w + s cos(tau))/n. The highest of many places there,
+    then w = 0 by Newton's iteration.
+    """
     s, gn = drive.s, drive.gn
     # The height is a parabola and a sine: its top lies near that of the parabola.
     top = (w + s * math.cos(tau)) / gn
     reach = 2 * math.sqrt(s / gn) + 1
     first, last = max(0.0, top - reach), min(span, top + reach)
-    pieces = min(MOST_PIECES, max(8, int((last - first) * 4)))
+    pieces = min(MAX_PIECES, max(8, int((last - first) * 4)))
     width = (last - first) / pieces
     best, at = 0.0, first
     for piece in range(pieces + 1):
@@ -194,7 +225,7 @@ def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
         if height > best:
             best, at = height, first + width * piece
     low, high = max(0.0, at - width), min(span, at + width)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         velocity = velocity_after(w, s, gn, tau, at)
         if velocity > 0:
             low = at

@@ -7,8 +7,8 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.planar.flow import (
     LAST_STEP,
-    MOST_ITERATIONS,
-    MOST_PIECES,
+    MAX_ITERATIONS,
+    MAX_PIECES,
     TURN,
     SineDrive,
     arc_sine,
@@ -23,14 +23,20 @@ THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
 def next_phase(target: float, at: float) -> float:
     """Return the first phase from `at` on that is `target` modulo a turn.
 
-    It is the same number whatever `at` was, so that a motion which sticks repeats to the last bit.
+    target + 2 pi ceil((at - target)/(2 pi)). It is the same number whatever `at` was, so that a
+    motion which sticks repeats to the last bit.
     """
     return max(at, target + TURN * math.ceil((at - target) / TURN - 1e-13))
 
 
 @compiled
 def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float:
-    """Return the phase until the velocity v >= 0 under C sin - k is zero; -1 if not within span."""
+    """Return the phase until the velocity v >= 0 under C sin - k is zero; -1 if not within span.
+
+    The first D with v + C swing - k D = 0, of `flow`. v rises from asin(k/C) to pi - asin(k/C) in
+    each turn and falls elsewhere: the first fall at whose end it is not positive holds the root,
+    which Newton's iteration finds in that bracket (theory 13.3).
+    """
     if C < 0:
         C, at = -C, at + math.pi
     if k <= -C:
@@ -48,7 +54,7 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
         if v == 0 or rise_at <= at % TURN < fall_at:
             low = phase_to(fall_at, at)
         high = span
-        for _ in range(MOST_PIECES):
+        for _ in range(MAX_PIECES):
             if low >= span:
                 return -1.0
             ahead = phase_to(rise_at, at + low)
@@ -56,9 +62,21 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
             if flow(v, C, k, sine, cosine, high)[0] <= 0:
                 break
             low = high + fall_at - rise_at
+    return stop_between(v, C, k, at, sine, cosine, low, high)
+
+
+@compiled
+def stop_between(
+    v: float, C: float, k: float, at: float, sine: float, cosine: float, low: float, high: float
+) -> float:
+    """Return the phase at which a velocity that falls from `low` to `high` is 0.
+
+    By Newton's iteration in that bracket, D -> D - u/u' with u of `flow`, from sine and cosine of
+    the phase `at`, and u' = C sin(at + D) - k.
+    """
     first, last = flow(v, C, k, sine, cosine, low)[0], flow(v, C, k, sine, cosine, high)[0]
     d = low + (high - low) * first / (first - last) if first > last else low
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         value = flow(v, C, k, sine, cosine, d)[0]
         if value > 0:
             low = d
@@ -78,13 +96,21 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
 
 @compiled
 def holds(drive: SineDrive, at: float) -> bool:
-    """Return whether static friction holds a part that does not slip."""
+    """True if static friction holds a part that does not slip.
+
+    least <= sin(at) <= largest, the bounds of `stick_range`.
+    """
     return drive.least <= math.sin(at) <= drive.largest
 
 
 @compiled
 def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, until when, and whether it then slips forward."""
+    """Return whether a part without slip sticks, until when, and whether it then slips forward.
+
+    Until the next phase at which sin(tau) leaves the bounds of `stick_range`: asin(largest),
+    rising, or pi - asin(least), falling (theory 13.3). Where it does not stick, forward if c
+    sin(at) > sin(gamma).
+    """
     least, largest = drive.least, drive.largest
     sine = math.sin(at)
     forward = drive.c * sine > drive.gs
@@ -103,13 +129,19 @@ def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
 
 @compiled
 def always_holds(drive: SineDrive) -> bool:
-    """Return whether friction holds a part all the time."""
+    """True if friction holds a part all the time.
+
+    s <= n, and -1 and 1 within the bounds of `stick_range`.
+    """
     return drive.s <= drive.gn and drive.least <= -1 and drive.largest >= 1
 
 
 @compiled
 def first_slip(drive: SineDrive, tau: float) -> float:
-    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
+    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none.
+
+    asin(largest) or pi - asin(least), the bounds of `stick_range`, whichever comes first from tau.
+    """
     rises, falls = drive.largest < 1, drive.least > -1
     if rises and (math.cos(tau) > 0 or not falls):
         return arc_sine(drive.largest)
@@ -118,21 +150,27 @@ def first_slip(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip in the way of `sign` stops; -1 if it does not."""
+    """Return the phase until a slip in the way of `sign` stops, `phase_to_stop`; -1 if it does not.
+
+    For |u|, and sign times C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
+    """
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return phase_to_stop(abs(u), sign * C, sign * k, at, span)
 
 
 @compiled
 def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
+    """Return velocity and distance a phase D after velocity u, in a slip in the way of `sign`.
+
+    `flow` with C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
+    """
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return flow(u, C, k, math.sin(at), math.cos(at), d)
 
 
 @compiled
 def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in the way of `sign`."""
+    """Return the acceleration of a slip in the way of `sign`, u' = C sin(tau) - k as in `slide`."""
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return C * math.sin(at) - k
 
@@ -141,7 +179,8 @@ def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
 def slip_doubt(drive: SineDrive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
-    The phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
+    (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S moves the phase asin(S)
+    by dS/sqrt(1 - S^2): it is known the less, the nearer S is to 1.
     """
     jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
     doubt = 0.0
@@ -153,7 +192,13 @@ def slip_doubt(drive: SineDrive) -> float:
 
 @compiled
 def two_sided(drive: SineDrive) -> tuple[float, float]:
-    """Return mean velocity and forward share of sliding without stick, theory 13.8 (i).
+    """Return mean velocity and forward share of sliding without stick (theory 13.8).
+
+    Slips forward and backward close, with c1 = mu s, k1 = mu n, H = c k1 - c1 sin(gamma) and E = pi
+    (c1 k1 - c sin(gamma))/H, the forward one over the phase pi + E about pi - asin(S), where
+
+        S = pi (k1^2 - sin(gamma)^2)/(2 H cos(E/2))
+        v = sqrt(1 - S^2) (2 c1 cos(E/2) + (pi c + c1 E) sin(E/2))/pi
 
     The share is 0 where there is no such motion: the part lifts off, or sticks.
     """

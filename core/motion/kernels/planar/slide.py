@@ -20,14 +20,19 @@ from core.motion.kernels.planar.drive import (
 from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, TIMES
 from core.motion.kernels.statuses import MODE
 
-MOST_MODES = 1_000  # stops and starts in one segment
+MAX_MODES = 1_000
+"""Stops and starts in one segment, a period at most: between two of them an acceleration changes
+its sign, which those of ten harmonics do 20 times each. More are roundings that go on for ever."""
 
 
 @borrowing
 def write_piece(
     log: Floats, used: int, at: float, span: float, mode: int, u: float, w: float, x: float
 ) -> int:
-    """Write one piece of the motion into the log, if there is one and it has room."""
+    """Write one piece of the motion into the log, if there is one and it has room.
+
+    Columns of `PIECE`.
+    """
     if used < log.shape[0]:
         log[used, PIECE.phase], log[used, PIECE.span], log[used, PIECE.mode] = at, span, mode
         log[used, PIECE.along], log[used, PIECE.normal], log[used, PIECE.position] = u, w, x
@@ -41,11 +46,13 @@ def contact(
 ) -> tuple[float, float, int]:
     """Return velocity and its derivative after a stretch on the floor; add to `sums` and `log`.
 
-    `sums` holds the distance and the times in the four modes. The last value returned is the number
-    of rows of the log in use, -1 if the stretch held too many stops.
+    Stick until `hold` ends, slip by `slide` until `stop_after`, and so on (theory 13.4). The
+    derivative by the velocity at the start is 1 while sliding, u'(after)/u'(before) at a turn, 0 at
+    a stick (13.8). `sums` holds the distance and the times in the four modes. The last value
+    returned is the number of rows of the log in use, -1 if the stretch held too many stops.
     """
     at, end, slope = tau, tau + span, 1.0
-    for _ in range(MOST_MODES):
+    for _ in range(MAX_MODES):
         if at >= end:
             return u, slope, used
         if u == 0:
@@ -84,8 +91,9 @@ def skids(drive: Drive, tau: float) -> float:
     """Return the way, 1 or -1, in which small hops drive a part from rest; 0 if it stays.
 
     A hop with rebound w gives it the slip 2 |a| w/n, its landing takes mu_k (1 + eps) w; with the
-    push along a and the load n at the phase. The slip grows from hop to hop where |a| > mu_k n, and
-    the floor does not stop it afterwards, whatever static friction could hold (theory 13.5).
+    push along a = b_x - sin(gamma) and the load n at the phase. The slip grows from hop to hop
+    where |a| > mu_k n, and the floor does not stop it afterwards, whatever static friction could
+    hold (theory 13.5).
     """
     along = push(drive, tau)[0] - drive.gs
     return math.copysign(1.0, along) if abs(along) > drive.mu_k * load(drive, tau) else 0.0
@@ -95,10 +103,11 @@ def skids(drive: Drive, tau: float) -> float:
 def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
     """Return the slip with which a part enters a stay that stands for hops with first rebound w.
 
-    The landing has taken mu_k times its speed off the slip, as if there were no rebound: a slip up
-    to mu_k w stops there after all. A part that then skids leaves the hops as if it had entered the
-    stay with mu_k w: the landing had no slip to take, and the hops after it rub by w less than the
-    floor does in their time. One that does not skid is stopped by the floor.
+    u if |u| > mu_k w, else 0, or +-mu_k w of a part that `skids` (theory 13.5). The landing has
+    taken mu_k times its speed off the slip, as if there were no rebound: a slip up to mu_k w stops
+    there after all. A part that then skids leaves the hops as if it had entered the stay with mu_k
+    w: the landing had no slip to take, and the hops after it rub by w less than the floor does in
+    their time. One that does not skid is stopped by the floor.
     """
     if w == 0.0 or abs(u) > drive.mu_k * w:
         return u
@@ -112,7 +121,9 @@ def follow_cycle(
 ) -> tuple[float, float, int]:
     """Return velocity and its derivative after one cycle, from velocity u at its start.
 
-    Fills `sums`; the last value is the number of rows of the log in use, -1 if a limit came first.
+    Segment by segment, `contact` and `fly`; a landing with the impulse I takes mu_k I off the slip,
+    or all of it if |u| <= mu_k I (theory 13.4). Fills `sums`; the last value is the number of rows
+    of the log in use, -1 if a limit came first.
     """
     mu_k = drive.mu_k
     sums[:] = 0.0

@@ -8,6 +8,7 @@ its other outcome, relative: where it is next to nothing the motion has a kink o
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
@@ -22,7 +23,7 @@ from core.motion.kernels.planar.drive import (
 )
 from core.motion.kernels.planar.flow import TURN, SineDrive, flow, phase_to, swings
 from core.motion.kernels.planar.sine_flight import lowest_at, top_at
-from core.motion.kernels.planar.slide import MOST_MODES, skids
+from core.motion.kernels.planar.slide import MAX_MODES, skids
 from core.motion.kernels.planar.slope_tables import BY, ROW
 from core.motion.kernels.planar.tables import SEGMENT
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
@@ -34,7 +35,7 @@ SMALL_REBOUND = 1e-6  # speed below which the floor's load at a landing decides 
 
 @borrowing
 def copy_row(d: Floats, to: int, of: int) -> None:
-    """Copy a row; an assignment of slices would set up a third array."""
+    """Copy a row, d[to] = d[of]; an assignment of slices would set up a third array."""
     for i in range(d.shape[1]):
         d[to, i] = d[of, i]
 
@@ -157,7 +158,10 @@ def lift(drive: SineDrive, row: int, d: Floats) -> None:
 
 @borrowing
 def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return by how much a slip misses a stop: its least speed on the way, relative."""
+    """Return by how much a slip misses a stop: its least speed on the way, relative.
+
+    |u| of `flow` where it ceases to fall, at asin(k/C) on the way, over |C| + |k|.
+    """
     C, k = sign * drive.c + drive.mu_k * drive.s, sign * drive.gs + drive.mu_k * drive.gn
     if C < 0:
         C, at = -C, at + math.pi
@@ -173,7 +177,10 @@ def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float
 
 @borrowing
 def low_passage(drive: SineDrive, w: float, at: float, span: float) -> float:
-    """Return by how much a flight misses the floor on its way, relative."""
+    """Return by how much a flight misses the floor on its way, relative.
+
+    |z| of `rise` at `lowest_at`, over s + n.
+    """
     s, gn = drive.s, drive.gn
     least, since = 1.0, phase_to(drive.up_at, at)
     up = math.pi - 2.0 * drive.up_at
@@ -186,6 +193,42 @@ def low_passage(drive: SineDrive, w: float, at: float, span: float) -> float:
 
 
 @borrowing
+def pull_of(drive: SineDrive) -> float:
+    """Return the largest acceleration along the track, c + |sin(gamma)| + mu_k (s + n)."""
+    return abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
+
+
+@borrowing
+def stick(
+    drive: SineDrive, at: float, end: float, fresh: bool, size: int, d: Floats, nearest: Floats
+) -> tuple[float, bool]:
+    """Carry the derivatives over a stick; return the phase at its end, and the way of the slip.
+
+    t_stick. = tau1. - tau0., with tau1. of `release`, or that of the segment's end. The sine is
+    |sin(tau) - S| from letting go at once.
+    """
+    least, largest, way = drive.least, drive.largest, drive.way
+    sticks, leave, forward = hold(drive, at, end)
+    if fresh:
+        sine = math.sin(at)
+        nearest[0] = min(nearest[0], abs(sine - least), abs(sine - largest))
+    if not sticks:
+        return at, forward
+    lets_go = leave < end
+    if fresh:
+        nearest[0] = min(nearest[0], end - leave if lets_go else 1.0)
+    for i in range(size):
+        d[ROW.stick + MODE.stick, i] -= d[ROW.phase, i]
+    if lets_go:
+        release(drive, not forward and way > 0, way, leave, d)
+    else:
+        copy_row(d, ROW.phase, ROW.end)
+    for i in range(size):
+        d[ROW.stick + MODE.stick, i] += d[ROW.phase, i]
+    return leave, forward
+
+
+@borrowing
 def on_floor(
     drive: SineDrive, tau: float, span: float, u: float, fresh: bool, energy: bool, size: int,
     d: Floats, nearest: Floats,
@@ -195,32 +238,15 @@ def on_floor(
     What is done is that of `slide.contact`. `fresh` tells that the part came to this phase by
     itself, not to one at which it is let go.
     """
-    least, largest, way = drive.least, drive.largest, drive.way
     at, end = tau, tau + span
-    for _ in range(MOST_MODES):
+    for _ in range(MAX_MODES):
         if at >= end:
             return u
         if u == 0:
-            sticks, leave, forward = hold(drive, at, end)
-            if fresh:
-                sine = math.sin(at)
-                nearest[0] = min(nearest[0], abs(sine - least), abs(sine - largest))
-            if sticks:
-                lets_go = leave < end
-                if fresh:
-                    nearest[0] = min(nearest[0], end - leave if lets_go else 1.0)
-                for i in range(size):
-                    d[ROW.stick + MODE.stick, i] -= d[ROW.phase, i]
-                if lets_go:
-                    release(drive, not forward and way > 0, way, leave, d)
-                else:
-                    copy_row(d, ROW.phase, ROW.end)
-                for i in range(size):
-                    d[ROW.stick + MODE.stick, i] += d[ROW.phase, i]
-                if not lets_go:
-                    return 0.0
-                at = leave
-            sign = 1.0 if forward else -1.0
+            leave, forward = stick(drive, at, end, fresh, size, d, nearest)
+            if leave >= end:
+                return 0.0
+            at, sign = leave, 1.0 if forward else -1.0
         else:
             sign = 1.0 if u > 0 else -1.0
         fresh = True
@@ -230,7 +256,7 @@ def on_floor(
         mode = MODE.forward if sign > 0 else MODE.backward
         after = 0.0 if stops else slide(drive, sign, u, at, span)[0]
         nearest[0] = min(nearest[0], slow_passage(drive, sign, u, at, span))
-        size_of = abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
+        size_of = pull_of(drive)
         if stops:
             rate = slip_acceleration(drive, sign, at + span) / size_of
             nearest[0] = min(nearest[0], rate * rate, end - at - span)
@@ -256,8 +282,7 @@ def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[flo
     """
     n, skid = load(drive, at), skids(drive, at)
     forced, rubbed = abs(drive.c * math.sin(at) - drive.gs), drive.mu_k * n
-    pull = abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
-    nearest[0] = min(nearest[0], abs(forced - rubbed) / pull)
+    nearest[0] = min(nearest[0], abs(forced - rubbed) / pull_of(drive))
     if skid != 0.0:
         return skid, skid if e > 0.0 or forced > drive.mu_s * n else 0.0, 0.0
     gained = max(0.0, 2.0 * forced / max(n, 1e-300) - drive.mu_k * (1.0 + e))
@@ -292,9 +317,8 @@ def in_air(
 ) -> float:  # fmt: skip
     """Carry the derivatives over a flight and its landing; return the velocity along after it.
 
-    The rebound has (eps w). = eps. w + eps w., the slip loses (mu_k I). = mu_k. I + mu_k I., or all
-    of it (theory 13.16).
-    `rests` tells that the part then stays on the floor, after hops that shrink to nothing.
+    By `land`, `along` and `rebound`, and where the part then `rests`, after hops that shrink to
+    nothing, by `leave_out_hops` (theory 13.16).
     """
     tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
     w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
@@ -307,79 +331,157 @@ def in_air(
     n1 = load(drive, tau + span)
     after = fly(drive, u, tau, span)[0]
     along(drive, 0.0, u, after, tau, span, False, MODE.flight, size, d)
+    note_fastest(speed, d, nearest)
+    friction = drive.mu_k * impulse
+    stops = abs(after) <= friction
+    pull = pull_of(drive)
+    nearest[0] = min(nearest[0], abs(abs(after) - friction) / pull)
+    if e * speed < SMALL_REBOUND:
+        nearest[0] = min(nearest[0], abs(n1) / size_of)
+    sign = 1.0 if after > 0 else -1.0
+    slow = 0.0 if stops else after - sign * friction
+    left = time_of_hops(n1, e) if rests else 0.0
+    stops = stops or (rests and abs(slow) <= drive.mu_k * e * speed)
+    if not stops and abs(slow) < pull * left * e * speed:
+        nearest[0] = 0.0  # the slip stops, or not, among hops that are left out
+    skid, slips, slides = 0.0, 0.0 if stops else sign, 0.0
+    if rests and stops:
+        skid, slips, slides = in_hops(drive, e, tau + span, nearest)
+        slow = skid * drive.mu_k * e * speed
+    landing = Landing(tau + span, speed, impulse, after, slow, rests, stops, skid, slips)
+    rebound(drive, e, landing, size, d)
+    if rests:
+        leave_out_hops(drive, e, landing, slides, size, d)
+    return slow
+
+
+@borrowing
+def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
+    """Keep the derivatives of the largest landing speed max v; which it is, is a decision.
+
+    Its distance is |v - v_max|/max(v, v_max).
+    """
     if speed > nearest[1]:
-        # Of several landings the fastest is told; which, is a decision of its own.
         nearest[2] = (speed - nearest[1]) / speed
         nearest[1] = speed
         copy_row(d, ROW.landing, ROW.normal)
     else:
         nearest[2] = min(nearest[2], (nearest[1] - speed) / nearest[1])
-    friction = drive.mu_k * impulse
-    stops = abs(after) <= friction
-    pull = abs(drive.c) + abs(drive.gs) + drive.mu_k * size_of
-    nearest[0] = min(nearest[0], abs(abs(after) - friction) / pull)
-    if e * speed < SMALL_REBOUND:
-        nearest[0] = min(nearest[0], abs(n1) / size_of)
-    sign = 1.0 if after > 0 else -1.0
-    slow, up = 0.0 if stops else after - sign * friction, 0.0 if rests else e * speed
-    factor = 1.0 if rests else 1.0 + e
-    carried = max(n1, 1e-300)  # at an edge, which is a kink, the part lands as the floor lets go
-    left = 2.0 / (carried * (1.0 - e)) if rests else 0.0
-    stops = stops or (rests and abs(slow) <= drive.mu_k * e * speed)
-    if not stops and abs(slow) < pull * left * e * speed:
-        nearest[0] = 0.0  # the slip stops, or not, among hops that are left out
-    steep = drive.s * math.cos(tau + span)
-    skid, slips, slides = 0.0, 0.0 if stops else sign, 0.0
-    if rests and stops:
-        skid, slips, slides = in_hops(drive, e, tau + span, nearest)
-        slow = skid * drive.mu_k * e * speed
-    mode = MODE.stick if slips == 0 else MODE.forward if slips > 0 else MODE.backward
-    way = MODE.forward if drive.c * math.sin(tau + span) > drive.gs else MODE.backward
+
+
+@borrowing
+def time_of_hops(n1: float, e: float) -> float:
+    """Return the time of the hops that are left out, per rebound w: 2/(n (1 - eps)) (theory 13.5).
+
+    At an edge, which is a kink, the part lands as the floor lets go, and n is taken above 0.
+    """
+    return 2.0 / (max(n1, 1e-300) * (1.0 - e))
+
+
+class Landing(NamedTuple):
+    """How a landing goes, at which phase and speed, and what the slip `after` the flight does.
+
+    Attributes
+    ----------
+    impulse : float
+        Of the floor, I; the slip loses mu_k I, or all of it where it `stops`.
+    slow : float
+        The slip that is left.
+    rests : bool
+        Whether the part then stays on the floor, after hops that shrink to nothing.
+    skid, slips : float
+        As from `in_hops`: the way in which hops drive the part, and the way in which it then slips.
+    """
+
+    at: float
+    speed: float
+    impulse: float
+    after: float
+    slow: float
+    rests: bool
+    stops: bool
+    skid: float
+    slips: float
+
+
+@borrowing
+def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) -> None:
+    """Carry the derivatives over an impact: of rebound, slip and energy.
+
+    (eps w). = eps. w + eps w., and (mu_k I). = mu_k. I + mu_k I. off the slip, or all of it; then
+    what hops leave, (mu_k eps w). in their way, which has no slope where it begins with a jump.
+    The energy (u^2 - u1^2 + w^2 - w1^2)/2 changes by u u. - u1 u1. + w w. - w1 w1. (theory 13.16).
+    """
+    speed, up = landing.speed, 0.0 if landing.rests else e * landing.speed
+    factor, sign = 1.0 if landing.rests else 1.0 + e, 1.0 if landing.after > 0 else -1.0
     for i in range(size):
         fast, down = d[ROW.along, i], d[ROW.normal, i]
-        rebound, given = e * down, factor * down
+        rebounds, given = e * down, factor * down
         if i == BY.e:
-            rebound += speed
-            given += 0.0 if rests else speed
-        rubbed = drive.mu_k * given + (impulse if i == BY.mu_k else 0.0)
-        if not stops:
+            rebounds += speed
+            given += 0.0 if landing.rests else speed
+        rubbed = drive.mu_k * given + (landing.impulse if i == BY.mu_k else 0.0)
+        if not landing.stops:
             d[ROW.along, i] = fast - sign * rubbed
-        else:  # what the hops leave, mu_k eps w; it has no slope where it begins with a jump
-            d[ROW.along, i] = skid * (drive.mu_k * rebound + (e * speed if i == BY.mu_k else 0.0))
-            if i == BY.e and skid != slips:
+        else:
+            left = drive.mu_k * rebounds + (e * speed if i == BY.mu_k else 0.0)
+            d[ROW.along, i] = landing.skid * left
+            if i == BY.e and landing.skid != landing.slips:
                 d[ROW.along, i] = math.nan
-        d[ROW.impact, i] += after * fast - slow * d[ROW.along, i] + speed * down
-        if not rests:
-            d[ROW.impact, i] -= up * rebound
-            d[ROW.normal, i] = rebound
-            continue
-        # The hops that were left out take the time 2 w/(n (1 - e)) of the stay on the floor.
+        d[ROW.impact, i] += landing.after * fast - landing.slow * d[ROW.along, i] + speed * down
+        if not landing.rests:
+            d[ROW.impact, i] -= up * rebounds
+            d[ROW.normal, i] = rebounds
+
+
+@borrowing
+def leave_out_hops(
+    drive: SineDrive, e: float, landing: Landing, slides: float, size: int, d: Floats
+) -> None:
+    """Carry the derivatives over hops that were taken as a stay on the floor, after `rebound`.
+
+    Their time T = 2 w/(n (1 - eps)) of rebound w, T. = 2 (w. - w n./n + w eps./(1 - eps))/(n (1 -
+    eps)), goes from the floor's mode to the flight, and the friction mu_k n |u| of it to the
+    impacts; a slip that no skid follows stops on the floor after `slides` w (theory 13.5, 13.16).
+    """
+    at, speed = landing.at, landing.speed
+    n1, slips = load(drive, at), landing.slips
+    carried, left = max(n1, 1e-300), time_of_hops(n1, e)
+    steep = drive.s * math.cos(at)
+    mode = MODE.stick if slips == 0 else MODE.forward if slips > 0 else MODE.backward
+    way = MODE.forward if drive.c * math.sin(at) > drive.gs else MODE.backward
+    for i in range(size):
+        rebounds = e * d[ROW.normal, i]
         loads = -steep * d[ROW.phase, i]
         if i == BY.gn:
             loads += 1.0
         elif i == BY.s:
-            loads -= math.sin(tau + span)
-        hops = left * (rebound - e * speed * loads / carried)
+            loads -= math.sin(at)
+        elif i == BY.e:
+            rebounds += speed
+        hops = left * (rebounds - e * speed * loads / carried)
         if i == BY.e:
             hops += left * e * speed / (1.0 - e)
         d[ROW.flight, i] += hops
         d[ROW.stick + mode, i] -= hops
         # Each of their landings takes its part of what the floor would rub.
-        rubbing = drive.mu_k * n1 * abs(slow) * hops
+        rubbing = drive.mu_k * n1 * abs(landing.slow) * hops
         d[ROW.impact, i] += rubbing
         d[ROW.friction, i] -= rubbing
         # The slip of hops that no skid follows stops on the floor after (mu_k n - |a|)^-1 of it.
-        d[ROW.stick + way, i] += slides * rebound
-        d[ROW.stick + MODE.stick, i] -= slides * rebound
+        d[ROW.stick + way, i] += slides * rebounds
+        d[ROW.stick + MODE.stick, i] -= slides * rebounds
         d[ROW.normal, i] = 0.0
-    return slow
 
 
 @borrowing
 def highest(
     drive: SineDrive, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
 ) -> None:
-    """Fill how the largest height changes, if this flight has it; before its end is carried."""
+    """Fill how the largest height changes, if this flight has it; before its end is carried.
+
+    delta z of `land` at the D of `top_at`: there z' = 0, so that D. changes nothing.
+    """
     s, gn = drive.s, drive.gn
     if (gn + s) * span * span / 8 <= nearest[3]:
         return

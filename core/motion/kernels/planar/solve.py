@@ -11,13 +11,13 @@ from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, sizes, two_sided
-from core.motion.kernels.planar.growth import MOST_GROWTH
+from core.motion.kernels.planar.growth import MAX_GROWTH
 from core.motion.kernels.planar.repeating import (
     ROUNDING,
     repeating,
     velocity_at_start,
 )
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 
@@ -28,7 +28,10 @@ LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upri
 
 @compiled
 def turn_round(result: Floats, way: float) -> None:
-    """Undo the mirror image of `upright`."""
+    """Undo the mirror image of `upright`.
+
+    v -> -v, and the shares forward and backward change places.
+    """
     if way < 0:
         result[COLUMN.velocity] = -result[COLUMN.velocity]
         forward, backward = result[COLUMN.forward], result[COLUMN.backward]
@@ -37,7 +40,11 @@ def turn_round(result: Floats, way: float) -> None:
 
 @compiled
 def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
-    """Return the status of a cell that needs no cycle and fill its result; else `UNDECIDED`."""
+    """Return the status of a cell that needs no cycle and fill its result; else `UNDECIDED`.
+
+    `runaway` where |sin(gamma)| > mu_s n, `at_rest` where `always_holds`, `limit_reached` where
+    |sin(gamma)| = mu_k n: the mean is then that of the start, for ever (theory 13.8).
+    """
     gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
     along, normal = sizes(drive)
     if not math.isfinite(along + normal + gs + gn + mu_s + mu_k + e):
@@ -59,7 +66,10 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
 
 @compiled
 def slides_on(drive: Drive, result: Floats) -> bool:
-    """Fill the result of a part that slides to and fro without a stick, if it does so."""
+    """Fill the result of a part that slides to and fro without a stick, if it does so.
+
+    By `two_sided` (theory 13.8).
+    """
     velocity, forward = two_sided(drive)
     if not forward > 0:
         return False
@@ -85,7 +95,7 @@ def solve(
     found, `result` is left as it was, and the status is `UNREPEATED`.
     """
     e, most_periods = cell.restitution, int(cell.most_periods)
-    first, count, periods = normal_cycle(drive, phase, e, most_periods, MOST_GROWTH, rows)
+    first, count, periods = normal_cycle(drive, phase, e, most_periods, MAX_GROWTH, rows)
     if periods < 1:
         status = UNREPEATED if periods == 0 else STATUS.limit_reached
         first, count, u = 0, 0, 0.0
@@ -125,7 +135,7 @@ def solve_cell(
 @compiled
 def solve_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells, a row of `groups` each."""
-    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((0, len(PIECE)))
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]

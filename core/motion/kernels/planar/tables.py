@@ -19,7 +19,7 @@ Piece = namedtuple("Piece", "phase span mode along normal position")
 
 SEGMENT = Segment(*range(len(Segment._fields)))
 PIECE = Piece(*range(len(Piece._fields)))
-MOST_SEGMENTS = 8_000  # of a cycle; a run of shrinking hops at restitution 0.995 fills it
+MAX_SEGMENTS = 8_000  # of a cycle; a run of shrinking hops at restitution 0.995 fills it
 
 # Sums over a motion: the distance, and from TIMES on the time in each mode.
 DISTANCE, TIMES = 0, 1

@@ -21,7 +21,7 @@ from core.motion.kernels.planar.growth import LAST_DIGIT
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.solve import turn_round
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 
@@ -37,6 +37,7 @@ def reach_way(
 ) -> None:
     """Widen the error of an aperiodic motion to the way from rest to rest that it begins with.
 
+    e(v) >= |v_way - v| + e(v_way), with the means of the way by `repeating` (theory 13.7).
     Undisturbed it repeats that for ever. As long as roundings leave a digit of it, it is the motion
     of these very numbers, though neighbouring ones go other ways.
     """
@@ -60,7 +61,7 @@ def average_cells(
     groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
 ) -> None:
     """Fill table and status of cells, as `solve.solve_cells` does."""
-    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
         cell = cell_of(row)
@@ -83,8 +84,8 @@ def average_spent(
     groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
 ) -> None:
     """Fill table, columns as in `SPENT`, of cells that do not repeat: means over a long stretch."""
-    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
-    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
+    rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
         cell = cell_of(row)

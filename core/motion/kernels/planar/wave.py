@@ -16,8 +16,8 @@ import numpy as np
 from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import GROUPS, Cell
-from core.motion.kernels.planar.flow import MOST_ITERATIONS, TURN, arc
-from core.motion.kernels.waves import halley, is_near_root, passages, value_and_slope
+from core.motion.kernels.planar.flow import MAX_ITERATIONS, TURN, arc
+from core.motion.kernels.waves import SineSum, halley, is_near_root, passages, value_and_slope
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
 """Kinds of acceleration."""
@@ -71,7 +71,10 @@ TABLE = (ROOTS + KINDS, WIDTH)
 
 @compiled
 def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
-    """Return the wave of a row, which stands there behind the cell; phase and way as `upright`."""
+    """Return the wave of a row, which stands there behind the cell; phase and way as `upright`.
+
+    Coefficients s_k and c_k by axis, or levels and the ends of the steps (theory 13.14).
+    """
     table = waves.table
     orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
     gs, gn = cell.gravity_number_along, cell.gravity_number_normal
@@ -103,7 +106,9 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
 def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: float) -> None:
     """Fill one number of every kind, and its pull, from the pushes along and normal to the floor.
 
-    `part` is 0 for sines and for steps, 1 for cosines.
+    p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z - (sin(gamma) +- mu n) for
+    slips forward and backward, at mu_k and at mu_s (theory 13.14). `part` is 0 for sines and for
+    steps, 1 for cosines.
     """
     table, gs, gn = drive.table, drive.gs, drive.gn
     table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gn
@@ -117,15 +122,24 @@ def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: f
 
 
 @borrowing
+def push_of(drive: WaveDrive, kind: int) -> SineSum:
+    """Return the sum of sines that pushes a part in an acceleration of a kind."""
+    return SineSum(drive.table, 2 * kind, 2 * kind + 1, drive.orders)
+
+
+@borrowing
 def fill_passages(drive: WaveDrive, kind: int) -> None:
-    """Fill the phases in [0, 2 pi) at which the acceleration of a kind changes sign."""
+    """Fill the phases in [0, 2 pi) at which the acceleration of a kind changes sign.
+
+    p(tau) = k: `passages` of a sum of sines, the ends of some steps (theory 13.14).
+    """
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
-        sines, pull = 2 * kind, table[PULLS, kind]
-        count = passages(table, sines, sines + 1, drive.orders, pull, row, RISES - 1)
+        push = push_of(drive, kind)
+        count = passages(push, table[PULLS, kind], row, RISES - 1)
         table[row, 0] = float(count)
         if count > 0:
-            slope = value_and_slope(table, sines, sines + 1, drive.orders, table[row, 1])[1]
+            slope = value_and_slope(push, table[row, 1])[1]
             table[row, RISES] = 1.0 if slope > 0.0 else 0.0
         return
     count, last = 0, drive.steps - 1
@@ -143,13 +157,16 @@ def fill_passages(drive: WaveDrive, kind: int) -> None:
 
 @borrowing
 def folded(tau: float) -> float:
-    """Return a phase modulo a turn, some roundings off."""
+    """Return a phase modulo a turn, tau - 2 pi floor(tau/2 pi), some roundings off."""
     return tau - TURN * math.floor(tau / TURN) if not 0.0 <= tau < TURN else tau
 
 
 @borrowing
 def step_at(drive: WaveDrive, tau: float) -> int:
-    """Return the number of the step at a phase in [0, 2 pi); a hair before its start is in it."""
+    """Return the number of the step at a phase in [0, 2 pi), the first with tau < its end.
+
+    A hair before its start is in it.
+    """
     for step in range(drive.steps - 1):
         if tau < drive.table[ENDS, step] - SLACK:
             return step
@@ -158,11 +175,14 @@ def step_at(drive: WaveDrive, tau: float) -> int:
 
 @borrowing
 def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the acceleration of a kind at a phase."""
+    """Return the acceleration of a kind at a phase, p(tau) - k.
+
+    With the push p of `push_of`, or the level of the step at tau (theory 13.14).
+    """
     table = drive.table
     if drive.steps > 0:
         return table[2 * kind, step_at(drive, folded(tau))] - table[PULLS, kind]
-    value, _ = value_and_slope(table, 2 * kind, 2 * kind + 1, drive.orders, tau)
+    value, _ = value_and_slope(push_of(drive, kind), tau)
     return value - table[PULLS, kind]
 
 
@@ -170,7 +190,8 @@ def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
 def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
     """Return the phase from tau on at which an acceleration changes sign; whether it rises there.
 
-    Infinite if it never does. What is a hair behind is told as tau itself.
+    The next of the phases of `fill_passages`, modulo a turn. Infinite if it never does. What is a
+    hair behind is told as tau itself.
     """
     table, row = drive.table, ROOTS + kind
     count = int(table[row, 0])
@@ -194,7 +215,10 @@ def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]
 
 @borrowing
 def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
-    """Return the first phase from tau on at which an acceleration rises, or falls, through 0."""
+    """Return the first phase from tau on at which an acceleration rises, or falls, through 0.
+
+    The one after `next_passage` where that has the other way.
+    """
     at, rises = next_passage(drive, kind, tau)
     if rises != rising and at < math.inf:
         at, rises = later_passage(drive, kind, at)
@@ -203,7 +227,11 @@ def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
 
 @borrowing
 def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, float, float]:
-    """Return slope and push of a kind at tau, and its first and second integral without a mean."""
+    """Return slope and push of a kind at tau, and its first and second integral without a mean.
+
+    Of the terms a sin(k tau) + b cos(k tau): k (a cos(k tau) - b sin(k tau)), the terms themselves,
+    -(a cos(k tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory 13.14).
+    """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine, slope, push, first, second = sine_1, cosine_1, 0.0, 0.0, 0.0, 0.0
@@ -222,9 +250,10 @@ def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, fl
 def speed_from(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
 ) -> tuple[float, float, float]:
-    """Return velocity, acceleration and its slope a phase d after the velocity was v.
+    """Return velocity, acceleration and its slope a phase D after the velocity was v.
 
-    `start` is the first of the integrals at tau; it is not asked for in steps.
+    v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the first of `integrals`
+    P1. `start` is P1(tau); it is not asked for in steps.
     """
     if drive.steps > 0:
         force = acceleration(drive, kind, tau + d)
@@ -236,13 +265,17 @@ def speed_from(
 
 @borrowing
 def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return what `speed_from` asks for as `start`."""
+    """Return what `speed_from` asks for as `start`, P1(tau) of `integrals`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
 @borrowing
 def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase d after the velocity was v, in a mode of a kind."""
+    """Return velocity and distance a phase D after the velocity was v, in a mode of a kind.
+
+    u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 + P2(tau + D) - P2(tau) - P1(tau) D, with
+    P1 and P2 of `integrals` (theory 13.14); short ones by `near_flow`.
+    """
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
     pull = drive.table[PULLS, kind]
@@ -258,7 +291,11 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 
 @borrowing
 def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
-    """Return what the push alone gives over a short phase, to the last digits of small numbers."""
+    """Return what the push alone gives over a short phase, to the last digits of small numbers.
+
+    The term of order k turns by K = k D, and gives with p and p' of `integrals`, over k and over
+    k^2, p sin K + (p'/k)(1 - cos K) and p (1 - cos K) + (p'/k)(K - sin K), by `arc`.
+    """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine, velocity, distance = sine_1, cosine_1, 0.0, 0.0
@@ -276,7 +313,10 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
 def stepped_flow(
     drive: WaveDrive, kind: int, v: float, tau: float, d: float
 ) -> tuple[float, float]:
-    """Return what `flow` does where the acceleration is constant from step to step."""
+    """Return what `flow` does where the acceleration a is constant from step to step.
+
+    Over each: x -> x + (v + a D/2) D and v -> v + a D (theory 13.14).
+    """
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0
     step = step_at(drive, at)
@@ -302,11 +342,12 @@ def zero_of_velocity(
 ) -> float:  # fmt: skip
     """Return where a velocity that runs one way passes 0, by Halley's iteration in a bracket.
 
-    `first` and `last` are the velocities at both ends; the others are those of `speed_from`.
+    u(D) = 0 with u, u' and u'' of `speed_from`, by the step of `halley`. `first` and `last` are the
+    velocities at both ends; the others are those of `speed_from`.
     """
     rises = last > first
     d = low + (high - low) * first / (first - last) if first * last < 0.0 else 0.5 * (low + high)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         value, force, slope = speed_from(drive, kind, v, tau, start, d)
         if (value > 0.0) == rises:
             high = d
@@ -326,5 +367,8 @@ def zero_of_velocity(
 
 @compiled
 def rounded(drive: WaveDrive) -> WaveDrive:
-    """Return the drive: what its passages are made from keeps all bits."""
+    """Return the drive itself.
+
+    Other than in `flow.rounded`, what its passages are made from keeps all bits.
+    """
     return drive

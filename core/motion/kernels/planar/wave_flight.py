@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MOST_ITERATIONS, MOST_PIECES, SMOOTH, TURN
+from core.motion.kernels.planar.flow import MAX_ITERATIONS, MAX_PIECES, SMOOTH, TURN
 from core.motion.kernels.planar.wave import (
     AIR,
     ENDS,
@@ -30,13 +30,17 @@ from core.motion.kernels.waves import halley, is_near_root
 
 @borrowing
 def sizes(drive: WaveDrive) -> tuple[float, float]:
-    """Return what the push along and normal to the floor does not exceed."""
+    """Return what the push along and normal to the floor does not exceed, |b_x| and |b_z|."""
     return drive.along, drive.normal
 
 
 @borrowing
 def track_speed(drive: WaveDrive, tau: float) -> float:
-    """Return the velocity of the track along itself: minus what the push gives, without mean."""
+    """Return the velocity of the track along itself: minus what the push gives, without mean.
+
+    sum of (s_k cos(k tau) - c_k sin(k tau))/k; of steps, v -> v - p D over each, less the mean of
+    that (theory 13.14).
+    """
     if drive.steps == 0:
         velocity = 0.0
         for k in range(1, drive.orders + 1):
@@ -55,7 +59,10 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def push(drive: WaveDrive, tau: float) -> tuple[float, float]:
-    """Return the push along and normal to the floor."""
+    """Return the push along and normal to the floor, p(tau).
+
+    `acceleration` and what was taken off it, sin(gamma) and n.
+    """
     return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
 
 
@@ -67,7 +74,10 @@ def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
 
 @borrowing
 def smooth_span(drive: WaveDrive, tau: float) -> float:
-    """Return a phase over which the push is nearly a polynomial: of steps, that to the next one."""
+    """Return a phase over which the push is nearly a polynomial.
+
+    1.5/n at the highest order n, and of steps that to the next one.
+    """
     if drive.steps == 0:
         return SMOOTH / drive.orders
     within = folded(tau)
@@ -76,31 +86,34 @@ def smooth_span(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def lifts(drive: WaveDrive) -> bool:
-    """Return whether the drive ever lifts a part off the floor."""
+    """True if the drive ever lifts a part off the floor: p_z - n changes sign."""
     return drive.table[ROOTS + NORMAL, 0] > 0.0
 
 
 @borrowing
 def load(drive: WaveDrive, tau: float) -> float:
-    """Return the load on the floor of a part that rests on it."""
+    """Return the load on the floor of a part that rests on it, n - p_z(tau)."""
     return -acceleration(drive, NORMAL, tau)
 
 
 @borrowing
 def lift_off(drive: WaveDrive, tau: float) -> float:
-    """Return the phase of the next lift-off."""
+    """Return the phase of the next lift-off, where p_z - n rises through 0 (theory 13.14)."""
     return next_of_way(drive, NORMAL, tau, True) % TURN
 
 
 @borrowing
 def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height a phase d after take-off."""
+    """Return velocity off the floor and height a phase D after take-off: `wave.flow` of p_z - n."""
     return flow(drive, NORMAL, w, tau, d)
 
 
 @borrowing
 def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track a phase d after velocity u, in the air."""
+    """Return velocity and distance along the track a phase D after velocity u, in the air.
+
+    `wave.flow` of p_x - sin(gamma).
+    """
     return flow(drive, AIR, u, tau, d)
 
 
@@ -108,9 +121,9 @@ def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]
 def landing(drive: WaveDrive, w: float, tau: float) -> float:
     """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
 
-    Between two changes of sign of its acceleration the height bends one way: where it bends down
-    and ends above the floor it was above all the way; where it bends up its least value is found
-    first.
+    The first D with z = 0 of `rise`. Between two changes of sign of its acceleration the height
+    bends one way: where it bends down and ends above the floor it was above all the way; where it
+    bends up its least value is found first (theory 13.14).
     """
     d, velocity = 0.0, w
     force = acceleration(drive, NORMAL, tau)
@@ -124,7 +137,7 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
                 return landing_root(drive, w, tau, 0.0, guess)
             guess *= 2.0
     start = speed_start(drive, NORMAL, tau)
-    for _ in range(MOST_PIECES):
+    for _ in range(MAX_PIECES):
         at, rises = later_passage(drive, NORMAL, tau + d)
         end = at - tau
         last, height = rise(drive, w, tau, end)
@@ -146,16 +159,16 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
 def landing_root(drive: WaveDrive, w: float, tau: float, low: float, high: float) -> float:
     """Return where the height falls through 0, between phases above and below it.
 
-    By Halley's iteration in a bracket. It starts where the parabola at `high` falls through 0,
-    z + z' D + z'' D^2/2 = 0: `high` may be the lowest point, where the velocity is rounding and no
-    step of Halley's or Newton's leads anywhere.
+    z(D) = 0 with z' = w and z'' = p_z - n, by the step of `halley` in a bracket. It starts where
+    the parabola at `high` falls through 0, z + z' D + z'' D^2/2 = 0: `high` may be the lowest
+    point, where the velocity is rounding and no step of Halley's or Newton's leads anywhere.
     """
     velocity, height = rise(drive, w, tau, high)
     force = acceleration(drive, NORMAL, tau + high)
     reach = math.sqrt(max(0.0, velocity * velocity - 2.0 * height * force)) - velocity
     guess = high + 2.0 * height / reach if reach > 0.0 else low
     d = guess if low < guess <= high else 0.5 * (low + high)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         velocity, height = rise(drive, w, tau, d)
         if height > 0.0:
             low = d
@@ -176,12 +189,16 @@ def landing_root(drive: WaveDrive, w: float, tau: float, low: float, high: float
 
 @borrowing
 def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, or `known` if that is larger."""
+    """Return the largest height of a flight, or `known` if that is larger.
+
+    z of `rise` where w falls through 0. z <= (n + max |p_z|) span^2/8, since z'' >= -(n + max
+    |p_z|) and both ends are on the floor.
+    """
     if (drive.gn + drive.normal) * span * span / 8 <= known:
         return known
     best, d, velocity = known, 0.0, w
     start = speed_start(drive, NORMAL, tau)
-    for _ in range(MOST_PIECES):
+    for _ in range(MAX_PIECES):
         end = min(span, later_passage(drive, NORMAL, tau + d)[0] - tau)
         last = speed_from(drive, NORMAL, w, tau, start, end)[0]
         if velocity >= 0.0 > last:

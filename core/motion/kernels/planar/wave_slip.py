@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MOST_PIECES
+from core.motion.kernels.planar.flow import MAX_PIECES
 from core.motion.kernels.planar.wave import (
     AIR,
     BACKWARD,
@@ -16,6 +16,7 @@ from core.motion.kernels.planar.wave import (
     flow,
     later_passage,
     next_of_way,
+    push_of,
     speed_from,
     speed_start,
     zero_of_velocity,
@@ -28,7 +29,11 @@ THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over it
 
 @borrowing
 def holds(drive: WaveDrive, at: float) -> bool:
-    """Return whether static friction holds a part that does not slip."""
+    """True if static friction holds a part that does not slip.
+
+    p_x - sin(gamma) - mu_s n(tau) <= 0 <= p_x - sin(gamma) + mu_s n(tau), n(tau) = n - p_z (theory
+    13.14).
+    """
     return (
         acceleration(drive, drive.forward, at) <= 0.0
         and acceleration(drive, drive.backward, at) >= 0.0
@@ -37,7 +42,10 @@ def holds(drive: WaveDrive, at: float) -> bool:
 
 @borrowing
 def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, until when, and whether it then slips forward."""
+    """Return whether a part without slip sticks, until when, and whether it then slips forward.
+
+    Until the first change of sign of the accelerations of `holds` that lets go.
+    """
     if not holds(drive, at):
         return False, at, acceleration(drive, AIR, at) > 0.0
     forward = next_of_way(drive, drive.forward, at, True)
@@ -47,14 +55,20 @@ def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
 
 @borrowing
 def always_holds(drive: WaveDrive) -> bool:
-    """Return whether friction holds a part all the time."""
+    """True if friction holds a part all the time.
+
+    `holds` at 0, and none of its accelerations changes sign.
+    """
     never = drive.table[ROOTS + drive.forward, 0] + drive.table[ROOTS + drive.backward, 0] == 0.0
     return never and not lifts(drive) and holds(drive, 0.0)
 
 
 @borrowing
 def first_slip(drive: WaveDrive, tau: float) -> float:
-    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
+    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none.
+
+    The first from tau on at which an acceleration of `holds` changes sign.
+    """
     forward = next_of_way(drive, drive.forward, tau, True)
     slip = min(forward, next_of_way(drive, drive.backward, tau, False))
     return slip if slip < math.inf else math.nan
@@ -62,7 +76,7 @@ def first_slip(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def kind_of(sign: float) -> int:
-    """Return the kind of a slip in the way of `sign`."""
+    """Return the kind of a slip in the way of `sign`, `FORWARD` or `BACKWARD`."""
     return FORWARD if sign > 0.0 else BACKWARD
 
 
@@ -70,14 +84,15 @@ def kind_of(sign: float) -> int:
 def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase until a slip in the way of `sign` stops; -1 if it does not.
 
-    Between two changes of sign of its acceleration the velocity runs one way.
+    The first D with u = 0 of `slide`. Between two changes of sign of its acceleration the velocity
+    runs one way (theory 13.14).
     """
     kind, low, first = kind_of(sign), 0.0, u
     start = speed_start(drive, kind, at)
     if u == 0.0:
         # From rest a part starts to slide only where it gains speed, whatever rounding says.
         low, first = next_of_way(drive, kind, at, sign < 0.0) - at, sign
-    for _ in range(MOST_PIECES):
+    for _ in range(MAX_PIECES):
         if not low < span:
             return -1.0
         high = min(span, later_passage(drive, kind, at + low)[0] - at)
@@ -90,13 +105,19 @@ def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) 
 
 @borrowing
 def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
+    """Return velocity and distance a phase D after velocity u, in a slip in the way of `sign`.
+
+    `wave.flow` of p_x +- mu_k p_z - (sin(gamma) +- mu_k n).
+    """
     return flow(drive, kind_of(sign), u, at, d)
 
 
 @borrowing
 def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in the way of `sign`."""
+    """Return the acceleration of a slip in the way of `sign`.
+
+    p_x +- mu_k p_z - (sin(gamma) +- mu_k n).
+    """
     return acceleration(drive, kind_of(sign), at)
 
 
@@ -104,8 +125,9 @@ def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
 def slip_doubt(drive: WaveDrive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
-    A phase at which a sum of sines passes a threshold is known the less, the slower it passes it;
-    one at which the push jumps is given.
+    (mu_s - mu_k) max|n(tau)| times the rounding of the push over its slope: a phase at which a sum
+    of sines passes a threshold is known the less, the slower it passes it; one at which the push
+    jumps is given.
     """
     if drive.steps > 0:
         return 0.0
@@ -114,14 +136,12 @@ def slip_doubt(drive: WaveDrive) -> float:
     for kind in (drive.forward, drive.backward):
         row = drive.table[ROOTS + kind]
         for number in range(1, int(row[0]) + 1):
-            slope = value_and_slope(drive.table, 2 * kind, 2 * kind + 1, drive.orders, row[number])[
-                1
-            ]
+            slope = value_and_slope(push_of(drive, kind), row[number])[1]
             doubt += jump * THRESHOLD * size / max(abs(slope), 1e-8 * size)
     return doubt
 
 
 @borrowing
 def two_sided(drive: WaveDrive) -> tuple[float, float]:
-    """Return 0, 0: there is no closed form."""
+    """Return 0, 0: there is no closed form as of `sine_slip.two_sided`."""
     return 0.0, 0.0

@@ -35,7 +35,8 @@ def run(
 ) -> int:  # fmt: skip
     """Run one cell from rest until it repeats; fill the result and return the status.
 
-    The error in the result is the doubt about the transient's end only.
+    Period by period, by `planar_period` or `spatial_period`, until `repeats`. The error in the
+    result is the doubt about the transient's end only.
     """
     h = 2.0 * math.pi / steps
     # The largest acceleration: what a step can change in a velocity, by the place of an event.
@@ -86,7 +87,10 @@ def run(
 
 @compiled
 def push_of(scene: int, cell: Cell) -> float:
-    """Return what can change the velocity along the track in a unit of phase."""
+    """Return what can change the velocity along the track in a unit of phase.
+
+    p_x + sin(gamma) + mu_k (p_z + n), and mu_w (p_y + g_y) more at a wall (theory 13.1).
+    """
     load = abs(cell.drive_number_normal) + cell.gravity_number_normal
     push = (
         abs(cell.drive_number_along) + abs(cell.gravity_number_along) + cell.friction_kinetic * load
@@ -100,7 +104,7 @@ def push_of(scene: int, cell: Cell) -> float:
 
 @compiled
 def room_of(waves: Floats) -> Floats:
-    """Return room for the drive of a cell under the plain sine."""
+    """Return room for the drive of a cell under the plain sine, rows of `DRIVE`."""
     columns = waves.shape[2]
     room = np.zeros((len(DRIVE), columns))
     room[DRIVE.length] = 2.0 * math.pi / columns
@@ -110,7 +114,10 @@ def room_of(waves: Floats) -> Floats:
 
 @compiled
 def drive_of(scene: int, cell: Cell, waves: Floats, row: int, room: Floats) -> Floats:
-    """Return the drive of a cell: that of its own wave, or the plain sine, put into the room."""
+    """Return the drive of a cell: that of its own wave, or the plain sine, put into the room.
+
+    (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the speed of the track (theory 13.1).
+    """
     if waves.shape[1] == len(DRIVE):
         return waves[row]
     sines, cosines = waves[0]
@@ -131,9 +138,10 @@ def step_cells(
 ) -> None:  # fmt: skip
     """Fill the table, columns as in `results`, and the statuses, one cell a row.
 
-    The waves are those of the coarser run, which has so many steps, of one that starts half a step
-    earlier, and of the finer, which has one more than twice as many. They hold the rows of `DRIVE`
-    for each cell or, for all cells at once, sine and cosine at the middles of the steps.
+    The waves are those of the coarser run, which has so many steps n, of one that starts half a
+    step earlier, and of the finer, which has 2 n + 1. They hold the rows of `DRIVE` for each cell
+    or, for all cells at once, sine and cosine at the middles of the steps. The value is that of the
+    finest, its error 3 max|v_fine - v_other|, and with hops 0.15 h `push_of` more (theory 13.9).
     """
     most = max(1, int(groups[:, GROUPS - 1].max()))
     states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))

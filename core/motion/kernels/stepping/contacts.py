@@ -3,10 +3,87 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from core.compiled import compiled
+from core.motion.kernels.cells import Cell
 
-MOST_SWEEPS = 200
+MAX_SWEEPS = 200
+"""Sweeps of Gauss and Seidel over both contacts, each of which shrinks what is left by mu_s mu_w:
+at a product of 0.83 to 1e-16. What wedges creeps on; it is judged by the error of the step."""
+MAX_NEWTON = 60
+"""Newton's steps from the left on a concave function: even if each did no more than halve the
+error, 47 would end it."""
+
+
+class BodyState(NamedTuple):
+    """A part in space: distance from the wall, height, velocities relative to the track, and spin.
+
+    The spin is the velocity across that it gives the lowest point (theory 7.3).
+    """
+
+    y: float
+    z: float
+    ux: float
+    uy: float
+    uz: float
+    spin: float
+
+
+class Touch(NamedTuple):
+    """How the contacts were left: `spare` as in `slip_along`, whether floor and wall carried."""
+
+    spare: float
+    pressed: bool
+    leaning: bool
+
+
+class Push(NamedTuple):
+    """The acceleration of a free part, a = b - g, amid a step, and the length of the step."""
+
+    ax: float
+    ay: float
+    az: float
+    h: float
+
+
+class Laws(NamedTuple):
+    """Numbers of the laws of contact, `rolling` = m r^2/I of a cylinder, 0 of a block.
+
+    A few of those of a cell: what a step is handed takes time.
+    """
+
+    restitution: float
+    wall_restitution: float
+    friction_static: float
+    friction_kinetic: float
+    wall_friction: float
+    rolling: float
+
+
+@compiled
+def laws_of(cell: Cell, rolling: float) -> Laws:
+    """Return the numbers of the laws of contact among those of a cell, `Cell`."""
+    return Laws(
+        cell.restitution, cell.wall_restitution, cell.friction_static, cell.friction_kinetic,
+        cell.wall_friction, rolling,
+    )  # fmt: skip
+
+
+class Stepped(NamedTuple):
+    """What a step ends with: velocities, spin, normal impulses of floor and wall, and `spare`.
+
+    `failed` where the contacts have no solution that is known well enough.
+    """
+
+    vx: float
+    vy: float
+    vz: float
+    spin: float
+    normal: float
+    side: float
+    spare: float
+    failed: bool
 
 
 @compiled
@@ -29,7 +106,7 @@ def friction_impulse(
     # Newton on 1/|e(z)| = 1, concave: from below the root it rises and cannot overshoot.
     z = max(0.0, abs(slip_1) - slide, abs(slip_2) - response * slide, left - response * slide)
     e_1, e_2 = 0.0, 0.0
-    for _ in range(60):
+    for _ in range(MAX_NEWTON):
         e_1 = slip_1 / (z + slide)
         e_2 = slip_2 / (z + response * slide)
         square = e_1 * e_1 + e_2 * e_2
@@ -47,6 +124,9 @@ def slip_along(
     slip: float, push: float, hold: float, slide: float, spare: float
 ) -> tuple[float, float]:
     """Return slip along one axis after a step, and what static friction could still take.
+
+    From the slip u, the free change h a (`push`), and the impulses H = `hold`, Q = `slide` that
+    static and kinetic friction can give: 0 while |h a| <= H, else u + h a - Q sign(u).
 
     `spare` is negative where the contact slips, and infinite where it sticks but the step before
     tells nothing. A projection over the whole step, as the plain scheme has it, would be right to
@@ -75,23 +155,25 @@ def slip_along(
 @compiled
 def planar_step(
     z: float, ux: float, uz: float, spare: float, pressed: bool, ax: float, az: float, h: float,
-    restitution: float, friction_static: float, friction_kinetic: float,
+    cell: Cell,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Return velocities along and normal, normal impulse and `spare`, a step later.
 
-    Static friction holds a contact that stuck at the end of the step before, and one whose slip
-    comes to zero while it is pressed on. All other slip, and that of a landing, is kinetic.
+    v = u + h a + i where z + h u_z/2 <= 0, with the normal impulse that leaves v_z = -eps u_z
+    (theory 13.9). Static friction holds a contact that stuck at the end of the step before, and one
+    whose slip comes to zero while it is pressed on. All other slip, and that of a landing, is
+    kinetic.
     """
     vx, vz = ux + h * ax, uz + h * az
     if z + 0.5 * h * uz > 0.0:
         return vx, vz, 0.0, -1.0
-    normal = -(vz + restitution * min(uz, 0.0))
+    normal = -(vz + cell.restitution * min(uz, 0.0))
     if normal <= 0.0:
         return vx, vz, 0.0, -1.0
     vz += normal
-    slide = friction_kinetic * normal
+    slide = cell.friction_kinetic * normal
     if pressed:
-        vx, spare = slip_along(ux, h * ax, friction_static * normal, slide, spare)
+        vx, spare = slip_along(ux, h * ax, cell.friction_static * normal, slide, spare)
         return vx, vz, normal, spare
     if abs(vx) <= slide:
         return 0.0, vz, normal, math.inf
@@ -99,44 +181,43 @@ def planar_step(
 
 
 @compiled
-def floor_step(
-    z: float, ux: float, uy: float, uz: float, spin: float, spare: float, pressed: bool,
-    ax: float, ay: float, az: float, h: float,
-    restitution: float, friction_static: float, friction_kinetic: float, rolling: float,
-) -> tuple[float, float, float, float, float, float]:  # fmt: skip
+def floor_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Stepped:
     """Return velocities, spin, normal impulse and `spare`, a step later; no wall.
 
-    The spin is the velocity across that it gives the lowest point (theory 7.3). Where the plane of
-    the slip has two axes, a step is cut as in `slip_along`: where the slip is least if it turns.
+    As `planar_step`, with a slip (u_x, u_y + spin) whose friction is the impulse (f_x, f_y) of
+    `friction_impulse`: it changes the slip by (f_x, r f_y), r = 1 + m r^2/I, and the spin by
+    (r - 1) f_y. Where the plane of the slip has two axes, a step is cut as in `slip_along`: where
+    the slip is least if it turns.
     """
-    vx, vy, vz = ux + h * ax, uy + h * ay, uz + h * az
-    if z + 0.5 * h * uz > 0.0:
-        return vx, vy, vz, spin, 0.0, -1.0
-    normal = -(vz + restitution * min(uz, 0.0))
+    h, rolling = push.h, laws.rolling
+    vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
+    if body.z + 0.5 * h * body.uz > 0.0:
+        return Stepped(vx, vy, vz, body.spin, 0.0, 0.0, -1.0, False)
+    normal = -(vz + laws.restitution * min(body.uz, 0.0))
     if normal <= 0.0:
-        return vx, vy, vz, spin, 0.0, -1.0
+        return Stepped(vx, vy, vz, body.spin, 0.0, 0.0, -1.0, False)
     vz += normal
     response = 1.0 + rolling
-    slide = friction_kinetic * normal
-    hold = max(friction_static * normal, slide)
-    vs = vy + spin
+    slide = laws.friction_kinetic * normal
+    hold = max(laws.friction_static * normal, slide)
+    vs = vy + body.spin
     left_x, left_y = 0.0, 0.0  # impulse before the cut
     rest_x, rest_y, share = vx, vs, 1.0  # slip at its end with the push of what is left
-    if pressed and spare >= 0.0:
+    if touch.pressed and touch.spare >= 0.0:
         need = math.hypot(vx, vs / response)
         if need <= hold:
-            return held_state(vy, vz, spin, normal, hold - need, rolling)
-        if spare < math.inf:
-            share = 0.5 + (need - hold) / (need - hold + spare)
+            return held_state(vy, vz, body.spin, normal, hold - need, rolling)
+        if touch.spare < math.inf:
+            share = 0.5 + (need - hold) / (need - hold + touch.spare)
         left_x, left_y = -(1.0 - share) * vx, -(1.0 - share) * vs / response
         rest_x, rest_y, hold = share * vx, share * vs, 0.0
-    elif pressed:
-        us = uy + spin
-        speed = math.hypot(ux, us)
+    elif touch.pressed:
+        us = body.uy + body.spin
+        speed = math.hypot(body.ux, us)
         if speed > 0.0:
-            ex, ey = -slide * ux / speed, -slide * us / speed
+            ex, ey = -slide * body.ux / speed, -slide * us / speed
             end_x, end_y = vx + ex, vs + response * ey
-            along = ux * end_x + us * end_y
+            along = body.ux * end_x + us * end_y
             if along <= 0.0:
                 share = along / (along - speed * speed)
                 left_x, left_y = (1.0 - share) * ex, (1.0 - share) * ey
@@ -149,23 +230,26 @@ def floor_step(
     fx, fy, held = friction_impulse(rest_x, rest_y, share * hold, share * slide, response)
     if held:
         spare = math.inf
-        if pressed:
-            spare = max(0.0, hold - math.hypot(h * ax, h * ay / response))
-        return held_state(vy, vz, spin, normal, spare, rolling)
+        if touch.pressed:
+            spare = max(0.0, hold - math.hypot(h * push.ax, h * push.ay / response))
+        return held_state(vy, vz, body.spin, normal, spare, rolling)
     fx += left_x
     fy += left_y
-    return vx + fx, vy + fy, vz, spin + rolling * fy, normal, -1.0
+    return Stepped(vx + fx, vy + fy, vz, body.spin + rolling * fy, normal, 0.0, -1.0, False)
 
 
 @compiled
 def held_state(
     vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
-) -> tuple[float, float, float, float, float, float]:
-    """Return the state after a step in which the contact came to stick: no slip, exactly."""
+) -> Stepped:
+    """Return the state after a step in which the contact came to stick: no slip, exactly.
+
+    A cylinder rolls on with v_y - (v_y + spin)/(1 + m r^2/I), the rest of its slip.
+    """
     if rolling == 0.0:
-        return 0.0, 0.0, vz, 0.0, normal, spare
+        return Stepped(0.0, 0.0, vz, 0.0, normal, 0.0, spare, False)
     vy -= (vy + spin) / (1.0 + rolling)
-    return 0.0, vy, vz, -vy, normal, spare
+    return Stepped(0.0, vy, vz, -vy, normal, 0.0, spare, False)
 
 
 @compiled
@@ -176,11 +260,12 @@ def rubbing(
     """Return velocity along, spin, both normals and whether it sticks, of a spinning cylinder.
 
     It keeps to floor and wall and rubs on both, each with the slip (u_x, spin), the wall's spin
-    being negative; friction at each presses on the other or lifts it.
+    being negative; friction at each presses on the other or lifts it: n = n0 + mu_w S e_s and
+    S = S0 - mu n e_s, with the share e_s of friction that turns the cylinder, by turns.
     """
     normal, side = floor_load, wall_load
     fx, turn, held = 0.0, 0.0, False
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MAX_SWEEPS):
         slide = kinetic * normal + wall_friction * side
         hold = static * normal + wall_friction * side
         fx, turn, held = friction_impulse(vx, spin, hold, slide, rolling)
@@ -197,86 +282,90 @@ def rubbing(
 
 
 @compiled
-def corner_step(
-    y: float, z: float, ux: float, uy: float, uz: float, spin: float,
-    spare: float, pressed: bool, leaning: bool,
-    ax: float, ay: float, az: float, h: float,
-    restitution: float, wall_restitution: float, friction_static: float, friction_kinetic: float,
-    wall_friction: float, rolling: float,
-) -> tuple[float, float, float, float, float, float, float, bool]:  # fmt: skip
-    """Return velocities, spin, both normal impulses, `spare` and whether no solution was found.
+def corner_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Stepped:
+    """Return the state a step later, on the floor and at the wall as well.
 
-    Projected Gauss-Seidel, each contact solved exactly in its turn. Both normals come before the
-    frictions: among the forces that may hold a part those without a wedging of floor against wall
-    are then taken, so that it holds up to mu_s n + mu_w s (theory 4.4). A part that keeps to floor
-    and wall without spin needs no sweeps: it slips along one axis only.
+    A contact takes part where its gap is closed in the middle of the step, z + h u_z/2 <= 0 and
+    y + h u_y/2 <= 0 (theory 13.9). A part that keeps to floor and wall without spin slips along one
+    axis only, where friction holds up to mu_s n + mu_w S (theory 4.4).
     """
-    floor, wall = z + 0.5 * h * uz <= 0.0, y + 0.5 * h * uy <= 0.0
-    if not wall:
-        vx, vy, vz, spin, normal, spare = floor_step(
-            z, ux, uy, uz, spin, spare, pressed, ax, ay, az, h,
-            restitution, friction_static, friction_kinetic, rolling,
-        )  # fmt: skip
-        return vx, vy, vz, spin, normal, 0.0, spare, False
-    vx, vy, vz = ux + h * ax, uy + h * ay, uz + h * az
-    response, spin_before = 1.0 + rolling, spin
-    steady = pressed and (leaning or uy == 0.0)
-    if steady and floor and spin == 0.0 and vz < 0.0 and vy <= 0.0:
-        limit = wall_friction * -vy
-        vx, spare = slip_along(
-            ux, h * ax, friction_static * -vz + limit, friction_kinetic * -vz + limit, spare
-        )
-        return vx, 0.0, 0.0, 0.0, -vz, -vy, spare, False
-    if steady and floor and rolling > 0.0 and vz < 0.0 and vy <= 0.0:
-        vx, spin, normal, side, held = rubbing(
-            vx, -vz, -vy, spin, friction_static if spare >= 0.0 else friction_kinetic,
-            friction_kinetic, wall_friction, rolling,
-        )  # fmt: skip
-        if normal >= 0.0 and side >= 0.0:
-            return vx, 0.0, 0.0, spin, normal, side, math.inf if held else -1.0, False
-        vx, spin = ux + h * ax, spin_before
-    back_z, back_y = restitution * min(uz, 0.0), wall_restitution * min(uy, 0.0)
+    h, spare, spin, rolling = push.h, touch.spare, body.spin, laws.rolling
+    if not body.y + 0.5 * h * body.uy <= 0.0:
+        return floor_step(body, touch, push, laws)
+    floor = body.z + 0.5 * h * body.uz <= 0.0
+    vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
+    steady = touch.pressed and (touch.leaning or body.uy == 0.0)
+    if steady and floor and vz < 0.0 and vy <= 0.0:
+        static, kinetic = laws.friction_static, laws.friction_kinetic
+        if spin == 0.0:
+            limit = laws.wall_friction * -vy
+            vx, spare = slip_along(
+                body.ux, h * push.ax, static * -vz + limit, kinetic * -vz + limit, spare
+            )
+            return Stepped(vx, 0.0, 0.0, 0.0, -vz, -vy, spare, False)
+        if rolling > 0.0:
+            slip, turn, normal, side, held = rubbing(
+                vx, -vz, -vy, spin, static if spare >= 0.0 else kinetic, kinetic,
+                laws.wall_friction, rolling,
+            )  # fmt: skip
+            if normal >= 0.0 and side >= 0.0:
+                spare = math.inf if held else -1.0
+                return Stepped(slip, 0.0, 0.0, turn, normal, side, spare, False)
     # One contact may do, with nothing to iterate: the other parts by itself.
-    wx, wy, wz, ws, normal, alone = floor_step(
-        z, ux, uy, uz, spin, spare, pressed, ax, ay, az, h,
-        restitution, friction_static, friction_kinetic, rolling,
-    )  # fmt: skip
-    if wy + back_y >= 0.0:
-        return wx, wy, wz, ws, normal, 0.0, alone, False
+    alone = floor_step(body, touch, push, laws)
+    back = laws.wall_restitution * min(body.uy, 0.0)
+    if alone.vy + back >= 0.0:
+        return alone
     if not floor:
-        side = -(vy + back_y)
-        limit = wall_friction * side
+        side, response = -(vy + back), 1.0 + rolling
+        limit = laws.wall_friction * side
         gx, gz, _ = friction_impulse(vx, vz - spin, limit, limit, response)
-        return vx + gx, vy + side, vz + gz, spin - rolling * gz, 0.0, side, -1.0, False
-    small = 1e-11 * h * (abs(ax) + abs(ay) + abs(az)) + 1e-15 * (abs(vx) + abs(vy) + abs(vz))
+        return Stepped(vx + gx, vy + side, vz + gz, spin - rolling * gz, 0.0, side, -1.0, False)
+    return sweep_corner(body, spare, push, laws)
+
+
+@compiled
+def sweep_corner(body: BodyState, spare: float, push: Push, laws: Laws) -> Stepped:
+    """Return the state after a step in which both floor and wall carry, by sweeps.
+
+    Projected Gauss-Seidel, each contact solved exactly in its turn: n = max(0, n - v_z - eps u_z),
+    S = max(0, S - v_y - eps_w u_y), then the frictions by `friction_impulse`. Both normals come
+    before the frictions: among the forces that may hold a part those without a wedging of floor
+    against wall are then taken, so that it holds up to mu_s n + mu_w S (theory 4.4).
+    """
+    h, rolling, spin = push.h, laws.rolling, body.spin
+    response = 1.0 + rolling
+    vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
+    back_z = laws.restitution * min(body.uz, 0.0)
+    back_y = laws.wall_restitution * min(body.uy, 0.0)
+    pushed = abs(push.ax) + abs(push.ay) + abs(push.az)
+    small = 1e-11 * h * pushed + 1e-15 * (abs(vx) + abs(vy) + abs(vz))
     normal, side = 0.0, 0.0
     fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0
     held, stopped, change = False, False, 0.0
-    for sweep in range(MOST_SWEEPS):
+    for sweep in range(MAX_SWEEPS):
         change = 0.0
-        if floor:
-            new = max(0.0, normal - (vz + back_z))
-            vz += new - normal
-            change += abs(new - normal)
-            normal = new
+        new = max(0.0, normal - (vz + back_z))
+        vz += new - normal
+        change += abs(new - normal)
+        normal = new
         new = max(0.0, side - (vy + back_y))
         vy += new - side
         change += abs(new - side)
         side = new
-        if floor:
-            # Two coefficients have no potential: after half of the sweeps one of them decides.
-            static = spare >= 0.0 and 2 * sweep < MOST_SWEEPS
-            gx, gy, held = friction_impulse(
-                vx - fx, vy + spin - response * fy,
-                (friction_static if static else friction_kinetic) * normal,
-                friction_kinetic * normal, response,
-            )  # fmt: skip
-            vx += gx - fx
-            vy += gy - fy
-            spin += rolling * (gy - fy)
-            change += abs(gx - fx) + abs(gy - fy)
-            fx, fy = gx, gy
-        limit = wall_friction * side
+        # Two coefficients have no potential: after half of the sweeps one of them decides.
+        static = spare >= 0.0 and 2 * sweep < MAX_SWEEPS
+        gx, gy, held = friction_impulse(
+            vx - fx, vy + spin - response * fy,
+            (laws.friction_static if static else laws.friction_kinetic) * normal,
+            laws.friction_kinetic * normal, response,
+        )  # fmt: skip
+        vx += gx - fx
+        vy += gy - fy
+        spin += rolling * (gy - fy)
+        change += abs(gx - fx) + abs(gy - fy)
+        fx, fy = gx, gy
+        limit = laws.wall_friction * side
         gx, gz, _ = friction_impulse(vx - wx, vz - spin - response * wz, limit, limit, response)
         vx += gx - wx
         vz += gz - wz
@@ -288,7 +377,7 @@ def corner_step(
         if change <= small:
             break
     # Where sweeps creep, what they still change is less than the error of the step.
-    failed = change > 1e-2 * h * (abs(ax) + abs(ay) + abs(az))
+    failed = change > 1e-2 * h * pushed
     if normal > 0.0 and (held or stopped):
-        return 0.0, vy, vz, spin, normal, side, math.inf, failed
-    return vx, vy, vz, spin, normal, side, -1.0, failed
+        return Stepped(0.0, vy, vz, spin, normal, side, math.inf, failed)
+    return Stepped(vx, vy, vz, spin, normal, side, -1.0, failed)

@@ -7,7 +7,14 @@ import math
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.cells import cell_of
-from core.motion.kernels.stepping.contacts import corner_step, floor_step
+from core.motion.kernels.stepping.contacts import (
+    BodyState,
+    Push,
+    Touch,
+    corner_step,
+    floor_step,
+    laws_of,
+)
 from core.motion.kernels.stepping.period import acceleration, after_jump
 from core.motion.kernels.stepping.tables import DRIVE
 
@@ -20,10 +27,12 @@ def path(
     """Fill position and velocity (n, 3) at ascending phases, from x, y, z, u_x, u_y, u_z, spin.
 
     The wave holds the drive of one period from the first phase, without columns for the plain sine.
-    Within a step the velocity is taken as linear, as the scheme itself does. What comes after a
+    Within a step the velocity is taken as linear, as the scheme itself does: u + s (v - u) and
+    x + s h (u + s (v - u)/2) at the share s of a step from u to v (theory 13.9). What comes after a
     step without a solution, or after a stop, is left as it was.
     """
     cell = cell_of(group)
+    laws = laws_of(cell, rolling)
     x, y, z, ux, uy, uz, spin = start
     resting = ux == 0.0 and uy + spin == 0.0 and uz == 0.0 and z <= 0.0
     spare = math.inf if resting else -1.0
@@ -33,7 +42,6 @@ def path(
         if raised(stop):
             break
         tau = begin + (k + 0.5) * h
-        before = spin
         if wave.size > 0:
             column = k % wave.shape[1]
             along, across = wave[DRIVE.along, column], wave[DRIVE.across, column]
@@ -46,20 +54,16 @@ def path(
             along, across = cell.drive_number_along * sine, cell.drive_number_across * sine
             lift, track = cell.drive_number_normal * sine, cell.drive_number_along * math.cos(tau)
         ax, ay, az = acceleration(ux, along, across, lift, track, cell, absolute)
+        body, push = BodyState(y, z, ux, uy, uz, spin), Push(ax, ay, az, h)
+        touch = Touch(spare, pressed, leaning)
         if wall:
-            vx, vy, vz, spin, normal, side, spare, failed = corner_step(
-                y, z, ux, uy, uz, before, spare, pressed, leaning, ax, ay, az, h,
-                cell.restitution, cell.wall_restitution,
-                cell.friction_static, cell.friction_kinetic, cell.wall_friction, rolling,
-            )  # fmt: skip
-            leaning = side > 0.0
-            if failed:
-                break
+            after = corner_step(body, touch, push, laws)
         else:
-            vx, vy, vz, spin, normal, spare = floor_step(
-                z, ux, uy, uz, before, spare, pressed, ax, ay, az, h,
-                cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
-            )  # fmt: skip
+            after = floor_step(body, touch, push, laws)
+        if after.failed:
+            break
+        vx, vy, vz, spin, spare = after.vx, after.vy, after.vz, after.spin, after.spare
+        leaning = after.side > 0.0
         end = elapsed + h if wave.size > 0 else (k + 1) * h
         while given < phases.size and (phases[given] - begin <= end or k == steps - 1):
             s = (phases[given] - begin) / h - k
@@ -76,5 +80,5 @@ def path(
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)
-        pressed = normal > 0.0
+        pressed = after.normal > 0.0
         ux, uy, uz = vx, vy, vz

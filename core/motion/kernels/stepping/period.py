@@ -8,7 +8,15 @@ from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
 from core.motion.kernels.results import TALLY
-from core.motion.kernels.stepping.contacts import corner_step, floor_step, planar_step
+from core.motion.kernels.stepping.contacts import (
+    BodyState,
+    Push,
+    Touch,
+    corner_step,
+    floor_step,
+    laws_of,
+    planar_step,
+)
 from core.motion.kernels.stepping.tables import DRIVE, STATE
 
 
@@ -17,7 +25,11 @@ def count(
     tally: Floats, share: float, normal: float, pressed: bool, vx: float, uz: float, z: float,
     still: float, fall: float,
 ) -> None:  # fmt: skip
-    """Count one step, by its share: which way it slid, whether it landed, how high it was."""
+    """Count one step, by its share: which way it slid, whether it landed, how high it was.
+
+    Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight where the floor gives
+    no impulse. An impact is a landing faster than `fall`, what gravity gives in a step.
+    """
     if normal > 0.0:
         if vx > still:
             tally[TALLY.forward] += share
@@ -36,23 +48,23 @@ def count(
 
 @compiled
 def planar_period(state: Floats, tally: Floats, cell: Cell, drive: Floats, usual: float) -> None:
-    """Advance a planar state by one period and tally it; a step is usually so long."""
+    """Advance a planar state by one period and tally it; a step is usually so long.
+
+    Each step from u to v moves the part by q + h (u + v)/2 (theory 13.9).
+    """
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
     pushes, lifts, jumps = drive[DRIVE.along], drive[DRIVE.normal], drive[DRIVE.jump]
     lengths, shares = drive[DRIVE.length], drive[DRIVE.share]
     down, weight = cell.gravity_number_along, cell.gravity_number_normal
-    static, kinetic = cell.friction_static, cell.friction_kinetic
-    restitution = cell.restitution
     still, fall, start, peak = 1e-6 * usual, usual * weight, x, 0.0
     for k in range(pushes.size):
         h = lengths[k]
         if jumps[k] > 0.0:
             spare = after_jump(spare)
         vx, vz, normal, spare = planar_step(
-            z, ux, uz, spare, pressed, pushes[k] - down, lifts[k] - weight, h,
-            restitution, static, kinetic,
-        )  # fmt: skip
+            z, ux, uz, spare, pressed, pushes[k] - down, lifts[k] - weight, h, cell
+        )
         x += 0.5 * h * (ux + vx)
         z += 0.5 * h * (uz + vz)
         count(tally, shares[k], normal, pressed, vx, uz, z, still, fall)
@@ -69,14 +81,17 @@ def spatial_period(
     wall: bool, rolling: float, absolute: bool, state: Floats, tally: Floats, cell: Cell,
     drive: Floats, usual: float,
 ) -> None:  # fmt: skip
-    """Advance a state in space by one period and tally it; a step is usually so long."""
+    """Advance a state in space by one period and tally it, as `planar_period` does.
+
+    The spin of a cylinder that rolls across is no way across: `across` is 0 then.
+    """
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     uy, spin = state[STATE.uy], state[STATE.spin]
     y = state[STATE.y] if wall else 0.0
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
     still, fall, start, peak = 1e-6 * usual, usual * cell.gravity_number_normal, x, 0.0
-    leaning, failed = wall and state[STATE.leaning] > 0.0, False
-    across = y
+    leaning, across = wall and state[STATE.leaning] > 0.0, y
+    laws = laws_of(cell, rolling)
     for k in range(drive.shape[1]):
         h = drive[DRIVE.length, k]
         if drive[DRIVE.jump, k] > 0.0:
@@ -85,26 +100,23 @@ def spatial_period(
             ux, drive[DRIVE.along, k], drive[DRIVE.across, k], drive[DRIVE.normal, k],
             drive[DRIVE.speed, k], cell, absolute,
         )  # fmt: skip
+        body, push = BodyState(y, z, ux, uy, uz, spin), Push(ax, ay, az, h)
+        touch = Touch(spare, pressed, leaning)
         if wall:
-            vx, vy, vz, spin, normal, side, spare, failed = corner_step(
-                y, z, ux, uy, uz, spin, spare, pressed, leaning, ax, ay, az, h,
-                cell.restitution, cell.wall_restitution,
-                cell.friction_static, cell.friction_kinetic, cell.wall_friction, rolling,
-            )  # fmt: skip
-            leaning = side > 0.0
-            tally[TALLY.at_wall] += leaning
-            tally[TALLY.failed] += failed
+            after = corner_step(body, touch, push, laws)
         else:
-            vx, vy, vz, spin, normal, spare = floor_step(
-                z, ux, uy, uz, spin, spare, pressed, ax, ay, az, h,
-                cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
-            )  # fmt: skip
+            after = floor_step(body, touch, push, laws)
+        vx, vy, vz, spin, spare = after.vx, after.vy, after.vz, after.spin, after.spare
+        if wall:
+            leaning = after.side > 0.0
+            tally[TALLY.at_wall] += leaning
+            tally[TALLY.failed] += after.failed
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)
-        count(tally, drive[DRIVE.share, k], normal, pressed, vx, uz, z, still, fall)
+        count(tally, drive[DRIVE.share, k], after.normal, pressed, vx, uz, z, still, fall)
         peak = max(peak, abs(vx) + abs(vy) + abs(vz))
-        pressed = normal > 0.0
+        pressed = after.normal > 0.0
         ux, uy, uz = vx, vy, vz
     state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz] = x, z, ux, uz
     state[STATE.uy], state[STATE.spin] = uy, spin

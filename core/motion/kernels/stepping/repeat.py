@@ -12,7 +12,8 @@ from core.motion.kernels.results import COLUMN, TALLY
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.tables import FLOOR, STATE, WALL
 
-MOST_MULTIPLE = 12
+MAX_MULTIPLE = 12
+"""Periods of a cycle: it must come back within `WINDOW`, and show more than once there."""
 WINDOW = 16
 SHARP = 0.03
 SLOWS = 0.8
@@ -30,8 +31,9 @@ Of the motions on the bowl of `tests/laws/test_stepping_labels.py` that repeat e
 def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> float:
     """Return how far two states at the ends of periods lie apart, as far as it matters.
 
-    A part in contact stays where it sank in, at most a step of its fall deep: no difference. The
-    distance from the wall does not matter to a part that did not touch it and moves away.
+    The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and, by `wall_gap`, |dy|. A part in contact
+    stays where it sank in, at most a step of its fall deep: no difference. The distance from the
+    wall does not matter to a part that did not touch it and moves away.
     """
     new, old = states[later], states[earlier]
     most = max(abs(new[STATE.ux] - old[STATE.ux]), abs(new[STATE.uz] - old[STATE.uz]))
@@ -50,9 +52,9 @@ def limit(
 ) -> tuple[float, float]:
     """Return where the mean velocity drifts to, and how far it still is from there.
 
-    From the means of three parts of so many periods: a transient dies out as a power, so that what
-    is to come is the last change times ratio/(1 - ratio). A drift whose ratio is above `slows`, and
-    which is no rounding, has no end in sight: infinite.
+    From the means v_1, v_2, v_3 of three parts of so many periods: a transient dies out as a power,
+    with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. A drift
+    whose ratio is above `slows`, and which is no rounding, has no end in sight: infinite.
     """
     travel = tallies[:, TALLY.travel]
     first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
@@ -72,11 +74,11 @@ def settled(
     tallies: Floats, done: int, multiple: int, window: int, rounding: float, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
-    """Return whether the mean velocity has settled; if so, put it and its doubt into the result.
+    """True if the mean velocity has settled; its value and its doubt are then in the result.
 
     Motion that keeps to the floor converges smoothly, and slowly where friction is small: its
-    limit is extrapolated, and must itself stand still. A part that hops may land on steps that vary
-    from period to period; its mean is that of the window.
+    `limit` is extrapolated, and must itself stand still. A part that hops may land on steps that
+    vary from period to period; its mean is that of the window.
     """
     part = max(1, window // multiple // 3) * multiple
     if done < 4 * part:
@@ -107,12 +109,13 @@ def repeats(
 ) -> int:  # fmt: skip
     """Return after how many periods the motion repeats, and put its means into the result.
 
-    0 if it does not; see `told_apart`. A state that comes back to rounding repeats for ever. Else
-    slips and landings fall on steps that vary, and the state wanders by the order of a step; then
-    it must come back to within that for a whole window, over the window as well, and its mean
-    velocity must not drift, so that a slow transient is not taken for a repetition.
+    0 if it does not; see `told_apart`. A state that comes back to rounding, `difference` <=
+    `rounding`, repeats for ever. Else slips and landings fall on steps that vary, and the state
+    wanders by the order of a step; then it must come back to within that, `allowed`, for a whole
+    window, over the window as well, and its mean velocity must not drift, `settled`, so that a slow
+    transient is not taken for a repetition.
     """
-    for multiple in range(1, min(MOST_MULTIPLE, done) + 1):
+    for multiple in range(1, min(MAX_MULTIPLE, done) + 1):
         now, then = states[done], states[done - multiple]
         if (
             difference(states, tallies, done, done - multiple) <= rounding
@@ -121,7 +124,7 @@ def repeats(
         ):
             fill_means(tallies, done - multiple, done, period, result)
             return told_apart(states, tallies, done, multiple, allowed)
-    for multiple in range(1, MOST_MULTIPLE + 1):
+    for multiple in range(1, MAX_MULTIPLE + 1):
         window = multiple * ((WINDOW + multiple - 1) // multiple)
         # A transient of hops is given time before it may pass for chance.
         late = done >= 4 * window
@@ -145,10 +148,10 @@ def repeats(
 def told_apart(states: Floats, tallies: Floats, done: int, cycle: int, allowed: float) -> int:
     """Return after how many periods the motion repeats as far as the method can tell.
 
-    The part of a cycle that repeats but for the method's own error, some times what one step
-    changes (`allowed`): slips and landings fall on steps, so that a motion which repeats every
-    period may run through a cycle of several that differ by that much. A period that is doubled in
-    truth differs by more, whatever the step.
+    The smallest part of a cycle that repeats but for the method's own error, `difference` <= 3
+    `allowed`, some times what one step changes: slips and landings fall on steps, so that a motion
+    which repeats every period may run through a cycle of several that differ by that much. A period
+    that is doubled in truth differs by more, whatever the step.
     """
     for multiple in range(1, cycle):
         if cycle % multiple:
@@ -168,7 +171,11 @@ def unsettled(
     scene: int, cell: Cell, states: Floats, tallies: Floats, done: int, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Return the status of a motion that did not repeat; put the spread of its batches."""
+    """Return the status of a motion that did not repeat, by `ended`; put the spread of its batches.
+
+    Without a wall it runs away, too, where u_y grows on, by more than half as much as before over
+    each quarter.
+    """
     pull, quarter = abs(cell.gravity_number_along), done // 4
     if scene == FLOOR:
         pull = math.hypot(pull, cell.gravity_number_across)

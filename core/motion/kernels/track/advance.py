@@ -28,10 +28,11 @@ from core.motion.kernels.track.tables import (
     Work,
 )
 
-MOST_STEPS = 10_000
-"""Of one period."""
-MOST_AT_ONCE = 12
-"""Events at one phase; after them a slip is taken to stop, or a short step is taken."""
+MAX_STEPS = 10_000
+"""Of one period, which smooth motion passes in five: more are events that pile up."""
+MAX_AT_ONCE = 12
+"""Events at one phase, more than there are kinds: after them a slip is taken to stop, or a short
+step is taken."""
 SHORT = 1e-9
 STEP_OVER = 1e-14
 """Of phase: a step below it does not count as going on."""
@@ -51,7 +52,7 @@ def advance(
     tally[:] = 0.0
     tau, at_once, given = 0.0, 0, 0
     start, across = state[STATE.x], state[STATE.y]
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         if tau >= TURN:
             tally[TALLY.travel] = state[STATE.x] - start
             tally[TALLY.across] = 0.0 if rolling > 0.0 else state[STATE.y] - across
@@ -82,7 +83,7 @@ def advance(
         else:
             span, event, used = modes.slide(step, cell, state, contacts, begin, work)
         at_once = at_once + 1 if span <= STEP_OVER else 0
-        if at_once > MOST_AT_ONCE:
+        if at_once > MAX_AT_ONCE:
             span, event = go_on(contacts, slips, span, rest)
             at_once = 0
         for axis in range(3):
@@ -93,24 +94,36 @@ def advance(
             given += 1
         count(span, used, contacts, slips, work, tally)
         move(step, state, contacts, slips, event, span, used, work)
-        if event == EVENT.land:
-            tally[TALLY.landing] = max(tally[TALLY.landing], -state[STATE.uz])
-            tally[TALLY.impacts] += 1.0
-        if contacts & WALL or event == EVENT.bump:
-            tally[TALLY.at_wall] += 1.0
-        if event != EVENT.nothing:
-            mark = 31.0 * tally[TALLY.signature] + 7.0 * event + contacts
-            tally[TALLY.signature] = mark % 1000003.0
+        count_event(event, contacts, state, tally)
         hold[HOLD.event] = after_jump(event) if span >= even else event
         tau = jump if span >= rest else tau + span
     return False
 
 
 @borrowing
+def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None:
+    """Count an event that ends a step, and mark it in the signature of the period.
+
+    The signature is a hash of the events, S -> (31 S + 7 event + contacts) mod 1000003.
+    """
+    if event == EVENT.land:
+        tally[TALLY.landing] = max(tally[TALLY.landing], -state[STATE.uz])
+        tally[TALLY.impacts] += 1.0
+    if contacts & WALL or event == EVENT.bump:
+        tally[TALLY.at_wall] += 1.0
+    if event != EVENT.nothing:
+        mark = 31.0 * tally[TALLY.signature] + 7.0 * event + contacts
+        tally[TALLY.signature] = mark % 1000003.0
+
+
+@borrowing
 def meet(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats
 ) -> None:
-    """Change contacts at an event; count what an impact takes, if that is asked for."""
+    """Change contacts at an event, by `change_contacts`.
+
+    What an impact takes of the energy `kinetic` is counted, if that is asked for.
+    """
     before = kinetic(state, step.rolling)
     change_contacts(step, cell, state, hold, work)
     if spent.size > 0:
@@ -119,7 +132,10 @@ def meet(
 
 @borrowing
 def after_jump(event: int) -> int:
-    """Return the event at a jump of the drive: after it the forces decide, unless it is an end."""
+    """Return the event at a jump of the drive: after it the forces decide, unless it is an end.
+
+    `EVENT.start`, or the landing, bump or stop that came at once with the jump.
+    """
     return event if event in (EVENT.land, EVENT.bump, EVENT.stop) else EVENT.start
 
 
@@ -127,7 +143,7 @@ def after_jump(event: int) -> int:
 def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, int]:
     """Return span and event of a step after too many events at one phase.
 
-    A slip is then so small that its series reach nowhere: it stops.
+    A slip is then so small that its series reach nowhere: it stops. Else a step of 1e-9 is taken.
     """
     if slips and contacts != FREE:
         return span, EVENT.stop
@@ -139,7 +155,10 @@ def move(
     step: StepSettings, state: Floats, contacts: int, slips: bool, event: int, span: float,
     order: int, work: Work,
 ) -> None:  # fmt: skip
-    """Move a state to the end of a step."""
+    """Move a state to the end of a step: the series of place and velocity at t = span.
+
+    0 normal to a contact that carries; the spin of a cylinder is its slip less u_y (theory 7.3).
+    """
     slip = 0.0
     if step.rolling > 0.0 and contacts == FLOOR and slips:
         slip = value(work, ROW.slip + 1, order, span)
@@ -161,7 +180,7 @@ def move(
 
 @borrowing
 def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
-    """Count the phase of a step to its modes, and the largest height."""
+    """Count the phase of a step to its modes, and the largest height, where w falls through 0."""
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
         place, speed = ROW.place + 2, ROW.velocity + 2
@@ -180,7 +199,8 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
 def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
     """Count the phase of a slip to forward and backward, where it may turn round along the track.
 
-    A slip straight across does not move along the track: it counts as stick.
+    It turns where u_x = 0, by `first_fall`. A slip straight across does not move along the track:
+    it counts as stick.
     """
     speed, at = ROW.event, 0.0
     for _ in range(order + 1):
@@ -212,7 +232,7 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 
 @borrowing
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
-    """Fill place, velocity and mode at a phase within a step."""
+    """Fill place, velocity and mode at a phase within a step, each series at t = `since`."""
     for axis in range(3):
         row[axis] = value(work, ROW.place + axis, order, since)
         row[3 + axis] = value(work, ROW.velocity + axis, order, since)

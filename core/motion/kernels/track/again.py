@@ -26,7 +26,7 @@ SAMPLE = 7
 
 @compiled
 def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
-    """Return place, velocity and mode at ascending phases from the start of a cycle.
+    """Return place, velocity and mode at ascending phases from the start of a cycle, by `sample`.
 
     Of a motion that does not repeat, from the end of the periods that it is followed for.
     """

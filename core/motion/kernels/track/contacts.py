@@ -13,7 +13,9 @@ from core.motion.kernels.track import drive
 from core.motion.kernels.track.modes import Begin, StepSettings
 from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, FREE, HOLD, ROW, STATE, WALL, Work
 
-MOST_SWEEPS = 500
+MAX_SWEEPS = 500
+"""Of two impacts at once: a sweep shrinks what is left by mu_k mu_w, at 0.93 to 1e-16 after
+these."""
 STEADY = 1e-16
 GONE = 2.0
 """Tolerances: a slip no larger than so many is none; it is looked for at one."""
@@ -25,7 +27,9 @@ NEAR_STOP = 3.0
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
     """Return the restitution of an impact: 0 where the hops to come shrink to nothing.
 
-    Their impulses then add up to what the contact carries in their time, less the rebound.
+    That is where T = 2 w/(L (1 - eps)), of the rebound w = eps `speed` under the load L, has w T <
+    1e-13 and T < `ahead`/1000 (theory 13.5). Their impulses then add up to what the contact carries
+    in their time, less the rebound.
     """
     if restitution >= 1.0 or not load > 0.0:
         return restitution
@@ -46,15 +50,14 @@ def strike(
 ) -> None:
     """Change the velocities by impacts: at the floor with speed `floor`, at the wall with `wall`.
 
-    0 where there is none. Newton's law normal to each with restitution `bounce` and `rear`,
-    Coulomb's along it: kinetic friction stops the slip if it can. Of two impacts at once each
-    is solved in its turn until both stand still.
+    0 where there is none. Newton's law normal to each, u_n+ = -eps u_n- with restitution `bounce`
+    and `rear`, Coulomb's along it: kinetic friction, |i_t| <= mu i_n, stops the slip if it can
+    (theory 13.1). Of two impacts at once each is solved in its turn until both stand still.
     """
-    ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
-    response = 1.0 + step.rolling
+    ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
     normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     small = STEADY * (floor + wall + abs(state[ux]))
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MAX_SWEEPS):
         change = 0.0
         if floor > 0.0:
             new = max(0.0, normal + bounce * floor - state[uz])
@@ -66,15 +69,8 @@ def strike(
             change, side = change + abs(new - side), new
         if floor > 0.0:
             limit = cell.friction_kinetic * normal
-            slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
-            new_1, new_2, held = impulse(slip_1, slip_2, limit, response)
+            new_1, new_2 = rub_floor(step.rolling, state, fx, fy, limit)
             change += abs(new_1 - fx) + abs(new_2 - fy)
-            state[ux] = 0.0 if held else state[ux] + new_1 - fx
-            state[uy] += new_2 - fy
-            if step.rolling > 0.0:
-                state[spin] = -state[uy] if held else state[spin] + step.rolling * (new_2 - fy)
-            elif held:
-                state[uy] = 0.0
             fx, fy = new_1, new_2
         if wall > 0.0:
             limit = cell.wall_friction * side
@@ -92,10 +88,30 @@ def strike(
 
 
 @borrowing
+def rub_floor(
+    rolling: float, state: Floats, fx: float, fy: float, limit: float
+) -> tuple[float, float]:
+    """Put the impulse of the floor's friction into the state in place of (fx, fy); return it.
+
+    The slip without it is (u_x - f_x, u_y + spin - r f_y), r = 1 + m r^2/I, by `impulse`.
+    """
+    ux, uy, spin, response = STATE.ux, STATE.uy, STATE.spin, 1.0 + rolling
+    slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
+    new_1, new_2, held = impulse(slip_1, slip_2, limit, response)
+    state[ux] = 0.0 if held else state[ux] + new_1 - fx
+    state[uy] += new_2 - fy
+    if rolling > 0.0:
+        state[spin] = -state[uy] if held else state[spin] + rolling * (new_2 - fy)
+    elif held:
+        state[uy] = 0.0
+    return new_1, new_2
+
+
+@borrowing
 def impulse(
     slip_1: float, slip_2: float, limit: float, response: float
 ) -> tuple[float, float, bool]:
-    """Return the impulse of friction on a slip, and whether it stops it."""
+    """Return the impulse of friction on a slip, and whether it stops it: `friction_impulse`."""
     if slip_1 == 0.0 and slip_2 == 0.0:
         return 0.0, 0.0, limit > 0.0
     return friction_impulse(slip_1, slip_2, limit, limit, response)
@@ -103,9 +119,31 @@ def impulse(
 
 @borrowing
 def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
-    """Return the acceleration across of a part without contacts, with what the curve adds."""
+    """Return the acceleration across of a part without contacts, D_y - kappa V^2.
+
+    V = u_x + v_track, the speed in space along a curve of curvature number kappa (theory 13.1).
+    """
     speed = state[STATE.ux] + work[ROW.track, 0]
     return work[ROW.free + 1, 0] - cell.curvature_number * speed * speed
+
+
+@borrowing
+def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) -> None:
+    """Change the velocities where a part lands or meets the wall: `strike`.
+
+    The speeds are -u_z on the floor, -u_y at the wall, 0 where it does not approach, and the
+    restitutions those of `rebound`; `bent` is the acceleration across.
+    """
+    y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
+    floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
+    wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
+    bounce, rear = cell.restitution, cell.wall_restitution
+    if floor > 0.0:
+        ahead = min(step.lift, step.even, 1.0)
+        bounce = rebound(floor, -work[ROW.free + 2, 0], bounce, ahead)
+    if wall > 0.0:
+        rear = rebound(wall, -bent, rear, min(step.even, 1.0))
+    strike(step, cell, state, floor, wall, bounce, rear)
 
 
 @borrowing
@@ -119,15 +157,7 @@ def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, 
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
     bent = pushed_across(cell, state, work)
     if event in (EVENT.land, EVENT.bump):
-        floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
-        wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
-        bounce, rear = cell.restitution, cell.wall_restitution
-        if floor > 0.0:
-            ahead = min(step.lift, step.even, 1.0)
-            bounce = rebound(floor, -work[normal, 0], bounce, ahead)
-        if wall > 0.0:
-            rear = rebound(wall, -bent, rear, min(step.even, 1.0))
-        strike(step, cell, state, floor, wall, bounce, rear)
+        hit(step, cell, state, bent, work)
     elif event == EVENT.lift:
         work[normal, 0] = 0.0
     elif event == EVENT.leave:
@@ -143,7 +173,12 @@ def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, 
 
 @borrowing
 def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
-    """Return how the contact's slip stands; decide whether it sticks where it does not move."""
+    """Return how the contact's slip stands; decide whether it sticks where it does not move.
+
+    It sticks where |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L
+    and the response r to friction across; a slip e changes at the rate D.e - mu_k L (e_1^2 + r
+    e_2^2) (theory 13.13).
+    """
     contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
     across = 0.0 if event == EVENT.leave else pushed_across(cell, state, work)
@@ -172,15 +207,7 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
     if size > 0.0:
         cosine, sine = slip_1 / size, slip_2 / size
         rate = rub * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
-        least, closes = step.tolerance, False
-        if rate > 0.0 and need <= rub:
-            # It may turn along the push first: what friction has left is its least rate. Forces
-            # must not outgrow friction while it closes.
-            slack = rub - need
-            room = math.sqrt(NEAR_STOP * step.tolerance * slack)
-            closes = size <= room and size * (1.0 + rub) * drive.size(work) <= slack * slack
-            if size > room:
-                least = max(least, 0.9 * room)
+        closes, least = closing(step.tolerance, size, rate, rub, need, drive.size(work))
         return Begin(size, cosine, sine, rate, False, closes, least)
     held_on = event in (EVENT.press, EVENT.release, EVENT.seat, EVENT.lift)
     if held_on or (event != EVENT.slip and need <= most):
@@ -199,8 +226,27 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
 
 
 @borrowing
+def closing(
+    tolerance: float, size: float, rate: float, rub: float, need: float, speed: float
+) -> tuple[bool, float]:
+    """Return whether a slip ends by a straight line, and the size at which it is asked again.
+
+    It may turn along the push first: what friction has left, s = mu_k L - |(D_1, D_2/r)|, is its
+    least rate. It ends so where r^2 <= 3 tol s, and forces must not outgrow s while it closes,
+    r (1 + mu_k L) |p| <= s^2 (theory 13.13).
+    """
+    if not (rate > 0.0 and need <= rub):
+        return False, tolerance
+    slack = rub - need
+    room = math.sqrt(NEAR_STOP * tolerance * slack)
+    if size > room:
+        return False, max(tolerance, 0.9 * room)
+    return size * (1.0 + rub) * speed <= slack * slack, tolerance
+
+
+@borrowing
 def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
-    """Set the slip to exactly 0; what a cylinder rolls with is kept."""
+    """Set the slip to exactly 0; what a cylinder rolls with is kept, u_y - slip_2/(1 + m r^2/I)."""
     state[STATE.ux] = 0.0
     if contacts == WALL:
         state[STATE.uz] = 0.0

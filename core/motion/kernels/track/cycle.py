@@ -25,7 +25,8 @@ from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
 from core.motion.kernels.track.tables import HOLD, STATE, Work, at_rest
 
-MOST_MULTIPLE = 32
+MAX_MULTIPLE = 32
+"""Periods of a cycle, as many as `reference` and the hops of the plane look for."""
 APART, APART_AT_MOST = 1e4, 1e-5
 """Tolerances, and of the drive's speed: states of a cycle that are nearer come closer slowly."""
 NEAR = 0.02
@@ -37,7 +38,7 @@ LONG = 32
 SHRINKS_AT_ALL = 0.9999
 NOISE = 20.0
 """Tolerances of a term: two states so near may differ by where the steps fell."""
-MOST_JUMPS = 16
+MAX_JUMPS = 16
 """Of a run; most motions that repeat take three, one in 1,000 takes ten."""
 FADES = 0.1
 """A cycle is being neared whose changes fall to this share over the last quarter of all periods."""
@@ -90,7 +91,10 @@ class Settled(NamedTuple):
 
 @compiled
 def new_history(most: int, stop: Stop) -> History:
-    """Return room for so many periods, which is not touched before it is used."""
+    """Return room for so many periods, rows of `History`.
+
+    It is not touched before it is used.
+    """
     return History(
         np.empty((most + 1, len(STATE))), np.empty((most + 1, len(STATE))),
         np.empty((most + 1, len(TALLY))), np.empty((most + 1, len(HOLD)), dtype=np.int64),
@@ -102,9 +106,10 @@ def new_history(most: int, stop: Stop) -> History:
 def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
     """Return how far the end of one period is from the start of another, as far as it matters.
 
-    The floor is the same everywhere, along and, without a wall, across. The distance from a wall
-    does not matter to a part that did not touch it between and does not come nearer. A cylinder
-    keeps the speed at which it rolls across: its slip matters.
+    The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and, by `wall_gap`, |dy|. The floor is the
+    same everywhere, along and, without a wall, across. The distance from a wall does not matter to
+    a part that did not touch it between and does not come nearer. A cylinder keeps the speed at
+    which it rolls across: its slip matters.
     """
     new, old = history.ends[later], history.starts[earlier]
     most = max(
@@ -129,11 +134,11 @@ def repeats(
 ) -> int:  # fmt: skip
     """Return after how many periods the motion repeats, 0 if it does not; `since` the last jump.
 
-    Where a part of a cycle nearly repeats, by less than `parted`, it may be the same motion, not
-    settled yet.
+    The first m with `apart` <= `close`. Where a part of a cycle nearly repeats, by less than
+    `parted`, it may be the same motion, not settled yet.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
-    for multiple in range(1, min(MOST_MULTIPLE, last - since + 1) + 1):
+    for multiple in range(1, min(MAX_MULTIPLE, last - since + 1) + 1):
         if abs(ends[last, column] - starts[last - multiple + 1, column]) > close:
             continue  # as most are: told apart by one number
         if apart(wall, rolling, history, last, last - multiple + 1) > close:
@@ -150,7 +155,11 @@ def repeats(
 def remaining(
     wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
 ) -> float:
-    """Return how far the state still is from where it goes, as its changes shrink."""
+    """Return how far the state still is from where it goes, as its changes shrink.
+
+    d/(1 - q), q = d/d0 at most 0.999, with the change d over a cycle after d0, by `apart` (theory
+    13.13).
+    """
     change = apart(wall, rolling, history, last, last - multiple + 1)
     if last - 2 * multiple + 1 < since or change == 0.0:
         return change
@@ -164,7 +173,10 @@ def follow_period(
     cell: Cell, wall: bool, rolling: float, series: Series, period: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> bool:  # fmt: skip
-    """Follow a cell for one period more, and write its history; False if it takes too long."""
+    """Follow a cell for one period more, and write its history; False if it takes too long.
+
+    By `advance`, from the place x = 0.
+    """
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
     fine = advance(
@@ -188,7 +200,7 @@ def settle(
     """
     start, start_hold = state.copy(), hold.copy()
     near = APART_AT_MOST * drive.size(work)
-    found, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MOST_JUMPS
+    found, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MAX_JUMPS
     for _ in range(3):
         found, jumps = approach(
             cell, wall, rolling, series, most, most_jumps, state, hold, history, work
@@ -211,7 +223,8 @@ def to_cycle(
 ) -> tuple[Settled, Floats, Flags]:
     """Follow the cell of a row from rest until it repeats; return state and hold at its cycle.
 
-    Of one that does not repeat, those at the end. The table of a step is set for its drive.
+    By `settle`. Of one that does not repeat, those at the end. The table of a step is set for its
+    drive.
     """
     cell = cell_of(row)
     drive.set_drive(cell, row, work)
@@ -231,7 +244,7 @@ def neared(wall: bool, rolling: float, history: History, done: int, near: float)
     Its change over a cycle, d, fell from d0 within the last L cycles: with the ratio of a cycle
     q = (d/d0)^(1/L) the state is still off by d q/(1 - q), less than `near`.
     """
-    for multiple in range(1, min(MOST_MULTIPLE, done // 8) + 1):
+    for multiple in range(1, min(MAX_MULTIPLE, done // 8) + 1):
         cycles = done // 4 // multiple
         change = apart(wall, rolling, history, done - 1, done - multiple)
         if change >= near:
@@ -252,7 +265,11 @@ def approach(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, most_jumps: int,
     state: Floats, hold: Flags, history: History, work: Work,
 ) -> tuple[Settled, int]:  # fmt: skip
-    """Follow a cell until it repeats, for so many periods and jumps; return how many jumps too."""
+    """Follow a cell until it repeats, for so many periods and jumps; return how many jumps too.
+
+    The period is the map y -> f(y) of `follow_period`: it repeats by `repeats`, and is sped up by
+    `jump` where |f(y) - y| of two periods of the same events shrinks slowly (theory 13.13).
+    """
     speed = drive.size(work)
     close = cell.tolerance * speed
     since, shrank, jumps = 0, 0, 0
@@ -290,21 +307,27 @@ def approach(
 
 @compiled
 def same_events(history: History, one: int, other: int) -> bool:
-    """Return whether two periods had the same events, in the same order."""
+    """True if two periods had the same events, in the same order: equal signatures of `TALLY`."""
     tallies = history.tallies
     return bool(tallies[one, TALLY.signature] == tallies[other, TALLY.signature])
 
 
 @compiled
 def first_coordinate(wall: bool, history: History, period: int) -> int:
-    """Return the first column of the state that takes part in mixing."""
+    """Return the first column of the state that takes part in mixing.
+
+    `STATE.y` at a wall, else z.
+    """
     touched = wall and history.tallies[period, TALLY.at_wall] > 0.0
     return STATE.y if touched else STATE.z
 
 
 @compiled
 def step_size(wall: bool, history: History, period: int) -> float:
-    """Return the largest change of a state over a period."""
+    """Return the largest change of a state over a period, max |end - start|.
+
+    Of what takes part in mixing, from `first_coordinate` on.
+    """
     most = 0.0
     for i in range(first_coordinate(wall, history, period), len(STATE)):
         most = max(most, abs(history.ends[period, i] - history.starts[period, i]))
@@ -339,7 +362,11 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
 
 @compiled
 def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple[Floats, int]:
-    """Return the weights of the last differences, and how many; none where they are too large."""
+    """Return the weights of the last differences, and how many; none where they are too large.
+
+    The least squares of |f_last - sum of w_j df_j|, by modified Gram and Schmidt: Q R w = f_last
+    (see `jump`).
+    """
     columns = len(STATE)
     basis, triangle, weights = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH)), np.zeros(DEPTH)
     residual = history.ends[last] - history.starts[last]

@@ -12,8 +12,8 @@ import math
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import GROUPS, Cell
-from core.motion.kernels.track.tables import INVERSE, MOST_ORDER, ROW, TURN, Work
-from core.motion.kernels.waves import passages, value_and_slope
+from core.motion.kernels.track.tables import INVERSE, MAX_ORDER, ROW, TURN, Work
+from core.motion.kernels.waves import SineSum, passages, value_and_slope
 
 LATE = 1e-13
 """Of a phase: a lift-off so little behind a part that is on the floor is due now."""
@@ -24,7 +24,11 @@ ORDERS, STEPS, SIZE = range(3)
 
 @borrowing
 def set_drive(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill what the table of a step knows of the drive, from the row of the cell."""
+    """Fill what the table of a step knows of the drive, from the row of the cell.
+
+    Of a sine its size |(p_x, p_y, p_z)| and its lift-off at sin(tau) = n/p_z (theory 13.3); of a
+    wave what `read_wave` fills.
+    """
     work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = 0.0, 0.0
     work[ROW.lifts, 0] = 0.0
     if row.size > GROUPS:
@@ -70,7 +74,10 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
-    """Fill the velocity of the track along an axis at the start of each step; return the most."""
+    """Fill the velocity of the track along an axis at the start of each step; return the most.
+
+    v -> v - p D over each step, less the mean of that over the period (theory 13.14).
+    """
     level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
     at, now, mean, most = 0.0, 0.0, 0.0, 0.0
     for step in range(steps):
@@ -89,14 +96,14 @@ def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
 def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
     """Fill the phases in [0, 2 pi) at which the push off the floor rises through the weight.
 
-    Their number comes first.
+    p_z(tau) = n, by `passages`. Their number comes first.
     """
-    sines, cosines, lifts = ROW.sines + 2, ROW.cosines + 2, ROW.lifts
-    found = passages(work, sines, cosines, orders, weight, lifts, MOST_ORDER)
+    push, lifts = SineSum(work, ROW.sines + 2, ROW.cosines + 2, orders), ROW.lifts
+    found = passages(push, weight, lifts, MAX_ORDER)
     rising = 0
     for number in range(1, found + 1):
         phase = work[lifts, number]
-        if value_and_slope(work, sines, cosines, orders, phase)[1] > 0.0:
+        if value_and_slope(push, phase)[1] > 0.0:
             rising += 1
             work[lifts, rising] = phase
     work[lifts, 0] = float(rising)
@@ -104,7 +111,7 @@ def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
 
 @borrowing
 def size(work: Work) -> float:
-    """Return the size of the drive's velocity."""
+    """Return the size of the drive's velocity, |(p_x, p_y, p_z)| of a sine; a bound for a wave."""
     return work[ROW.wave, SIZE]
 
 
@@ -145,7 +152,8 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
     """Fill the series of a sum of sines.
 
     The derivatives of s sin(k tau) + c cos(k tau) are, over k^n, this, its quarter turn, minus
-    this, and so on.
+    this, and so on; the track has the velocity sum of (s cos(k tau) - c sin(k tau))/k (theory
+    13.14).
     """
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine = sine_1, cosine_1
@@ -173,7 +181,7 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def step_at(tau: float, work: Work) -> int:
-    """Return the number of the step in which tau lies, its end excluded."""
+    """Return the number of the step in which tau lies, the first with tau < its end."""
     last = int(work[ROW.wave, STEPS]) - 1
     for step in range(last):
         if tau < work[ROW.levels + 3, step]:
@@ -183,7 +191,7 @@ def step_at(tau: float, work: Work) -> int:
 
 @borrowing
 def fill_step(tau: float, order: int, work: Work) -> None:
-    """Fill the series of a push that is constant until the next jump."""
+    """Fill the series of a push that is constant, p, until the next jump; the track has v - p D."""
     step = step_at(tau, work)
     for axis in range(3):
         work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
@@ -198,7 +206,10 @@ def fill_step(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def next_jump(tau: float, work: Work) -> float:
-    """Return the phase up to which the push does not jump, the end of the period at the latest."""
+    """Return the phase up to which the push does not jump, the end of the period at the latest.
+
+    That of the step of `step_at`.
+    """
     if work[ROW.wave, STEPS] == 0.0:
         return TURN
     return work[ROW.levels + 3, step_at(tau, work)]
@@ -206,13 +217,13 @@ def next_jump(tau: float, work: Work) -> float:
 
 @borrowing
 def is_wave(work: Work) -> bool:
-    """Return whether the drive is no plain sine."""
+    """True if the drive is no plain sine: it has orders or steps, columns of `ROW.wave`."""
     return work[ROW.wave, ORDERS] + work[ROW.wave, STEPS] > 0.0
 
 
 @borrowing
 def jumps(work: Work) -> bool:
-    """Return whether the push jumps at all."""
+    """True if the push jumps at all: it has steps, a column of `ROW.wave`."""
     return work[ROW.wave, STEPS] > 0.0
 
 
@@ -220,7 +231,8 @@ def jumps(work: Work) -> bool:
 def to_lift_off(work: Work, tau: float) -> float:
     """Return the phase from tau to where a part on the floor lifts off; infinite if nowhere.
 
-    Where the push jumps it is not told: what happens there is seen from the forces after it.
+    The least (tau_k - tau) mod 2 pi of `fill_lift_offs`. Where the push jumps it is not told: what
+    happens there is seen from the forces after it.
     """
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):

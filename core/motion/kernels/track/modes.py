@@ -79,7 +79,10 @@ class Begin(NamedTuple):
 
 @borrowing
 def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float:
-    """Return the span over which the last two terms of two series stay below the tolerance."""
+    """Return the span over which the last two terms of two series stay below the tolerance.
+
+    0.95 min((tol/|a_n|)^(1/n), (tol/|a_(n-1)|)^(1/(n-1))).
+    """
     last = max(abs(work[a, order]), abs(work[b, order]), 1e-300)
     before = max(abs(work[a, order - 1]), abs(work[b, order - 1]), 1e-300)
     least = min(math.log(tolerance / last) / order, math.log(tolerance / before) / (order - 1))
@@ -90,14 +93,31 @@ def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float
 def sooner(
     work: Work, row: int, order: int, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to the first fall of a series and its name, or what is known."""
+    """Return the span to the first fall of a series and its name, or what is known.
+
+    `first_fall`.
+    """
     fall = first_fall(work, row, order, span, ROW.scratch)
     return (fall, name) if fall >= 0.0 else (span, known)
 
 
 @borrowing
+def to_zero(
+    work: Work, sign: float, row: int, order: int, began: bool, span: float, name: int, known: int
+) -> tuple[float, int]:
+    """Return the span to where a force, `sign` D, falls through 0, and its name, or what is known.
+
+    By `sooner`. A force with which the step `began` is 0, whatever its rounded number.
+    """
+    fill_multiple(work, ROW.event, sign, row, order)
+    if began or work[ROW.event, 0] < 0.0:
+        work[ROW.event, 0] = 0.0
+    return sooner(work, ROW.event, order, span, name, known)
+
+
+@borrowing
 def fill_place(work: Work, axis: int, start: float, order: int) -> None:
-    """Fill the series of a place from that of its velocity."""
+    """Fill the series of a place from that of its velocity, q_(k+1) = u_k/(k + 1)."""
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
     for k in range(order):
@@ -106,21 +126,25 @@ def fill_place(work: Work, axis: int, start: float, order: int) -> None:
 
 @borrowing
 def fill_multiple(work: Work, row: int, factor: float, other: int, order: int) -> None:
-    """Fill a series with a multiple of another one."""
+    """Fill a series with a multiple of another one, a_k = `factor` b_k."""
     for k in range(order + 1):
         work[row, k] = factor * work[other, k]
 
 
 @borrowing
 def stand(work: Work, axis: int, order: int) -> None:
-    """Fill the velocity along an axis with 0."""
+    """Fill the velocity along an axis with 0, u_k = 0."""
     for k in range(order + 1):
         work[ROW.velocity + axis, k] = 0.0
 
 
 @borrowing
 def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
-    """Fill the series of a part that nothing carries."""
+    """Fill the series of a part that nothing carries.
+
+    u_(k+1) = D_k/(k + 1), where `bend` adds to D what a curve does. It ends where z falls through
+    0, or y at a wall (theory 13.13).
+    """
     order = step.order
     for axis in range(3):
         work[ROW.velocity + axis, 0] = state[STATE.ux + axis]
@@ -145,9 +169,14 @@ def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[f
 def stick(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work
 ) -> tuple[float, int, int]:
-    """Fill those of a part that friction holds at floor, wall or both; a cylinder rolls across."""
+    """Fill those of a part that friction holds at floor, wall or both; a cylinder rolls across.
+
+    u = 0, of a cylinder u_y' = D_y (r - 1)/r, r = 1 + m r^2/I (theory 7.3). It ends at lift-off,
+    where the force across falls through 0, D_y = 0, at a wall that comes to carry or lets go, or
+    where friction gives way, `to_slip` (theory 13.13).
+    """
     order, contacts, before = step.order, hold[HOLD.contacts], hold[HOLD.event]
-    response, event = 1.0 + step.rolling, ROW.event
+    response = 1.0 + step.rolling
     for k in range(order):
         if cell.curvature_number != 0.0:
             bend(work, 0.0, cell.curvature_number, k)
@@ -158,21 +187,14 @@ def stick(
     if lift <= span:
         span, name = lift, EVENT.lift
     if contacts == FLOOR and step.wall and state[STATE.y] == 0.0:
-        fill_multiple(work, event, 1.0, across, top)
-        if before == EVENT.release or work[event, 0] < 0.0:
-            work[event, 0] = 0.0
-        span, name = sooner(work, event, top, span, EVENT.press, name)
+        began = before == EVENT.release
+        span, name = to_zero(work, 1.0, across, top, began, span, EVENT.press, name)
     elif contacts & WALL:
-        fill_multiple(work, event, -1.0, across, top)
-        if before == EVENT.press or work[event, 0] < 0.0:
-            work[event, 0] = 0.0
         word = EVENT.release if contacts == BOTH else EVENT.leave
-        span, name = sooner(work, event, top, span, word, name)
+        span, name = to_zero(work, -1.0, across, top, before == EVENT.press, span, word, name)
         if contacts == WALL and state[STATE.z] == 0.0:
-            fill_multiple(work, event, 1.0, normal, top)
-            if before == EVENT.lift or work[event, 0] < 0.0:
-                work[event, 0] = 0.0
-            span, name = sooner(work, event, top, span, EVENT.seat, name)
+            began = before == EVENT.lift
+            span, name = to_zero(work, 1.0, normal, top, began, span, EVENT.seat, name)
     span, name = to_slip(step, cell, contacts, span, name, work)
     stand(work, 0, order)
     stand(work, 1, order)
@@ -189,7 +211,11 @@ def stick(
 def to_slip(
     step: StepSettings, cell: Cell, contacts: int, span: float, name: int, work: Work
 ) -> tuple[float, int]:
-    """Return the span to where friction gives way, and what happens there, or what is known."""
+    """Return the span to where friction gives way, and what happens there, or what is known.
+
+    (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L; in the corner mu_s N + mu_w S = |D_x| (theory
+    4.4).
+    """
     along, across, normal, event = ROW.free, ROW.free + 1, ROW.free + 2, ROW.event
     top, response = step.order - 1, 1.0 + step.rolling
     static, wall = cell.friction_static, cell.wall_friction
@@ -216,7 +242,10 @@ def to_slip(
 def slide_in_corner(
     step: StepSettings, cell: Cell, state: Floats, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill those of a slip along floor and wall at once: in one direction only."""
+    """Fill those of a slip along floor and wall at once: in one direction only.
+
+    u_x' = D_x -+ (mu_k N + mu_w S), N = -D_z and S = -D_y (theory 4.4, 13.13).
+    """
     order, way, event = step.order, begin.cosine, ROW.event
     along, across = ROW.velocity, ROW.free + 1
     stand(work, 1, order)
@@ -249,7 +278,13 @@ def slide_in_corner(
 def slide(
     step: StepSettings, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill those of a slip on floor or wall, in two directions."""
+    """Fill those of a slip on floor or wall, in two directions.
+
+    By `line_series` where it keeps its direction, `onset_series` where it begins, `last_of_slip`
+    where it ends, else by `slide_series`. It ends at lift-off or where the load falls through 0,
+    where the part meets the other contact, or where slip.e comes down to a share of itself (theory
+    13.13).
+    """
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event
     contact = contact_of(cell, step.rolling, on_floor)
     second, span, line = contact.second, math.inf, False
@@ -305,7 +340,10 @@ def slide(
 
 @borrowing
 def contact_of(cell: Cell, rolling: float, on_floor: bool) -> Contact:
-    """Return the contact that slips."""
+    """Return the contact that slips, `Contact`.
+
+    With r = 1 + m r^2/I at the floor and 1 at the wall.
+    """
     if on_floor:
         return Contact(1, 2, cell.friction_kinetic, 1.0 + rolling, cell.curvature_number)
     return Contact(2, 1, cell.wall_friction, 1.0, cell.curvature_number)

@@ -10,7 +10,9 @@ import math
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 
-MOST_PASSES = 200
+MAX_PASSES = 200
+"""Of a search: halving alone ends after 53, and a step that gains less is at a root but for
+rounding."""
 NEVER = -1.0
 SHARP = 1e-15
 """Of the span: a root is known no better."""
@@ -18,7 +20,7 @@ SHARP = 1e-15
 
 @borrowing
 def value(table: Floats, row: int, order: int, t: float) -> float:
-    """Return a polynomial at t."""
+    """Return a polynomial at t, a_0 + t (a_1 + t (a_2 + ...))."""
     total = table[row, order]
     for k in range(order - 1, -1, -1):
         total = total * t + table[row, k]
@@ -31,10 +33,10 @@ def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -
 
     A value of exactly 0 at the start is divided out: a fall at once is then one of what is left.
 
-    On the way the polynomial is followed from place to place: its negative terms alone bound it
-    from below, and where that bound comes down to zero the polynomial itself cannot have done so
-    earlier. Shifted there, the bound is asked again. Steps never pass a root, and are Newton's near
-    one that it crosses.
+    On the way the polynomial P is followed from place to place: its negative terms alone bound it
+    from below, P(t) >= P(0) + `negative_part`, and where that bound comes down to zero the
+    polynomial itself cannot have done so earlier, `safe_step`. Shifted there, the bound is asked
+    again. Steps never pass a root, and are Newton's near one that it crosses, `near_fall`.
     """
     low = 0
     while low < order and table[row, low] == 0.0:
@@ -47,7 +49,7 @@ def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -
     for k in range(degree + 1):
         table[scratch, k] = table[row, k + low]
     at = 0.0
-    for _ in range(MOST_PASSES):
+    for _ in range(MAX_PASSES):
         near = near_fall(table, scratch, degree, span - at)
         if near >= 0.0:
             return at + near
@@ -69,7 +71,8 @@ def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -
 def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
     """Return the root of a polynomial that falls all the way to it, twice its tangent's, at most.
 
-    `NEVER` where it may not fall so. By Newton's iteration within a bracket.
+    `NEVER` where it may not fall so: a_1 + sum of k max(a_k, 0) t^(k-1) >= 0 up to there. By
+    Newton's iteration within a bracket, t -> t - P/P'.
     """
     if degree < 1 or not table[row, 1] < 0.0:
         return NEVER
@@ -80,7 +83,7 @@ def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
     if table[row, 1] + rising >= 0.0 or value(table, row, degree, high) > 0.0:
         return NEVER
     low, t = 0.0, min(high, table[row, 0] / -table[row, 1])
-    for _ in range(MOST_PASSES):
+    for _ in range(MAX_PASSES):
         total, slope = table[row, degree], 0.0
         for k in range(degree - 1, -1, -1):
             slope = slope * t + total
@@ -102,7 +105,8 @@ def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
 def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
     """Return the terms of negative coefficients above `low` at t, that one's power divided out.
 
-    Even and odd powers for themselves: neither sum waits for the other.
+    sum of min(a_k, 0) t^(k - low), k > low. Even and odd powers for themselves: neither sum waits
+    for the other.
     """
     square, even, odd, k = t * t, 0.0, 0.0, order
     if (order - low) % 2 == 1:
@@ -118,8 +122,8 @@ def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> fl
 def safe_step(table: Floats, row: int, degree: int, span: float) -> float:
     """Return a step within which a polynomial, positive at 0, stays so; the span if all along.
 
-    The bound by negative terms is concave: Newton's iteration comes to its root from the right, and
-    the chord from 0 to any place beyond crosses zero before it.
+    The bound a_0 + `negative_part` is concave: Newton's iteration comes to its root from the right,
+    and the chord from 0 to any place t beyond crosses zero before it, at t a_0/(a_0 - bound(t)).
     """
     first = table[row, 0]
     if first <= 0.0:

@@ -48,7 +48,7 @@ class Contact(NamedTuple):
 
 @borrowing
 def product(work: Work, a: int, b: int, k: int) -> float:
-    """Return the coefficient k of a product of the series of two rows."""
+    """Return the coefficient k of a product of the series of two rows, sum of a_i b_(k-i)."""
     total = 0.0
     for i in range(k + 1):
         total += work[a, i] * work[b, k - i]
@@ -57,7 +57,7 @@ def product(work: Work, a: int, b: int, k: int) -> float:
 
 @borrowing
 def square_of(work: Work, a: int, k: int) -> float:
-    """Return the coefficient k of the square of a series."""
+    """Return the coefficient k of the square of a series, sum of a_i a_(k-i), each pair once."""
     total, half = 0.0, (k + 1) // 2
     for i in range(half):
         total += work[a, i] * work[a, k - i]
@@ -66,7 +66,10 @@ def square_of(work: Work, a: int, k: int) -> float:
 
 @borrowing
 def bend(work: Work, along: float, curvature: float, k: int) -> None:
-    """Add what the curve does, to order k, with the coefficient k of the velocity along."""
+    """Add what the curve does to order k, with the coefficient k of the velocity along.
+
+    -kappa V^2 to D_y, V = u_x + v_track; `square_of` of its series (theory 13.1).
+    """
     work[ROW.extra, k] = along + work[ROW.track, k]
     turn = curvature * square_of(work, ROW.extra, k)
     rest = work[ROW.free + 1, k] - turn
@@ -139,7 +142,10 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 @borrowing
 def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
-    """Return whether a slip keeps its direction, since all that acts on it has that, too."""
+    """True if a slip keeps its direction, since all that acts on it has that, too.
+
+    s_1 D_2 = s_2 D_1.
+    """
     first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
     if contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0):
         return False
@@ -153,10 +159,10 @@ def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
 
 @borrowing
 def line_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill slip, its size and the load of a slip that keeps its direction until it stops.
+    """Fill slip, its size and the load of a slip that keeps its direction e until it stops.
 
-    Friction then has one direction, and the series needs no quotient: those of `slide_series` have
-    rounding in their higher terms, over powers of the slip.
+    slip' = D - mu_k L (e_1, r e_2): friction then has one direction, and the series needs no
+    quotient. Those of `slide_series` have rounding in their higher terms, over powers of the slip.
     """
     first, second, size, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
     start_1, start_2 = work[first, 0], work[second, 0]
@@ -240,7 +246,7 @@ def onset_series(
 def last_of_slip(
     contact: Contact, cosine: float, sine: float, size: float, rate: float, work: Work
 ) -> None:
-    """Fill the slip of size `size` as a straight line to its end."""
+    """Fill the slip of size `size` as a straight line to its end, (size - rate D) e."""
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
     if contact.curvature != 0.0:
@@ -252,7 +258,8 @@ def last_of_slip(
 def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work) -> None:
     """Fill the velocities of the part along the axes of the slip, from slip and acceleration.
 
-    Friction acts on the slip of a cylinder `response` times as much as on its velocity.
+    Friction acts on the slip of a cylinder r times as much as on its velocity: u_2' = (slip_2' + (r
+    - 1) D_2)/r.
     """
     response = contact.response
     along, other = ROW.velocity, ROW.velocity + contact.second
@@ -268,7 +275,10 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 
 @borrowing
 def asymptotic_span(order: int, work: Work) -> float:
-    """Return how far a formal series is good: its terms must fall to the last."""
+    """Return how far a formal series is good: its terms must fall to the last.
+
+    0.7 min |a_k|/|a_(k+1)| over the last half of them.
+    """
     span = math.inf
     for k in range(order // 2, order):
         now = abs(work[ROW.slip, k]) + abs(work[ROW.slip + 1, k])

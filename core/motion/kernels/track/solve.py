@@ -43,6 +43,8 @@ HAIR = 1e-12
 Series of all orders are alike under steps, and only this parts such runs. It comes to `STRAYED`
 where changes grow by 1e11 on the way, from where on digits decide in the plane, too.
 """
+UNDECIDED = -1
+"""No status: the cell needs its motion."""
 OTHERS = 3
 """Runs more of a part whose motion digits decide."""
 RESTITUTION, WALL_RESTITUTION = (
@@ -52,9 +54,10 @@ RESTITUTION, WALL_RESTITUTION = (
 
 @compiled
 def never_settles(cell: Cell, wall: bool) -> bool:
-    """Return whether gravity along the track is more than friction can take, on the mean.
+    """True if gravity along the track is more than friction can take, on the mean (theory 13.8).
 
-    The floor's mean load is gravity's, and so is that of the wall of a straight track.
+    |sin(gamma)| > mu n + mu_w max(0, n_y): the floor's mean load is gravity's, and so is that of
+    the wall of a straight track. Without a wall gravity across pulls as well.
     """
     friction = max(cell.friction_static, cell.friction_kinetic) * cell.gravity_number_normal
     pull = abs(cell.gravity_number_along)
@@ -71,9 +74,10 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 def without_repeating(
     cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
 ) -> int:
-    """Fill the result of a motion that did not repeat; return its status.
+    """Fill the result of a motion that did not repeat; return its status, by `ended`.
 
-    Its mean is that of batches of periods, and so is its error; a mean that drifts is none.
+    Its mean is that of batches of periods, and so is its error, `mean_error`; a mean that drifts is
+    none (theory 13.13).
     """
     travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
     status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
@@ -87,24 +91,36 @@ def without_repeating(
 
 
 @compiled
-def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
-    """Fill the result of a cell, from its row and from rest; the history has its last periods."""
-    cell = cell_of(row)
-    result[:] = math.nan
-    most = int(cell.most_periods)
-    nothing = Settled(STATUS.limit_reached, 0, 0, math.inf)
+def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
+    """Return the status of a cell that needs no motion, else `UNDECIDED`; whether anything rubs.
+
+    `runaway` where gravity along is more than friction: `never_settles`, or without any friction.
+    """
     total = 0.0
     for value in row:
         total += value
-    if not math.isfinite(total) or cell.gravity_number_normal <= 0.0 or most < 1:
-        return nothing
+    weightless = cell.gravity_number_normal <= 0.0
+    if not math.isfinite(total) or weightless or int(cell.most_periods) < 1:
+        return STATUS.limit_reached, False
     rubs = cell.friction_kinetic + cell.friction_static > 0.0
     if wall:
         rubs = rubs or cell.wall_friction > 0.0
-    if rubs and never_settles(cell, wall):
-        return Settled(STATUS.runaway, 0, 0, math.inf)
-    if not rubs and cell.gravity_number_along != 0.0:
-        return Settled(STATUS.runaway, 0, 0, math.inf)
+    away = never_settles(cell, wall) if rubs else cell.gravity_number_along != 0.0
+    return STATUS.runaway if away else UNDECIDED, rubs
+
+
+@compiled
+def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
+    """Fill the result of a cell, from its row and from rest; the history has its last periods.
+
+    The mean over the cycle of `to_cycle`. Its error is 2 |v_other - v| of other runs, what the
+    transient has left, and 2e-10 of the drive's speed (theory 13.13).
+    """
+    cell = cell_of(row)
+    result[:] = math.nan
+    at_once, rubs = solve_at_once(cell, row, wall)
+    if at_once != UNDECIDED:
+        return Settled(at_once, 0, 0, math.inf)
     work = new_work()
     found, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
     speed = drive.size(work)
@@ -147,8 +163,8 @@ def followed_on(
 ) -> float:  # fmt: skip
     """Return how far shorter series come from a mean velocity, or NaN.
 
-    They follow the cycle twice from its start. By how much less the state changes over the second
-    time tells how far it still goes.
+    |v_12 - v| and what `remaining` says: they follow the cycle twice from its start. By how much
+    less the state changes over the second time tells how far it still goes.
     """
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
@@ -161,7 +177,7 @@ def followed_on(
 
 @compiled
 def changed(row: Floats, hairs: float) -> Cell:
-    """Return the cell of a row with restitutions e (1 - hairs 1e-12)."""
+    """Return the cell of a row with restitutions e (1 - k 1e-12), k = `hairs`."""
     row = row.copy()
     row[RESTITUTION] *= 1.0 - hairs * HAIR
     row[WALL_RESTITUTION] *= 1.0 - hairs * HAIR
@@ -175,10 +191,10 @@ def settled_anew(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return how far other runs come from a mean velocity, and whether digits do not decide.
 
-    They start from rest again, by shorter series and with a restitution that is a hair smaller:
-    which of several motions a part with rebounds falls into may hang on its last digits. It does
-    where both runs have strayed from each other on the way; others then tell how far the means are
-    apart.
+    max |v_other - v|. They start from rest again, by shorter series and with a restitution that is
+    a hair smaller, `changed`: which of several motions a part with rebounds falls into may hang on
+    its last digits. It does where both runs have strayed from each other on the way, |du_x| > 0.1
+    of the drive's speed; others then tell how far the means are apart.
     """
     speeds = history.ends[: found.done, STATE.ux].copy()
     state, hold = at_rest()

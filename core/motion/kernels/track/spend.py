@@ -16,7 +16,10 @@ from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
 
 @borrowing
 def kinetic(state: Floats, rolling: float) -> float:
-    """Return the kinetic energy per mass, relative to the track, of a cylinder with its spin."""
+    """Return the kinetic energy per mass, relative to the track, of a cylinder with its spin.
+
+    (u.u + spin^2/(m r^2/I))/2 (theory 13.15).
+    """
     square = state[STATE.ux] ** 2 + state[STATE.uy] ** 2 + state[STATE.uz] ** 2
     if rolling > 0.0:
         square += state[STATE.spin] ** 2 / rolling
@@ -63,7 +66,10 @@ def spend(
 
 @borrowing
 def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> float:
-    """Return the power of friction at the contacts that slip, some phase after a step began."""
+    """Return the power of friction at the contacts that slip, some phase after a step began.
+
+    mu_k N |slip| of the floor, mu_w S |slip| of the wall, N = -D_z and S = -D_y (theory 13.15).
+    """
     floor = -cell.friction_kinetic * value(work, ROW.free + 2, order - 1, at)
     wall = -cell.wall_friction * value(work, ROW.free + 1, order - 1, at)
     if contacts == BOTH:

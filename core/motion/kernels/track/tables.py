@@ -12,9 +12,10 @@ from core.compiled import compiled
 from core.motion.kernels.arrays import Flags, Floats
 
 TURN = 2.0 * math.pi
-MOST_ORDER = 24
-"""Of the series."""
-INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, MOST_ORDER + 2))])
+MAX_ORDER = 24
+"""Of the series: those of order 16 are judged by those of order 24
+(`benchmarks.events_in_space`)."""
+INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, MAX_ORDER + 2))])
 """1/k, by which a term is integrated: a division takes four times as long as a product."""
 
 
@@ -93,13 +94,16 @@ Work: TypeAlias = Floats
 
 @compiled
 def new_work() -> Work:
-    """Return room for the series of a step."""
-    return np.zeros((ROW.rows, MOST_ORDER + 2))
+    """Return room for the series of a step, rows of `ROW`."""
+    return np.zeros((ROW.rows, MAX_ORDER + 2))
 
 
 @compiled
 def at_rest() -> tuple[Floats, Flags]:
-    """Return state and hold of a part at rest on the floor, touching the wall."""
+    """Return state and hold of a part at rest on the floor, touching the wall.
+
+    Zeros, and `EVENT.start`: the forces decide what holds it.
+    """
     hold = np.zeros(len(HOLD), dtype=np.int64)
     hold[HOLD.event] = EVENT.start
     return np.zeros(len(STATE)), hold

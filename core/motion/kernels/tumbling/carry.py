@@ -15,7 +15,11 @@ from core.motion.kernels.tumbling.tables import FLAT, FREE, STATE, Cell
 def rates(
     cell: Cell, support: int, sigma: int, time: float, pitch: float, pitch_rate: float, slip: float
 ) -> tuple[float, float, float]:
-    """Return accelerations along and in pitch, and the power that friction takes."""
+    """Return accelerations along and in pitch, and the power that friction takes.
+
+    x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho under the forces n and t of
+    `corner_force` or `flat_force`, and |t slip| (theory 2.2).
+    """
     along, _ = free_acceleration(cell, time)
     if support == FLAT:
         normal, friction = flat_force(cell, sigma, time)
@@ -52,7 +56,11 @@ def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> N
 
 @compiled
 def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
-    """Put the state on its support: gap and its rate 0, and slip 0 where friction holds."""
+    """Put the state on its support: gap and its rate 0, and slip 0 where friction holds.
+
+    y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin s on a corner (theory 2.1); on a side its
+    height, without rise and pitch rate.
+    """
     if support == FLAT:
         quarter_turns = side_below(state[STATE.pitch])
         state[STATE.pitch] = quarter_turns * (math.pi / 2)

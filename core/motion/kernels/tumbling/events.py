@@ -19,7 +19,7 @@ from core.motion.kernels.tumbling.geometry import (
 )
 from core.motion.kernels.tumbling.impact import strike
 from core.motion.kernels.tumbling.run import (
-    MOST_STEPS,
+    MAX_STEPS,
     TumblingRun,
     record_rest,
     record_until,
@@ -40,7 +40,10 @@ LARGEST_TURN = 0.1  # rad a step: a corner that swings down and up again is not 
 def top_of(
     cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
 ) -> float:  # fmt: skip
-    """Return the largest height of the lowest corner in a step, found where it ceases to rise."""
+    """Return the largest height of the lowest corner in a step, found where it ceases to rise.
+
+    `lowest_gap` where `lowest_rate` falls through 0, by halving.
+    """
     top = max(lowest_gap(cell, state), lowest_gap(cell, after))
     if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
         return top
@@ -62,7 +65,8 @@ def dips(
 ) -> float:  # fmt: skip
     """Return the time in a step after which a corner is in the plane; `step` if none is.
 
-    For corners that sink at the start of the step and rise at its end.
+    For corners that sink at the start of the step, g_N' < 0, and rise at its end: at the zero of
+    the line between both rates `gap_rate_of`.
     """
     if support == FLAT:
         return step
@@ -120,8 +124,11 @@ def first_misfit(
 
 
 @compiled
-def slowed(time: float, end: float, pitch_rate: float) -> float:
-    """Return the end of a step, or an earlier one where the part turns fast."""
+def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: int) -> float:
+    """Return the end of a step: a time step, to the next time of `times`, |xi'| dt <= 0.1 rad."""
+    end, pitch_rate = min(time + cell.time_step, cell.duration), state[STATE.pitch_rate]
+    if written < times.size:
+        end = min(end, times[written])
     if abs(pitch_rate) * (end - time) > LARGEST_TURN:
         return time + LARGEST_TURN / abs(pitch_rate)
     return end
@@ -129,7 +136,11 @@ def slowed(time: float, end: float, pitch_rate: float) -> float:
 
 @compiled
 def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
-    """Run one cell from event to event, and write its state at the times into the rows."""
+    """Run one cell from event to event, and write its state at the times into the rows.
+
+    A step with one support by `carry`, cut where it ceases to fit, `first_misfit`; then `strike`
+    and `choose`, until it `rests_for_ever` (theory 13.11).
+    """
     after, trial = np.empty_like(state), np.empty_like(state)
     start_of(cell, state)
     time, settling, bounce = 0.0, np.nan, 0.0
@@ -138,12 +149,11 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
     if strike(cell, state, after):
         impacts = 1
     support, sigma = choose(cell, state, time)
-    steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
+    steps = math.ceil(min(cell.duration / cell.time_step, MAX_STEPS))
     most_events = EVENTS + EVENTS_A_STEP * steps
-    steps_left = min(1000 + STEPS_MORE * steps, MOST_STEPS) + times.size
+    steps_left = min(1000 + STEPS_MORE * steps, MAX_STEPS) + times.size
     while True:
-        if written < times.size and times[written] <= time:
-            written = record_until(cell, state, time, support, times, written, rows)
+        written = record_until(cell, state, time, support, times, written, rows)
         if support == PARADOX:
             status = STATUS.no_solution
             break
@@ -156,26 +166,21 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
         if steps_left <= 0 or events >= most_events or raised(stop):
             break
         steps_left -= 1
-        end = min(time + cell.time_step, cell.duration)
-        if written < times.size:
-            end = min(end, times[written])
-        end = slowed(time, end, state[STATE.pitch_rate])
+        end = end_of_step(cell, state, time, times, written)
         step = end - time
         carry(cell, support, sigma, state, time, step, after)
         part = dips(cell, support, sigma, state, time, step, after, trial)
-        if part == step and holds(cell, support, sigma, after, end):
-            if impacts > 0:
-                bounce = max(bounce, top_of(cell, support, state, after, time, step, trial))
-            copy(after, state)
-            time = end
-            continue
-        if part != step:
-            carry(cell, support, sigma, state, time, part, after)
-        part = first_misfit(cell, support, sigma, state, time, part, after, trial)
+        fits = part == step and holds(cell, support, sigma, after, end)
+        if not fits:
+            if part != step:
+                carry(cell, support, sigma, state, time, part, after)
+            part = first_misfit(cell, support, sigma, state, time, part, after, trial)
         if impacts > 0:
             bounce = max(bounce, top_of(cell, support, state, after, time, part, trial))
         copy(after, state)
         time = end if part == step else time + part
+        if fits:
+            continue
         events += 1
         if strike(cell, state, after):
             impacts += 1

@@ -11,7 +11,10 @@ from core.motion.kernels.tumbling.tables import Cell
 
 @compiled
 def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
-    """Return the acceleration of a free part relative to the plane, along it and off it."""
+    """Return the acceleration of a free part relative to the plane, along it and off it.
+
+    (P_x, P_y) sin(w t + phi) - (g_x, g_y), drive and pull of the `Cell` (theory 13.11).
+    """
     swing = math.sin(cell.circular_frequency * time + cell.start_phase)
     along = cell.drive_along * swing - cell.pull_along
     return along, cell.drive_normal * swing - cell.pull_normal
@@ -21,7 +24,11 @@ def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
 def free_corner(
     cell: Cell, time: float, s: float, c: float, pitch_rate: float
 ) -> tuple[float, float]:
-    """Return the acceleration of a corner without force, off the plane (chi) and along it."""
+    """Return the acceleration of a corner without force, off the plane (chi) and along it.
+
+    chi = a_y + rho xi'^2 sin s and a_t = a_x - rho xi'^2 cos s, with a of `free_acceleration`
+    (theory 2.2).
+    """
     along, upward = free_acceleration(cell, time)
     turning = cell.turning * cell.half_diagonal * pitch_rate * pitch_rate
     return upward + turning * s, along - turning * c
@@ -42,7 +49,10 @@ def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> t
 
 @compiled
 def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
-    """Return m tau, the normal acceleration of a sliding corner per normal force and mass."""
+    """Return m tau, the normal acceleration of a sliding corner per normal force and mass.
+
+    m tau = 1 + kappa c (c - sigma mu_k s), c and s for cos s and sin s (theory 2.2).
+    """
     return 1.0 + cell.inertia_ratio * c * (c - sigma * cell.friction_kinetic * s)
 
 
@@ -50,7 +60,10 @@ def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
 def corner_force(
     cell: Cell, corner: int, sigma: int, time: float, pitch: float, pitch_rate: float
 ) -> tuple[float, float]:
-    """Return normal and friction force per mass on a corner that is held or slides."""
+    """Return normal and friction force per mass on a corner that is held or slides.
+
+    n = -chi/(m tau), t = -sigma mu_k n in slip (theory 2.3); `holding_force` where it is held.
+    """
     s, c = corner_at(cell, corner, pitch)
     chi, along = free_corner(cell, time, s, c, pitch_rate)
     if sigma == 0:
@@ -63,7 +76,10 @@ def corner_force(
 
 @compiled
 def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
-    """Return normal and friction force per mass on a side that lies flat."""
+    """Return normal and friction force per mass on a side that lies flat.
+
+    n = -a_y, and t = -sigma mu_k n in slip, -a_x where it is held, with a of `free_acceleration`.
+    """
     along, upward = free_acceleration(cell, time)
     if sigma == 0:
         return -upward, -along
@@ -74,7 +90,10 @@ def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
 def side_forces(
     cell: Cell, quarter_turns: int, normal: float, friction: float
 ) -> tuple[float, float]:
-    """Return the normal forces at the right and the left end of a side that lies flat."""
+    """Return the normal forces at the right and the left end of a side that lies flat.
+
+    (n -+ t height/half)/2: the moment of both about the centre is that of friction.
+    """
     half, height = side_shape(cell, quarter_turns)
     tilt = friction * height / half
     return (normal - tilt) / 2, (normal + tilt) / 2

@@ -11,13 +11,17 @@ from core.motion.kernels.tumbling.tables import STATE, Cell
 
 @compiled
 def corner_count(cell: Cell) -> int:
-    """Return the number of corners: 4, or 1 for a ball."""
+    """Return the number of corners: 4, or 1 for a ball, `turning` = 0."""
     return 4 if cell.turning != 0.0 else 1
 
 
 @compiled
 def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
-    """Return sine and cosine of the angle of a corner below the direction of transport."""
+    """Return sine and cosine of the angle s of a corner below the direction of transport.
+
+    s is zeta + xi, pi - zeta + xi, pi + zeta + xi and -zeta + xi of the corners 0 to 3, with the
+    pitch xi (theory 2.1); pi/2 of a ball.
+    """
     if cell.turning == 0.0:
         return 1.0, 0.0
     angle = pitch + cell.corner_angle
@@ -32,28 +36,28 @@ def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
 
 @compiled
 def gap_of(cell: Cell, state: Floats, corner: int) -> float:
-    """Return the height of a corner above the plane."""
+    """Return the height of a corner above the plane, g_N = y - rho sin s (theory 2.1)."""
     s, _ = corner_at(cell, corner, state[STATE.pitch])
     return state[STATE.up] - cell.half_diagonal * s
 
 
 @compiled
 def gap_rate_of(cell: Cell, state: Floats, corner: int) -> float:
-    """Return the velocity of a corner off the plane."""
+    """Return the velocity of a corner off the plane, g_N' = y' - rho xi' cos s (theory 2.1)."""
     _, c = corner_at(cell, corner, state[STATE.pitch])
     return state[STATE.up_rate] - cell.half_diagonal * state[STATE.pitch_rate] * c
 
 
 @compiled
 def slip_of(cell: Cell, state: Floats, corner: int) -> float:
-    """Return the velocity of a corner along the plane."""
+    """Return the velocity of a corner along the plane, g_T' = x' - rho xi' sin s (theory 2.1)."""
     s, _ = corner_at(cell, corner, state[STATE.pitch])
     return state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
 
 
 @compiled
 def lowest_gap(cell: Cell, state: Floats) -> float:
-    """Return the gap of the lowest corner."""
+    """Return the gap of the lowest corner, min g_N of `gap_of`."""
     least = gap_of(cell, state, 0)
     for corner in range(1, corner_count(cell)):
         least = min(least, gap_of(cell, state, corner))
@@ -62,7 +66,7 @@ def lowest_gap(cell: Cell, state: Floats) -> float:
 
 @compiled
 def lowest_rate(cell: Cell, state: Floats) -> float:
-    """Return the velocity off the plane of the lowest corner."""
+    """Return the velocity off the plane of the lowest corner, its `gap_rate_of`."""
     lowest = 0
     for corner in range(1, corner_count(cell)):
         if gap_of(cell, state, corner) < gap_of(cell, state, lowest):
@@ -72,13 +76,19 @@ def lowest_rate(cell: Cell, state: Floats) -> float:
 
 @compiled
 def side_below(pitch: float) -> int:
-    """Return the number of quarter turns to the pitch at which the lowest side lies flat."""
+    """Return the number of quarter turns to the pitch at which the lowest side lies flat.
+
+    round(xi/(pi/2)).
+    """
     return round(pitch / (math.pi / 2))
 
 
 @compiled
 def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
-    """Return half the length of a side and the height of the centre above it."""
+    """Return half the length of a side and the height of the centre above it.
+
+    rho cos zeta and rho sin zeta, changed about on the other sides.
+    """
     run = cell.half_diagonal * math.cos(cell.corner_angle)
     rise = cell.half_diagonal * math.sin(cell.corner_angle)
     if quarter_turns % 2 == 0:
@@ -88,7 +98,7 @@ def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
 
 @compiled
 def speed_scale(cell: Cell) -> float:
-    """Return the speed gained over a half diagonal."""
+    """Return the speed gained over a half diagonal, sqrt((|g| + |P|) rho)."""
     most = math.hypot(cell.pull_along, cell.pull_normal)
     most += math.hypot(cell.drive_along, cell.drive_normal)
     return math.sqrt(most * cell.half_diagonal)
@@ -96,7 +106,10 @@ def speed_scale(cell: Cell) -> float:
 
 @compiled
 def kinetic(cell: Cell, state: Floats) -> float:
-    """Return the kinetic energy per mass relative to the plane."""
+    """Return the kinetic energy per mass relative to the plane.
+
+    (x'^2 + y'^2 + rho^2 xi'^2/kappa)/2.
+    """
     turning = cell.half_diagonal * state[STATE.pitch_rate]
     square = turning * turning / cell.inertia_ratio
     return 0.5 * (state[STATE.along_rate] ** 2 + state[STATE.up_rate] ** 2 + square)

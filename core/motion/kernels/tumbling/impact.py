@@ -20,14 +20,20 @@ from core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
 
 @compiled
 def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
-    """Return the Delassus numbers of a corner, per mass."""
+    """Return the Delassus numbers of a corner, per mass (theory 1.3).
+
+    1 + kappa cos^2 s, kappa sin s cos s and 1 + kappa sin^2 s.
+    """
     kappa = cell.inertia_ratio
     return 1.0 + kappa * c * c, kappa * s * c, 1.0 + kappa * s * s
 
 
 @compiled
 def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float) -> None:
-    """Add an impulse per mass at a corner to the state."""
+    """Add an impulse per mass (i_n, i_t) at a corner to the state.
+
+    x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho (theory 2.2).
+    """
     state[STATE.along_rate] += tangential
     state[STATE.up_rate] += normal
     state[STATE.pitch_rate] -= (
@@ -39,7 +45,11 @@ def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangentia
 def arrest(
     nn: float, nt: float, tt: float, u_n: float, u_t: float, friction: float
 ) -> tuple[float, float]:
-    """Return the impulse that brings u_n <= 0 to 0, as `core.mechanics.impact` (theory 5.3)."""
+    """Return the impulse that brings u_n <= 0 to 0, as `core.mechanics.impact` (theory 5.3).
+
+    i_n = (-u_n - G_nt i_t)/G_nn, with the i_t that stops the slip, u_t + G_nt i_n + G_tt i_t = 0,
+    if it lies in the cone |i_t| <= mu i_n; else at the edge of that.
+    """
     stop = -u_n / nn
     coupling = nt / nn
     tangential = -(u_t + nt * stop) / (tt - nt * coupling)
@@ -104,9 +114,9 @@ def compress(
 def strike(cell: Cell, state: Floats, after: Floats) -> bool:
     """Put an impact into the state; return whether there was one.
 
-    Moreau's law scales the compression by 1 + eps; that of Pfeiffer and Glocker adds an expansion
-    with eps times the normal impulses (theory 5.3). Where a corner still approaches, which one
-    impact of two corners may leave, compressions follow.
+    Moreau's law scales the compression of `compress` by 1 + eps; that of Pfeiffer and Glocker adds
+    an expansion with eps times the normal impulses (theory 5.3). Where a corner still approaches,
+    which one impact of two corners may leave, compressions follow.
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     right = left = -1

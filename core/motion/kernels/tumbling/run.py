@@ -10,7 +10,9 @@ from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.tumbling.geometry import corner_at, corner_count, lowest_gap, side_below
 from core.motion.kernels.tumbling.tables import COLUMN, FLAT, PATH, STATE, Cell
 
-MOST_STEPS = 20_000_000
+MAX_STEPS = 20_000_000
+"""Of a cell: 400 s of motion at 50 Hz and 1,000 steps a period, where all parts have long
+settled."""
 
 
 class TumblingRun(NamedTuple):
@@ -26,7 +28,7 @@ class TumblingRun(NamedTuple):
 
 @compiled
 def start_of(cell: Cell, state: Floats) -> None:
-    """Set the state to the start."""
+    """Set the state to the start: pitch, velocities, and y = rho max sin s + gap."""
     state[:] = 0.0
     state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
     state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward
@@ -39,7 +41,10 @@ def start_of(cell: Cell, state: Floats) -> None:
 
 @compiled
 def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
-    """Write time, centre, pitch, their rates, energy lost, lowest gap and touching corners."""
+    """Write time, centre, pitch, their rates, energy lost, lowest gap and touching corners.
+
+    Columns of `PATH`.
+    """
     row[:] = 0.0
     row[PATH.time] = time
     copy(state, row[PATH.state : PATH.gap])
@@ -67,14 +72,17 @@ def record_until(
 def record_rest(
     cell: Cell, state: Floats, support: int, times: Floats, written: int, rows: Floats
 ) -> None:  # fmt: skip
-    """Write the last state into the rows that are left."""
+    """Write the last state into the rows that are left, by `record`."""
     for row in range(written, times.size):
         record(cell, state, times[row], support, rows[row])
 
 
 @compiled
 def side_of(cell: Cell, support: int, pitch: float) -> int:
-    """Return the number of the side that lies flat, 1 to 4; 0 if none does, 1 for a ball."""
+    """Return the number of the side that lies flat, 1 to 4; 0 if none does, 1 for a ball.
+
+    `side_below` mod 4, plus 1.
+    """
     if support == FLAT:
         return side_below(pitch) % 4 + 1
     return 1 if support >= 0 and cell.turning == 0.0 else 0

@@ -22,7 +22,7 @@ from core.motion.kernels.tumbling.geometry import (
 )
 from core.motion.kernels.tumbling.impact import arrest, delassus, push
 from core.motion.kernels.tumbling.run import (
-    MOST_STEPS,
+    MAX_STEPS,
     TumblingRun,
     record_rest,
     record_until,
@@ -32,7 +32,7 @@ from core.motion.kernels.tumbling.run import (
 from core.motion.kernels.tumbling.support import rests_for_ever
 from core.motion.kernels.tumbling.tables import FLAT, FREE, SLOW, STATE, Cell
 
-MOST_SWEEPS = 500
+MAX_SWEEPS = 500  # over corners that touch at once; what they still change is a rounding
 
 
 @compiled
@@ -45,7 +45,7 @@ def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: 
     impulse[:] = 0.0
     mu = cell.friction_kinetic
     scale = SLOW * 1e-6 * speed_scale(cell)
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MAX_SWEEPS):
         change = 0.0
         for corner in range(near.size):
             if near[corner] == 0:
@@ -69,7 +69,7 @@ def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: 
 
 @compiled
 def slides_without_solution(cell: Cell, state: Floats, middle: Floats, near: Flags) -> bool:
-    """Return whether the one corner that is near slides where tau <= 0 (theory 2.3)."""
+    """True if the one corner that is near slides where m tau <= 0, `response_of` (theory 2.3)."""
     corner = int(np.argmax(near))
     s, c = corner_at(cell, corner, middle[STATE.pitch])
     slip = state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
@@ -85,8 +85,9 @@ def set_targets(
 ) -> tuple[int, bool]:  # fmt: skip
     """Find the corners that are in the plane in the middle of a step, and where they are to end at.
 
-    Fills `near` and `target`; `upward` is the size of the free acceleration off the plane. Returns
-    how many corners are near, and whether one strikes.
+    -eps g_N' off the plane, and after an impact -eps g_T' along it (theory 5.3). Fills `near` and
+    `target`; `upward` is the size of the free acceleration off the plane. Returns how many corners
+    are near, and whether one strikes.
     """
     touching, struck = 0, False
     target[:] = 0.0
@@ -106,8 +107,18 @@ def set_targets(
 
 
 @compiled
+def carrying(impulse: Floats) -> int:
+    """Return what carries the part: the corner with a normal impulse i_n > 0, `FLAT` for two."""
+    support = FREE
+    for corner in range(impulse.shape[1]):
+        if impulse[0, corner] > 0.0:
+            support = FLAT if support != FREE else corner
+    return support
+
+
+@compiled
 def drift(state: Floats, rates: Floats, time: float) -> None:
-    """Move centre and pitch of a state at the rates of another, for a time."""
+    """Move centre and pitch of a state at the rates of another, for a time: q + t u."""
     state[STATE.along] += time * rates[STATE.along_rate]
     state[STATE.up] += time * rates[STATE.up_rate]
     state[STATE.pitch] += time * rates[STATE.pitch_rate]
@@ -127,13 +138,12 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
     slow = SLOW * speed_scale(cell)
     time, bounce, last_motion = 0.0, 0.0, 0.0
     impacts = written = 0
-    steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
-    support, status = FREE, STATUS.moving if steps < MOST_STEPS else STATUS.limit_reached
+    steps = math.ceil(min(cell.duration / cell.time_step, MAX_STEPS))
+    support, status = FREE, STATUS.moving if steps < MAX_STEPS else STATUS.limit_reached
     for _ in range(steps):
         if raised(stop):
             break
-        if written < times.size and times[written] <= time:
-            written = record_until(cell, state, time, support, times, written, rows)
+        written = record_until(cell, state, time, support, times, written, rows)
         step = min(cell.time_step, cell.duration - time)
         along, upward = free_acceleration(cell, time + step / 2)
         copy(state, middle)
@@ -148,10 +158,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
         if touching > 0:
             arrest_all(cell, middle, near, target, impulse)
             middle[STATE.lost] += before - kinetic(cell, middle)
-        support = FREE
-        for corner in range(corners):
-            if near[corner] != 0 and impulse[0, corner] > 0.0 and touching > 0:
-                support = FLAT if support != FREE else corner
+        support = carrying(impulse) if touching > 0 else FREE
         drift(middle, middle, step / 2)
         copy(middle, state)
         time += step

@@ -40,7 +40,11 @@ from core.motion.kernels.tumbling.tables import (
 
 @compiled
 def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> bool:
-    """Return whether the state still fits the support and the direction of slip."""
+    """True if the state still fits the support and the direction of slip.
+
+    g_N >= 0 of all other corners, n >= 0, |t| <= mu_s n where it is held and sigma g_T' >= 0 where
+    it slips, m tau > 0 of `response_of` (theory 2.3, 2.4).
+    """
     overlap, deep = OVERLAP * cell.half_diagonal, DEEP * cell.half_diagonal
     if support == FLAT:
         normal, friction = flat_force(cell, sigma, time)
@@ -75,7 +79,10 @@ def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> b
 
 @compiled
 def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
-    """Take a small rest of velocity from a corner by an impulse, which cannot add energy."""
+    """Take a small rest of velocity from a corner by an impulse, which cannot add energy.
+
+    -u_n/G_nn, or G^-1 (-u_n, -u_t) with the slip, det G = 1 + kappa of `delassus`.
+    """
     s, c = corner_at(cell, corner, state[STATE.pitch])
     nn, nt, tt = delassus(cell, s, c)
     u_n = gap_rate_of(cell, state, corner)
@@ -90,7 +97,11 @@ def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
 
 @compiled
 def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[int, int]:
-    """Return support and direction of slip where one corner touches and does not approach."""
+    """Return support and direction of slip where one corner touches and does not approach.
+
+    Held where n_0 >= 0 and |t_0| <= mu_s n_0 of `holding_force`; else free where chi > 0, or it
+    slips against t_0; `PARADOX` where m tau <= 0 (theory 2.3, 2.4).
+    """
     slow = SLOW * speed_scale(cell)
     stop_corner(cell, state, corner, False)
     slip = slip_of(cell, state, corner)
@@ -120,8 +131,8 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
 def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
     """Return support and direction of slip, and put the state on the support.
 
-    From the touching corners that do not move off or on; the contact laws of accelerations decide
-    (theory 2.3 and 2.4).
+    From the touching corners that do not move off or on; the contact laws of accelerations decide,
+    of two corners `flat_force` and `side_forces`, of one `choose_corner` (theory 2.3 and 2.4).
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     first = second = -1
@@ -164,7 +175,11 @@ def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
 
 @compiled
 def rests_for_ever(cell: Cell, support: int, sigma: int, state: Floats) -> bool:
-    """Return whether the part is at rest and no phase of the drive can move it."""
+    """True if the part is at rest and no phase of the drive can move it.
+
+    g_y >= |P_y| and, with m = min(mu_s, half/height), m (g_y - P_y sin) >= |g_x - P_x sin| at both
+    ends of the swing: neither slip nor tipping to either side.
+    """
     if sigma != 0:
         return False
     g, drive = cell.pull_normal, cell.drive_normal

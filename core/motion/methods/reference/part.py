@@ -36,11 +36,13 @@ PRESSED = 1e-12
 RESOLVED = 1e-16
 """Of the last coefficients of a slip's change, in g/w: smaller ones are rounding."""
 
-MOST_CUTS = 100
-"""Of a stretch that the nodes do not resolve."""
+MAX_CUTS = 100
+"""Of a stretch that the nodes do not resolve: each leaves 0.9 of it at most, so that 1e-5 is
+left."""
 
-MOST_EVENTS = 20_000
-"""Events and stretches of one period; more is a failure."""
+MAX_EVENTS = 20_000
+"""Events and stretches of one period: hops at restitution 0.999 are 16,000 until they have shrunk
+to 1e-7. More is a failure."""
 
 
 @dataclass(frozen=True)
@@ -258,7 +260,7 @@ class Part:
     def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
         """Go on to a phase up to which the push does not jump."""
         opened, still = "", 0
-        for _ in range(MOST_EVENTS):
+        for _ in range(MAX_EVENTS):
             if self.phase >= end:
                 return
             self.watch.check()
@@ -302,7 +304,7 @@ class Part:
         slips = mode.slips and (mode.floor or mode.wall)
         if slips:
             length = min(length, self.reach)
-        for _ in range(MOST_CUTS):
+        for _ in range(MAX_CUTS):
             stretch = solve(self.laws, mode, self.state, self.phase, length, begins)
             tail = math.inf if stretch is None else max(stretch.tail, RESOLVED)
             room = 0.9 * (self.care.tail / tail) ** (1.0 / len(AT))

@@ -114,12 +114,13 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
             yield start, 1 if low > 0.0 else -1
         if low != 0.0:
             above = low > 0.0
-        if high != 0.0 and above is not None and above != (high > 0.0):
+        if high == 0.0:
+            continue
+        rises = high > 0.0
+        if above is not None and above != rises:
             at = start + width * _root(c, slope, low, high) if low * high < 0.0 else start
-            above = high > 0.0
-            yield at, 1 if above else -1
-        elif high != 0.0:
-            above = high > 0.0
+            yield at, 1 if rises else -1
+        above = rises
 
 
 def first_fall(coefficients: Array) -> float:

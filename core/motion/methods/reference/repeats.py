@@ -20,7 +20,8 @@ from core.motion.waves import size
 from core.watch import Watch
 
 PERIOD = 2.0 * math.pi
-MOST_MULTIPLE = 32
+MAX_MULTIPLE = 32
+"""Periods of a cycle, as many as the kernels look for."""
 
 SAME = 1e-13
 """Of the drive's size: states nearer to each other than this are the same."""
@@ -204,7 +205,7 @@ class ReferenceRun:
 
     def cycle(self) -> int:
         """Return after how many periods the motion repeats; 0 if that cannot be seen yet."""
-        for multiple in range(1, min(MOST_MULTIPLE, len(self.after) - self.plain_since) + 1):
+        for multiple in range(1, min(MAX_MULTIPLE, len(self.after) - self.plain_since) + 1):
             places = self.places(multiple)
             apart = self.distance(multiple, places)
             if apart > NOISE or not self.touches_alike(multiple):
@@ -225,7 +226,7 @@ class ReferenceRun:
         came back ever more nearly, or ever less so.
         """
         quarter = (len(self.after) - self.plain_since) // 4
-        for multiple in range(1, min(MOST_MULTIPLE, quarter // FEWEST_CYCLES) + 1):
+        for multiple in range(1, min(MAX_MULTIPLE, quarter // FEWEST_CYCLES) + 1):
             last = [tally.events for tally in self.tallies[-quarter:]]
             if last[multiple:] != last[:-multiple]:
                 continue
@@ -242,7 +243,7 @@ class ReferenceRun:
         """Take a state that is nearer to the cycle, where the part is on its way to one."""
         if len(self.after) < self.look_at or self.slides_free:
             return
-        for multiple in range(1, min(MOST_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
+        for multiple in range(1, min(MAX_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
             if not self.touches_alike(multiple) or not self.same_events(multiple):
                 continue
             places = self.places(multiple)

@@ -40,8 +40,8 @@ SMALL = 1e-7
 FOUND = 1e-10
 """A last step of Newton's iteration below this, in g/w, leaves nothing but rounding."""
 
-MOST_STEPS = 15
-"""Of Newton's iteration."""
+MAX_STEPS = 15
+"""Of Newton's iteration, which squares the error: where it takes more the stretch is cut."""
 
 LAST = FROM_NODES[NODES - 2 : NODES]
 UNIT = np.eye(NODES)
@@ -167,7 +167,7 @@ def _straight(
     size0, angle = start
     reach = length * NODES_INTEGRAL
     size = size0 + reach @ rate
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         if laws.groups.curvature_number == 0.0:  # the forces do not depend on the speed
             break
         pull, _ = laws.sliding(phases, mode, np.stack([size, size + SMALL]), angle)
@@ -197,7 +197,7 @@ def _turning(
     size0, angle0 = start
     reach = length * NODES_INTEGRAL
     jacobian = np.zeros((2 * NODES, 2 * NODES))
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         size, angle = size0 + reach @ rate, angle0 + reach @ angular
         pull, turn = laws.sliding(
             phases,

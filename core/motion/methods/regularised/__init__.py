@@ -33,7 +33,7 @@ from core.watch import Watch
 SOLVERS = ("Radau", "BDF", "LSODA")
 """The implicit integrators of scipy."""
 
-MOST_EVALUATIONS = 1_000_000
+MAX_EVALUATIONS = 1_000_000
 """Evaluations of the right-hand side after which a cell is given up: about ten seconds."""
 
 SPENT = 60.0  # s: of a cell whose four runs spend all their evaluations
@@ -71,7 +71,7 @@ def followed(
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
-    run = RegularisedRun(cell, solver, tolerance, MOST_EVALUATIONS, watch or Watch())
+    run = RegularisedRun(cell, solver, tolerance, MAX_EVALUATIONS, watch or Watch())
     return run, orbit_of(run, cell.rest(), most_periods, closeness), closeness
 
 
@@ -103,7 +103,7 @@ def _cell_motion(
     # Runs of their own, since the errors of the laws and of the integrator can cancel in one.
     once, twice, loose = (
         orbit_of(
-            RegularisedRun(changed, solver, looser * tolerance, MOST_EVALUATIONS, watch),
+            RegularisedRun(changed, solver, looser * tolerance, MAX_EVALUATIONS, watch),
             orbit.states[-1],
             most_periods,
             max(wider * closeness, 100 * looser * tolerance),

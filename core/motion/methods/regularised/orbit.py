@@ -18,8 +18,9 @@ from core.watch import Watch
 LARGEST_MULTIPLE = 8
 """Periods of the drive over which the motion may repeat."""
 
-MOST_RESTARTS = 20
-"""Pieces of a period, or of what lies between two jumps of it, each with a time of its own."""
+MAX_RESTARTS = 20
+"""Pieces of a period, or of what lies between two jumps of it, each with a time of its own: where
+more are needed the steps shrink without end."""
 
 STEPS = 50
 """Fewest steps a period: none may leap over a whole hop or slip."""
@@ -121,7 +122,7 @@ class RegularisedRun:
         then goes on with the time counted from there, whose spacings are as short as need be.
         """
         pieces: list[_Piece] = []
-        for _ in range(MOST_RESTARTS):
+        for _ in range(MAX_RESTARTS):
             found = self._from(cell, phase, end, start)
             pieces.append(_Piece(phase, found))
             if found.success:
