@@ -167,6 +167,7 @@ def study(
     wiper_height_1: Values | None = None,
     ledge_width_1: Values | None = None,
     gap_length_1: Values | None = None,
+    passed_aspect_1: Values | None = None,
     rail_width_1: Values | None = None,
     outlet_capacity_1: Values | None = None,
     turned_share_1: Values | None = None,
@@ -174,6 +175,7 @@ def study(
     wiper_height_2: Values | None = None,
     ledge_width_2: Values | None = None,
     gap_length_2: Values | None = None,
+    passed_aspect_2: Values | None = None,
     rail_width_2: Values | None = None,
     outlet_capacity_2: Values | None = None,
     turned_share_2: Values | None = None,
@@ -181,6 +183,7 @@ def study(
     wiper_height_3: Values | None = None,
     ledge_width_3: Values | None = None,
     gap_length_3: Values | None = None,
+    passed_aspect_3: Values | None = None,
     rail_width_3: Values | None = None,
     outlet_capacity_3: Values | None = None,
     turned_share_3: Values | None = None,
@@ -188,6 +191,7 @@ def study(
     wiper_height_4: Values | None = None,
     ledge_width_4: Values | None = None,
     gap_length_4: Values | None = None,
+    passed_aspect_4: Values | None = None,
     rail_width_4: Values | None = None,
     outlet_capacity_4: Values | None = None,
     turned_share_4: Values | None = None,
@@ -195,6 +199,7 @@ def study(
     wiper_height_5: Values | None = None,
     ledge_width_5: Values | None = None,
     gap_length_5: Values | None = None,
+    passed_aspect_5: Values | None = None,
     rail_width_5: Values | None = None,
     outlet_capacity_5: Values | None = None,
     turned_share_5: Values | None = None,
@@ -202,10 +207,13 @@ def study(
     wiper_height_6: Values | None = None,
     ledge_width_6: Values | None = None,
     gap_length_6: Values | None = None,
+    passed_aspect_6: Values | None = None,
     rail_width_6: Values | None = None,
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    lap_time: Values | None = None,
+    line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     row_velocity: Values | None = None,
@@ -404,6 +412,7 @@ def sweep(
     wiper_height_1: Values | None = None,
     ledge_width_1: Values | None = None,
     gap_length_1: Values | None = None,
+    passed_aspect_1: Values | None = None,
     rail_width_1: Values | None = None,
     outlet_capacity_1: Values | None = None,
     turned_share_1: Values | None = None,
@@ -411,6 +420,7 @@ def sweep(
     wiper_height_2: Values | None = None,
     ledge_width_2: Values | None = None,
     gap_length_2: Values | None = None,
+    passed_aspect_2: Values | None = None,
     rail_width_2: Values | None = None,
     outlet_capacity_2: Values | None = None,
     turned_share_2: Values | None = None,
@@ -418,6 +428,7 @@ def sweep(
     wiper_height_3: Values | None = None,
     ledge_width_3: Values | None = None,
     gap_length_3: Values | None = None,
+    passed_aspect_3: Values | None = None,
     rail_width_3: Values | None = None,
     outlet_capacity_3: Values | None = None,
     turned_share_3: Values | None = None,
@@ -425,6 +436,7 @@ def sweep(
     wiper_height_4: Values | None = None,
     ledge_width_4: Values | None = None,
     gap_length_4: Values | None = None,
+    passed_aspect_4: Values | None = None,
     rail_width_4: Values | None = None,
     outlet_capacity_4: Values | None = None,
     turned_share_4: Values | None = None,
@@ -432,6 +444,7 @@ def sweep(
     wiper_height_5: Values | None = None,
     ledge_width_5: Values | None = None,
     gap_length_5: Values | None = None,
+    passed_aspect_5: Values | None = None,
     rail_width_5: Values | None = None,
     outlet_capacity_5: Values | None = None,
     turned_share_5: Values | None = None,
@@ -439,10 +452,12 @@ def sweep(
     wiper_height_6: Values | None = None,
     ledge_width_6: Values | None = None,
     gap_length_6: Values | None = None,
+    passed_aspect_6: Values | None = None,
     rail_width_6: Values | None = None,
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    lap_time: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -746,6 +761,9 @@ def sweep(
     gap_length_1 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_1 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_1 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -766,6 +784,9 @@ def sweep(
     gap_length_2 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_2 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_2 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -786,6 +807,9 @@ def sweep(
     gap_length_3 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_3 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_3 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -806,6 +830,9 @@ def sweep(
     gap_length_4 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_4 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_4 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -826,6 +853,9 @@ def sweep(
     gap_length_5 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_5 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_5 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -846,6 +876,9 @@ def sweep(
     gap_length_6 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_6 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_6 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -857,6 +890,8 @@ def sweep(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    lap_time : values, optional
+        Time from the bowl to the first device and back. In s, above 0, for example "40 s".
     row_velocity : values, optional
         Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
         s-1, above 0, for example "80 mm/s".
@@ -999,6 +1034,7 @@ def simulate(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
@@ -1177,6 +1213,9 @@ def simulate(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    line_yield : values, optional
+        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
+        0 to 1, for example 0.79.
     parts : values, optional
         Parts of the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -1412,6 +1451,7 @@ def optimise(
     wiper_height_1: Values | None = None,
     ledge_width_1: Values | None = None,
     gap_length_1: Values | None = None,
+    passed_aspect_1: Values | None = None,
     rail_width_1: Values | None = None,
     outlet_capacity_1: Values | None = None,
     turned_share_1: Values | None = None,
@@ -1419,6 +1459,7 @@ def optimise(
     wiper_height_2: Values | None = None,
     ledge_width_2: Values | None = None,
     gap_length_2: Values | None = None,
+    passed_aspect_2: Values | None = None,
     rail_width_2: Values | None = None,
     outlet_capacity_2: Values | None = None,
     turned_share_2: Values | None = None,
@@ -1426,6 +1467,7 @@ def optimise(
     wiper_height_3: Values | None = None,
     ledge_width_3: Values | None = None,
     gap_length_3: Values | None = None,
+    passed_aspect_3: Values | None = None,
     rail_width_3: Values | None = None,
     outlet_capacity_3: Values | None = None,
     turned_share_3: Values | None = None,
@@ -1433,6 +1475,7 @@ def optimise(
     wiper_height_4: Values | None = None,
     ledge_width_4: Values | None = None,
     gap_length_4: Values | None = None,
+    passed_aspect_4: Values | None = None,
     rail_width_4: Values | None = None,
     outlet_capacity_4: Values | None = None,
     turned_share_4: Values | None = None,
@@ -1440,6 +1483,7 @@ def optimise(
     wiper_height_5: Values | None = None,
     ledge_width_5: Values | None = None,
     gap_length_5: Values | None = None,
+    passed_aspect_5: Values | None = None,
     rail_width_5: Values | None = None,
     outlet_capacity_5: Values | None = None,
     turned_share_5: Values | None = None,
@@ -1447,10 +1491,13 @@ def optimise(
     wiper_height_6: Values | None = None,
     ledge_width_6: Values | None = None,
     gap_length_6: Values | None = None,
+    passed_aspect_6: Values | None = None,
     rail_width_6: Values | None = None,
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    lap_time: Values | None = None,
+    line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     row_velocity: Values | None = None,
@@ -1794,6 +1841,9 @@ def optimise(
     gap_length_1 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_1 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_1 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -1814,6 +1864,9 @@ def optimise(
     gap_length_2 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_2 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_2 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -1834,6 +1887,9 @@ def optimise(
     gap_length_3 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_3 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_3 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -1854,6 +1910,9 @@ def optimise(
     gap_length_4 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_4 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_4 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -1874,6 +1933,9 @@ def optimise(
     gap_length_5 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_5 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_5 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -1894,6 +1956,9 @@ def optimise(
     gap_length_6 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_6 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_6 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -1905,6 +1970,11 @@ def optimise(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    lap_time : values, optional
+        Time from the bowl to the first device and back. In s, above 0, for example "40 s".
+    line_yield : values, optional
+        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
+        0 to 1, for example 0.79.
     parts : values, optional
         Parts of the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -2166,6 +2236,7 @@ def sensitivity(
     wiper_height_1: Values | None = None,
     ledge_width_1: Values | None = None,
     gap_length_1: Values | None = None,
+    passed_aspect_1: Values | None = None,
     rail_width_1: Values | None = None,
     outlet_capacity_1: Values | None = None,
     turned_share_1: Values | None = None,
@@ -2173,6 +2244,7 @@ def sensitivity(
     wiper_height_2: Values | None = None,
     ledge_width_2: Values | None = None,
     gap_length_2: Values | None = None,
+    passed_aspect_2: Values | None = None,
     rail_width_2: Values | None = None,
     outlet_capacity_2: Values | None = None,
     turned_share_2: Values | None = None,
@@ -2180,6 +2252,7 @@ def sensitivity(
     wiper_height_3: Values | None = None,
     ledge_width_3: Values | None = None,
     gap_length_3: Values | None = None,
+    passed_aspect_3: Values | None = None,
     rail_width_3: Values | None = None,
     outlet_capacity_3: Values | None = None,
     turned_share_3: Values | None = None,
@@ -2187,6 +2260,7 @@ def sensitivity(
     wiper_height_4: Values | None = None,
     ledge_width_4: Values | None = None,
     gap_length_4: Values | None = None,
+    passed_aspect_4: Values | None = None,
     rail_width_4: Values | None = None,
     outlet_capacity_4: Values | None = None,
     turned_share_4: Values | None = None,
@@ -2194,6 +2268,7 @@ def sensitivity(
     wiper_height_5: Values | None = None,
     ledge_width_5: Values | None = None,
     gap_length_5: Values | None = None,
+    passed_aspect_5: Values | None = None,
     rail_width_5: Values | None = None,
     outlet_capacity_5: Values | None = None,
     turned_share_5: Values | None = None,
@@ -2201,10 +2276,13 @@ def sensitivity(
     wiper_height_6: Values | None = None,
     ledge_width_6: Values | None = None,
     gap_length_6: Values | None = None,
+    passed_aspect_6: Values | None = None,
     rail_width_6: Values | None = None,
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    lap_time: Values | None = None,
+    line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     row_velocity: Values | None = None,
@@ -2540,6 +2618,9 @@ def sensitivity(
     gap_length_1 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_1 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_1 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -2560,6 +2641,9 @@ def sensitivity(
     gap_length_2 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_2 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_2 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -2580,6 +2664,9 @@ def sensitivity(
     gap_length_3 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_3 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_3 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -2600,6 +2687,9 @@ def sensitivity(
     gap_length_4 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_4 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_4 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -2620,6 +2710,9 @@ def sensitivity(
     gap_length_5 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_5 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_5 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -2640,6 +2733,9 @@ def sensitivity(
     gap_length_6 : values, optional
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
+    passed_aspect_6 : values, optional
+        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
+        example 1.
     rail_width_6 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
@@ -2651,6 +2747,11 @@ def sensitivity(
         for example 0.6.
     turn_6 : values, optional
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+    lap_time : values, optional
+        Time from the bowl to the first device and back. In s, above 0, for example "40 s".
+    line_yield : values, optional
+        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
+        0 to 1, for example 0.79.
     parts : values, optional
         Parts of the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -2854,6 +2955,7 @@ def calibrate(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     offsets: Mapping[str, Mapping[str, Any]] | None = None,
@@ -3042,6 +3144,9 @@ def calibrate(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    line_yield : values, optional
+        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
+        0 to 1, for example 0.79.
     parts : values, optional
         Parts of the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -3278,6 +3383,7 @@ def open_lazily(
     wiper_height_1: Values | None = None,
     ledge_width_1: Values | None = None,
     gap_length_1: Values | None = None,
+    passed_aspect_1: Values | None = None,
     rail_width_1: Values | None = None,
     outlet_capacity_1: Values | None = None,
     turned_share_1: Values | None = None,
@@ -3285,6 +3391,7 @@ def open_lazily(
     wiper_height_2: Values | None = None,
     ledge_width_2: Values | None = None,
     gap_length_2: Values | None = None,
+    passed_aspect_2: Values | None = None,
     rail_width_2: Values | None = None,
     outlet_capacity_2: Values | None = None,
     turned_share_2: Values | None = None,
@@ -3292,6 +3399,7 @@ def open_lazily(
     wiper_height_3: Values | None = None,
     ledge_width_3: Values | None = None,
     gap_length_3: Values | None = None,
+    passed_aspect_3: Values | None = None,
     rail_width_3: Values | None = None,
     outlet_capacity_3: Values | None = None,
     turned_share_3: Values | None = None,
@@ -3299,6 +3407,7 @@ def open_lazily(
     wiper_height_4: Values | None = None,
     ledge_width_4: Values | None = None,
     gap_length_4: Values | None = None,
+    passed_aspect_4: Values | None = None,
     rail_width_4: Values | None = None,
     outlet_capacity_4: Values | None = None,
     turned_share_4: Values | None = None,
@@ -3306,6 +3415,7 @@ def open_lazily(
     wiper_height_5: Values | None = None,
     ledge_width_5: Values | None = None,
     gap_length_5: Values | None = None,
+    passed_aspect_5: Values | None = None,
     rail_width_5: Values | None = None,
     outlet_capacity_5: Values | None = None,
     turned_share_5: Values | None = None,
@@ -3313,10 +3423,12 @@ def open_lazily(
     wiper_height_6: Values | None = None,
     ledge_width_6: Values | None = None,
     gap_length_6: Values | None = None,
+    passed_aspect_6: Values | None = None,
     rail_width_6: Values | None = None,
     outlet_capacity_6: Values | None = None,
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
+    lap_time: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -3446,6 +3558,7 @@ def drive_error(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,

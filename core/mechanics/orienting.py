@@ -110,6 +110,11 @@ def passes_gap(aspect: Aspect, gap_length: Array) -> Array:
     return np.where(aspect.along / 2 > gap_length, 1.0, 0.0)
 
 
+def passes_aspect(number: int, passed_aspect: Array) -> Array:
+    """Return 1 where an aspect is the only one that a device lets pass, else 0."""
+    return np.where(passed_aspect == number, 1.0, 0.0)
+
+
 def hangs_on_rail(rail_width: Array, shank_diameter: Array, diameter: Array) -> Array:
     """Return 1 where a shank falls between two rails and the head of `diameter` does not."""
     return np.where((shank_diameter < rail_width) & (rail_width < diameter), 1.0, 0.0)
@@ -183,8 +188,9 @@ def place_in_order(order: Array, count: int) -> list[Array]:
 
     Orders count from 1 as in a dictionary: 1 is 1, 2, 3, ...; the last one goes backwards. The
     digits of order - 1 in the base of factorials say how many of the devices left come before.
+    Between two orders, where a search may look, is the nearer one.
     """
-    digits, left = [], order - 1
+    digits, left = [], np.rint(order) - 1
     for position in range(count - 1):
         block = float(np.prod(range(1, count - position)))
         digit = np.rint((left + 0.5) / block - 0.5)  # the whole part of left/block
@@ -216,6 +222,11 @@ def laps_99(*, line: PassedShares) -> Array:
     some = (lost > 0) & (lost < 1)
     laps = np.log(CERTAIN) / np.log(np.where(some, lost, 0.5))
     return np.where(some, np.maximum(laps, 1.0), np.where(lost > 0, np.inf, 1.0))
+
+
+def time_per_part(*, lap_time: Array, laps: Array) -> Array:
+    """Return how long a part circulates in the bowl until it passes, in the mean, T/eta [s]."""
+    return lap_time * laps
 
 
 def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, hypot
 
 MOST_STEPS = 6
@@ -157,6 +157,38 @@ def topple_acceleration(*, topple_slope: Array, pulse_angle: Array, gravity: Arr
 def topple_margin(*, topple_speed: Array, frequency: Array, amplitude: Array, beta: Array) -> Array:
     """Return what the track's speed leaves of half the toppling speed, V/2 - A w cos b [m s-1]."""
     return topple_speed / 2 - 2 * np.pi * frequency * amplitude * cosine(beta)
+
+
+def push_over_load(
+    *, frequency: Array, amplitude: Array, beta: Array, gamma: Array, gravity: Array
+) -> Array:
+    """Return the largest push along the track over the load on the floor, max |D|/n [1].
+
+    D = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s grows with s = sin(w t):
+    the ends count. Infinite where the part leaves the floor.
+    """
+    drive = np.square(2 * np.pi * frequency) * amplitude
+    along, normal = drive * cosine(beta), drive * sine(beta)
+    down, onto = gravity * sine(gamma), gravity * cosine(gamma)
+    stays = onto > np.abs(normal)
+    forth, back = np.where(stays, onto - normal, 1.0), np.where(stays, onto + normal, 1.0)
+    push = np.maximum(np.abs(along - down) / forth, np.abs(along + down) / back)
+    return np.where(stays, push, np.inf)
+
+
+def rocking_margin(
+    *, rocking_friction: Array, friction_static: Array, push_over_load: Array
+) -> Array:
+    """Return what the floor can do beyond what a part needs to rock, min(mu_s, |D|/n) - b/z_c [1].
+
+    Not above 0 it never rocks, however long the shaking lasts. To begin to rock is not to topple.
+    """
+    return np.minimum(friction_static, push_over_load) - rocking_friction
+
+
+def never_rocks(*, rocking_margin: Array) -> Mask:
+    """Return where a part does not even begin to rock."""
+    return rocking_margin <= 0
 
 
 def may_topple(*, topple_margin: Array, amplitude: Array, standing_base: Array) -> Mask:

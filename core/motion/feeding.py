@@ -39,6 +39,14 @@ def feed_rate(*, conveying_velocity: Array, length: Array, occupancy: Array) -> 
     return parts_per_minute(velocity=conveying_velocity, length=length / occupancy)
 
 
+def oriented_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
+    """Return the parts a minute that pass a line of devices behind the track, v eta [min-1].
+
+    None pass of a track that brings none: a rate below 0 counts as 0.
+    """
+    return np.maximum(feed_rate, 0.0) * line_yield
+
+
 def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
     """Return the direction of travel, as a flag.
 
@@ -59,6 +67,7 @@ def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
 RESULTS = (
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, "theory 13.12"),
+    Equation("oriented_feed_rate", oriented_feed_rate, "theory 16.3"),
     Equation("direction", direction, "theory 13.12"),
 )
 DEFAULTS = {"part_gap": 0.0}

@@ -85,7 +85,9 @@ REGIMES: dict[str, Flag] = {
     ),
     # --- which way up
     "unstable_side": Flag(44, "the part does not lie on its side: it rolls on over a rim"),
-    "stands": Flag(45, "the drive is too slow by half, and more, to topple the standing part"),
+    "stands": Flag(
+        45, "the standing part does not rock, or the drive is too slow by half to topple it"
+    ),
     "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
     "no_pass": Flag(
         47, "the devices let no part pass: all return to the bowl", valid=False

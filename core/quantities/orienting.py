@@ -32,6 +32,11 @@ def _device(position: int) -> dict[str, Quantity]:
             "s", "Length of the gap", "Length of a gap in the track: passes parts longer than "
             "twice that.", "8 mm",
         ),
+        "passed_aspect": Quantity(
+            "1", f"p{position}", f"Passing aspect{at}",
+            "Number of the only aspect that the device lets pass, whatever it is.", 1.0, 3.0,
+            parameter=True, examples=("1",),
+        ),
         "rail_width": size(
             "r", "Width of the rails", "Distance of two rails: parts with a head hang in it by "
             "their shank.", "5 mm",
@@ -97,7 +102,7 @@ ORIENTING: dict[str, Quantity] = {
     "device_order": Quantity(
         "1", "m", "Order of the devices",
         "Which of the orders of all devices, as in a dictionary: 1 is the order of their places, "
-        "the last one is backwards.", 1.0, 720.0, parameter=True, examples=("1",),
+        "the last one is backwards.", 1.0, 720.0, parameter=True, examples=("1",), count=True,
     ),
     **{
         f"drop_count_{k}": Quantity(
@@ -127,6 +132,18 @@ ORIENTING: dict[str, Quantity] = {
     "laps": number("1/eta", "Laps", "How often a part arrives until it passes, in the mean."),
     "laps_variance": number("var", "Variance of the laps", "Of the laps that a part needs."),
     "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts pass."),
+    "lap_time": Quantity(
+        "s", "T", "Time of a lap", "Time from the bowl to the first device and back.", 0.0,
+        strict=True, parameter=True, examples=("40 s",),
+    ),
+    "time_per_part": Quantity(
+        "s", "T/eta", "Time in the bowl", "How long a part circulates until it passes, in the mean."
+    ),
+    "line_yield": Quantity(
+        "1", "eta", "Yield of the line",
+        "Share of the parts that pass the devices behind the track, as yield of orienting-line.",
+        0.0, 1.0, parameter=True, examples=("0.79",),
+    ),
     "oriented_feed_rate": _rate(
         "q eta", "Oriented feed rate", "Parts a minute that leave the line, in any aspect."
     ),

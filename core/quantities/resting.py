@@ -110,6 +110,15 @@ RESTING: dict[str, Quantity] = {
         "m s-2", "a", "Toppling acceleration",
         "Peak of a half-sine pulse of the frequency that topples the standing part.",
     ),
+    "push_over_load": number(
+        "|D|/n", "Largest push over load",
+        "Largest push along the track over the load on the floor, in a period of the drive.",
+    ),
+    "rocking_margin": number(
+        "", "Margin of rocking",
+        "Friction, or the largest push over load if that is less, beyond what the standing part "
+        "needs to rock; not above 0 it never rocks.",
+    ),
     "topple_margin": Quantity(
         "m s-1", "", "Margin of toppling",
         "Half of the toppling speed less the largest speed of the track along the floor.",

@@ -73,6 +73,9 @@ class Device:
         if number == "gap_length":
             gap = self.number(number, parameters)
             return [orienting.passes_gap(size, gap) for size in sizes]
+        if number == "passed_aspect":
+            passed = self.number(number, parameters)
+            return [orienting.passes_aspect(k, passed) for k in range(1, aspects + 1)]
         if number == "ledge_width":
             width, delta = self.number(number, parameters), parameters["delta"]
             both = zip(sizes, parameters["centre_heights"], strict=True)

@@ -34,6 +34,7 @@ RESULTS = (
     Equation("laps", orienting.laps, LINE),
     Equation("laps_variance", orienting.laps_variance, LINE),
     Equation("laps_99", orienting.laps_99, LINE),
+    Equation("time_per_part", orienting.time_per_part, LINE),
     Equation("oriented_feed_rate", orienting.oriented_feed_rate, LINE),
     Equation("return_rate", orienting.return_rate, LINE),
     Equation("leaving_wanted", orienting.leaving_wanted, LINE),

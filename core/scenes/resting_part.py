@@ -39,6 +39,8 @@ TOPPLING = (
     Equation("pulse_angle", toppling.pulse_angle, STANDING),
     Equation("topple_acceleration", toppling.topple_acceleration, STANDING),
     Equation("topple_margin", toppling.topple_margin, STANDING),
+    Equation("push_over_load", toppling.push_over_load, STANDING),
+    Equation("rocking_margin", toppling.rocking_margin, STANDING),
 )
 ESTIMATES = (
     Equation("second_shares", resting.second_shares, SOURCE),
@@ -51,8 +53,9 @@ SHARES = {
 }
 """Outputs of each aspect: the bundle that they stand in, and what they are."""
 
-STANDS = Condition(
-    "may_topple", toppling.may_topple, frozenset(("topple_margin",)), otherwise="stands"
+STANDS = (
+    Condition("stands", toppling.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
+    Condition("may_topple", toppling.may_topple, frozenset(("topple_margin",)), "stands"),
 )
 
 
@@ -71,7 +74,7 @@ def equations(shape: str) -> tuple[Equation, ...]:
 def conditions(shape: str) -> tuple[Condition, ...]:
     """Return the conditions of a shape."""
     shares = frozenset(f"{kind}_{name}" for kind in SHARES for name in ASPECTS[shape])
-    return (*lying(shape, shares), STANDS)
+    return (*lying(shape, shares), *STANDS)
 
 
 SCENE = Scene(
@@ -85,6 +88,6 @@ SCENE = Scene(
     variants={shape: equations(shape) for shape in SHAPES},
     default_variant="box",
     conditions={shape: conditions(shape) for shape in SHAPES},
-    defaults={"gravity": STANDARD_GRAVITY},
+    defaults={"gamma": 0.0, "gravity": STANDARD_GRAVITY},
     constraints=(),
 )

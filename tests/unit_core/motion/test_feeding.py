@@ -54,6 +54,13 @@ def test_occupancy_stands_in_the_place_of_a_gap() -> None:
         result("feed_rate", occupancy=0.8)
 
 
+def test_oriented_parts_of_a_drive_unit_in_one_study() -> None:
+    sizes = {"length": "8 mm", "line_yield": 0.79, "beta": [20, 160]}
+    found = result("feed_rate", "oriented_feed_rate", **sizes)
+    ahead, _ = values(found, "feed_rate")
+    assert values(found, "oriented_feed_rate") == pytest.approx([0.79 * ahead, 0.0], rel=1e-14)
+
+
 def test_a_rate_backwards_is_below_0() -> None:
     ahead, back = values(result("feed_rate", beta=[20, 160], length="8 mm"), "feed_rate")
     assert ahead > 0

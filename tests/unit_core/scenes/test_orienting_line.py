@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import tomllib
 
 import numpy as np
 import pytest
 import scipy
+from scipy import stats
 
 import vibrafeed
 from core.errors import StudyError
@@ -156,6 +158,19 @@ def test_all_orders_of_six_devices_in_one_study():
     assert places.index(3) < places.index(2) < places.index(1)  # 3 to 2, 2 to 1, then the wiper
 
 
+def test_the_best_order_is_a_whole_number():
+    found = vibrafeed.optimise(
+        scene="orienting-line", criterion={"kind": "maximise", "output": "oriented_feed_rate"},
+        outputs=["yield"], variables={"device_order": {"lower": 1, "upper": 6}},
+        parameters={**BOX, **RISER, **FLAT_ONLY, "turned_share_3": 0.5, "turn_3": 32,
+                    "arrival_rate": 300},
+    )  # fmt: skip
+    every = line("oriented_feed_rate", **BOX, **RISER, **FLAT_ONLY, turned_share_3=0.5, turn_3=32,
+                 arrival_rate=300, device_order=[1, 2, 3, 4, 5, 6])  # fmt: skip
+    assert float(found.best_device_order) == 1 + np.argmax(every)
+    assert float(found.objective) == pytest.approx(every.max(), rel=ROUNDING)
+
+
 # --- laws
 
 
@@ -223,6 +238,31 @@ def test_an_interval_of_the_rate_by_two_hundred_counts():
     rates = ("oriented_feed_rate", "oriented_feed_rate_lower", "oriented_feed_rate_upper")
     rate, least, most = line(*rates, **BOX, **RISER, **FLAT_ONLY, **COUNTS, arrival_rate=300)
     assert [rate, least, most] == pytest.approx([300 * eta, 300 * lower, 300 * upper], rel=ROUNDING)
+
+
+def test_a_drop_test_in_a_study_of_ten_lines():
+    study = """
+        kind = "sweep"
+        scene = "orienting-line"
+        outputs = ["oriented_feed_rate", "oriented_feed_rate_lower", "oriented_feed_rate_upper"]
+        [parameters]
+        drop_count_1 = 129
+        drop_count_2 = 49
+        drop_count_3 = 22
+        arrival_rate = "300 1/min"
+        passed_aspect_1 = 1
+    """
+    found = vibrafeed.sweep(tomllib.loads(study))
+    exact = stats.beta(129.5, 72.0)
+    assert float(found.oriented_feed_rate) == pytest.approx(300 * exact.mean(), rel=ROUNDING)
+    for name, share in (("lower", 0.025), ("upper", 0.975)):
+        end = float(found[f"oriented_feed_rate_{name}"])
+        assert end == pytest.approx(300 * exact.ppf(share), abs=0.02 * 300 * exact.std())
+
+
+def test_time_in_the_bowl():
+    time, laps = line("time_per_part", "laps", **BOX, **FLAT_ONLY, lap_time="40 s")
+    assert time == pytest.approx(40 * laps, rel=ROUNDING)
 
 
 def test_many_counts_know_the_shares():

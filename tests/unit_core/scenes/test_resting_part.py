@@ -308,13 +308,41 @@ def test_slow_shaking_stands():
     assert found.regime.values.tolist() == states
 
 
+def test_a_part_that_never_rocks_stands_whatever_the_speed():
+    block = {"length": "10 mm", "height": "30 mm", "frequency": 50.0, "amplitude": "0.3 mm"}
+    found = vibrafeed.sweep(
+        scene="resting-part", outputs=["rocking_margin", "topple_margin"], beta=20.0,
+        friction_static=[0.3, 0.5], **block,
+    )  # fmt: skip
+    assert found.topple_margin.values < 0
+    assert found.rocking_margin.values == pytest.approx([0.3 - 1 / 3, 0.5 - 1 / 3], abs=1e-15)
+    assert found.regime.values.tolist() == [REGIMES[n].value for n in ("stands", "may_topple")]
+
+
+def test_the_largest_push_over_load_by_many_phases():
+    random = np.random.default_rng(7)
+    for _ in range(20):
+        beta, gamma, peak = random.uniform(-60, 60), random.uniform(-20, 20), random.uniform(0, 8)
+        (found,) = part("box", "push_over_load", frequency=1 / (2 * np.pi), amplitude=peak,
+                        beta=beta, gamma=gamma, gravity=9.8)  # fmt: skip
+        sines = np.sin(np.linspace(0, 2 * np.pi, 100_001))
+        b, g = np.radians([beta, gamma])
+        push = peak * np.cos(b) * sines - 9.8 * np.sin(g)
+        load = 9.8 * np.cos(g) - peak * np.sin(b) * sines
+        if load.min() > 1e-3:
+            # A phase nearest to the peak is off by 3e-5 at most: its square, times a slope.
+            assert found == pytest.approx(np.max(np.abs(push) / load), rel=1e-6)
+        else:
+            assert found == np.inf
+
+
 def test_every_output_is_traced_and_agrees_with_fifty_digits():
     scene = SCENES["resting-part"]
     for variant in scene.variants:
         given = [
             name
             for name in scene_parameters(scene, variant)
-            if name not in ("gravity", "peak_to_peak")
+            if name not in ("gravity", "peak_to_peak", "friction")
         ]
         plan = make_plan(scene.name, variant, scene.outputs(variant), given)
         assert traced(plan, given) is not None, variant
