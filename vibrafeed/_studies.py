@@ -229,6 +229,8 @@ def study(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -311,6 +313,7 @@ def sweep(
     friction: Values | None = None,
     friction_static: Values | None = None,
     friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
     width: Values | None = None,
     height: Values | None = None,
     length: Values | None = None,
@@ -471,6 +474,8 @@ def sweep(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -531,6 +536,9 @@ def sweep(
         Coulomb friction coefficient at rest. 0 or more, for example 0.3.
     friction_kinetic : values, optional
         Coulomb friction coefficient in sliding. 0 or more, for example 0.3.
+    wall_friction : values, optional
+        Coulomb friction coefficient at the wall of the track; the floor's unless given. 0 or more,
+        for example 0.3.
     width : values, optional
         Width of the rectangular part, across. In m, above 0, for example "10 mm".
     height : values, optional
@@ -922,6 +930,13 @@ def sweep(
         m/s^2".
     row_mass : values, optional
         Mass of all parts of the row. In kg, above 0, for example "100 g".
+    inner_diameter : values, optional
+        Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
+        or a thin shell. In m, 0 or more, for example "6 mm".
+    rolling_factor : values, optional
+        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
+        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
+        2.5.
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1513,6 +1528,8 @@ def optimise(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -2010,6 +2027,13 @@ def optimise(
         m/s^2".
     row_mass : values, optional
         Mass of all parts of the row. In kg, above 0, for example "100 g".
+    inner_diameter : values, optional
+        Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
+        or a thin shell. In m, 0 or more, for example "6 mm".
+    rolling_factor : values, optional
+        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
+        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
+        2.5.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -2298,6 +2322,8 @@ def sensitivity(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -2787,6 +2813,13 @@ def sensitivity(
         m/s^2".
     row_mass : values, optional
         Mass of all parts of the row. In kg, above 0, for example "100 g".
+    inner_diameter : values, optional
+        Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
+        or a thin shell. In m, 0 or more, for example "6 mm".
+    rolling_factor : values, optional
+        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
+        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
+        2.5.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -3282,6 +3315,7 @@ def open_lazily(
     friction: Values | None = None,
     friction_static: Values | None = None,
     friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
     width: Values | None = None,
     height: Values | None = None,
     length: Values | None = None,
@@ -3442,6 +3476,8 @@ def open_lazily(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,

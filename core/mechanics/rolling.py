@@ -14,6 +14,9 @@ from core.mechanics.arrays import Array, Mask, hypot, ratio
 # compiled one takes them all.
 MOST_STEPS = 9
 
+SOLID = 2.0
+"""m r^2/I of a solid cylinder about its axis, kap."""
+
 
 def printed_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
     """Return the angular acceleration 4 P cos(beta) sin(alpha)/d as printed in (3.36) [rad s-2].
@@ -66,36 +69,61 @@ def roll_root(
 ) -> Array:
     """Return the positive root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n [m s-2].
 
-    0 where the cylinder rolls without slip. The left side falls strictly with z. Its inverse root
-    is concave and nearly linear in z, so that Newton's method on it, started below the root, climbs
-    to it without safeguard (the secular equation of trust-region methods). After lift-off q = 0 and
-    the root is |D|.
+    0 where the cylinder rolls without slip.
     """
-    rolls: Mask = is_rolling(
-        in_plane_drive_x=in_plane_drive_x,
-        in_plane_drive_y=in_plane_drive_y,
-        friction_static=friction_static,
-        floor_acceleration=floor_acceleration,
-    )
-    Dx, Dy = np.abs(in_plane_drive_x), np.abs(in_plane_drive_y)
+    return slip_root(
+        in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,
+        floor_acceleration,
+    )  # fmt: skip
+
+
+def slip_root(
+    along: Array, across: Array, rolling_factor: Array | float, friction_static: Array,
+    friction_kinetic: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the positive root z of D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
+
+    D_a pushes along the axis, D_c across it; 0 where the part rolls without slip. The left side
+    falls strictly with z. Its inverse root is concave and nearly linear in z, so that Newton's
+    method on it, started below the root, climbs to it without safeguard (the secular equation of
+    trust-region methods). After lift-off q = 0 and the root is |D|.
+    """
+    held = 1 + rolling_factor
+    Dx, Dy = np.abs(along), np.abs(across)
+    rolls: Mask = hypot(along, across / held) <= friction_static * floor_acceleration
+    rolls = rolls & (floor_acceleration > 0)
     q = friction_kinetic * floor_acceleration
     magnitude = hypot(Dx, Dy)
     slips = ~rolls & (magnitude > 0)
     # Unit scale, so that neither squares nor cubes leave the range of floats.
     scale = np.where(slips, magnitude, 1.0)
     x, y, s = (np.where(slips, part, 0.0) / scale for part in (Dx, Dy, q))
-    z = np.maximum(np.maximum(x - s, y - 3 * s), np.maximum(1.0 - 3 * s, 0.0))
+    z = np.maximum(np.maximum(x - s, y - held * s), np.maximum(1.0 - held * s, 0.0))
     z = np.where(slips, z, 1.0)
     for _ in range(MOST_STEPS):
-        ex, ey = ratio(x, z + s, 0.0), ratio(y, z + 3 * s, 0.0)
+        ex, ey = ratio(x, z + s, 0.0), ratio(y, z + held * s, 0.0)
         norm = hypot(ex, ey)
-        slope = ratio(ex * ex, z + s, 0.0) + ratio(ey * ey, z + 3 * s, 0.0)
+        slope = ratio(ex * ex, z + s, 0.0) + ratio(ey * ey, z + held * s, 0.0)
         step = ratio((norm - 1.0) * norm * norm, slope, 0.0)
         ahead = z + step
         if not np.any(slips & (ahead > z)):  # a cell that has its root keeps it
             break
         z = np.where(slips & (ahead > z), ahead, z)
     return np.where(slips, z * scale, 0.0)
+
+
+def across_axis(
+    push: Array, roll_root: Array, rolling_factor: Array | float, rolling_share: Array | float,
+    friction_kinetic: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the acceleration across the axis, D_c (z + kap q)/(z + (1 + kap) q) [m s-2].
+
+    At z = 0 this is the rolling value, D_c kap/(1 + kap).
+    """
+    q = friction_kinetic * floor_acceleration
+    more = roll_root + (1 + rolling_factor) * q
+    share = ratio(roll_root + rolling_factor * q, more, rolling_share)
+    return push * np.where(roll_root == 0, rolling_share, share)
 
 
 def slipping_acceleration_x(
@@ -121,9 +149,9 @@ def slipping_acceleration_y(
 
     At z = 0 this is the rolling value 2 D_y/3.
     """
-    q = friction_kinetic * floor_acceleration
-    share = ratio(roll_root + 2 * q, roll_root + 3 * q, 2.0 / 3.0)
-    return in_plane_drive_y * np.where(roll_root == 0, 2.0 / 3.0, share)
+    return across_axis(
+        in_plane_drive_y, roll_root, SOLID, 2.0 / 3.0, friction_kinetic, floor_acceleration
+    )
 
 
 def slipping_angular_acceleration(

@@ -79,6 +79,8 @@ def travel_in_words(table: Table) -> str:
     It is told by `direction` if the result has that, else by its mean velocity or its feed rate;
     speeds below the stated error, or a nanometre a second, are those of parts that rest.
     """
+    if "mean_acceleration" in table.variables:
+        return _rolling_in_words(table)
     share = _share_backwards(table)
     if not share:
         return ""
@@ -86,6 +88,28 @@ def travel_in_words(table: Table) -> str:
     if share == 1 and not _is_single(table):
         which = "All cells travel"
     return f"{which} backwards, against x."
+
+
+def _rolling_in_words(table: Table) -> str:
+    """Return what becomes of round parts that are not conveyed; empty if all are."""
+    down = np.abs(table.variables["mean_acceleration"].values)
+    status = table.variables["motion_status"].values
+    runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]
+    found = []
+    for share, words in (
+        (float(np.mean(runs)), f"it runs down at {_between(down[down > 0])}"),
+        (float(np.mean(stays)), "nothing conveys it, and it keeps the speed that it has"),
+    ):
+        if share:
+            where = "" if share == 1 else f" in {percent(share)} of the cells"
+            found.append(f"The part does not travel{where}: {words}.")
+    return " ".join(found)
+
+
+def _between(values: NDArray[np.float64]) -> str:
+    """Return the least and the largest of some accelerations, in words."""
+    least, most = (f"{end:.2g}" for end in (values.min(initial=np.inf), values.max(initial=0.0)))
+    return f"{most} m/s²" if least == most else f"{least} to {most} m/s²"
 
 
 def _share_backwards(table: Table) -> float:

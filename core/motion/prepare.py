@@ -158,8 +158,7 @@ def prepare(study: SimulateStudy) -> Simulation:
         fix = f"Choose among {', '.join(CONTACTS)}"
         raise StudyError([Problem("drive", f"{scene.name} supports only the plain sine", fix)])
     settings = study.settings()
-    # `motion_status` tells how each value was found: it is never left out.
-    asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))
+    asked = tuple(dict.fromkeys((*study.outputs, *never_left_out(scene, method))))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
@@ -214,6 +213,12 @@ def _all_exact(prepared: Simulation) -> bool:
     )
     straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
     return prepared.plan.variant == "events" and is_sine and level and straight
+
+
+def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
+    """Return the outputs that tell how values were found, and what becomes of parts without one."""
+    more = ("mean_acceleration",) if "mean_acceleration" in scene.outputs(method) else ()
+    return ("motion_status", *more)
 
 
 def who_uses(scene: Scene, setting: str) -> str:

@@ -21,6 +21,7 @@ from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
 from core.motion.result import STATUS, Motion
+from core.motion.rolling_scene import ROLLING, rolling_scenes
 from core.motion.row_scene import ROW, row_scene
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
 from core.quantities import QUANTITIES
@@ -283,6 +284,7 @@ SYSTEMS: dict[str, Scene] = {
         "cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder
     ),
     ROW: row_scene(PLANAR_SCALES, DRIVEN),
+    **rolling_scenes(PLANAR_SCALES, DRIVEN),
 }
 """Every system that can be simulated, by the name of its scene."""
 
@@ -291,4 +293,6 @@ def methods_of(scene: str) -> Mapping[str, Method]:
     """Return the methods that a system has, and others of its sort, by name."""
     if scene == ROW:
         return METHODS["row"]
+    if scene in ROLLING:
+        return METHODS["rolling"]
     return METHODS["conveying" if scene in CONTACTS else "tumbling"]

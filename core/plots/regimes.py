@@ -89,6 +89,9 @@ LOOKS = {
         ("indeterminate_force", "x", 1.8),
         ("out_of_phase_possible", "\\", 1.8),
         ("separating", "..", 0.9),
+        # --- round parts
+        ("neutral", "", 1.8),
+        ("rolls_and_slips", "///", 1.3),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)
@@ -97,7 +100,9 @@ ON_FILL = "#000000"  # what is written on a fill
 MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic")
 
 # What is said of values that do not hold.
-NOTES = {"runaway": "no mean velocity", "unresolved": "no answer"}
+NOTES = {
+    "runaway": "no mean velocity", "unresolved": "no answer", "rolls_and_slips": "not known",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from core.quantities.orienting import ORIENTING
 from core.quantities.quantity import Quantity
 from core.quantities.resting import RESTING
 from core.quantities.rolling import ROLLING
+from core.quantities.round_parts import ROUND_PARTS
 from core.quantities.row import ROW
 from core.quantities.track import TRACK
 
@@ -56,6 +57,7 @@ FAMILIES = (
     RESTING,
     ORIENTING,
     ROW,
+    ROUND_PARTS,
 )
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()

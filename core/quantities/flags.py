@@ -29,7 +29,7 @@ REGIMES: dict[str, Flag] = {
     "contact": Flag(1, "the part is in contact; stick or slip does not matter here"),
     "stick": Flag(2, "friction holds the part; it does not move"),
     "slip": Flag(3, "the part slides"),
-    "roll": Flag(4, "the cylinder rolls without slip"),
+    "roll": Flag(4, "the part rolls without slip"),
     "flight": Flag(5, "the part has left the floor", valid=False),
     "wall_lost": Flag(6, "the part has left the wall", valid=False),
     "flight_and_wall_lost": Flag(7, "the part has left floor and wall", valid=False),
@@ -102,6 +102,12 @@ REGIMES: dict[str, Flag] = {
         51, "above a throw number of 3.724 parts may hop in turn; here all hop at once"
     ),
     "separating": Flag(52, "the row breaks up: platoons leave each other for ever"),
+    # --- round parts
+    "neutral": Flag(53, "nothing conveys the part: it keeps the speed that it happens to have"),
+    "rolls_and_slips": Flag(
+        54, "the part cannot roll all the time: it slips too, or hops; its mean speed is not known",
+        valid=False,
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {
@@ -110,7 +116,7 @@ MOTION_STATUSES: dict[str, Flag] = {
     "at_rest": Flag(2, "friction holds the part; it does not move"),
     "aperiodic": Flag(3, "the motion does not repeat; mean and spread over many periods"),
     "runaway": Flag(4, "the part gains speed for ever; it has no mean velocity", valid=False),
-    "neutral": Flag(5, "no friction: the speed is that of the start, at rest on the track"),
+    "neutral": Flag(5, "no friction conveys the part: its speed stays that of the start"),
     "limit_reached": Flag(6, "a limit, or rounding, came before an answer", valid=False),
     "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
     "settled": Flag(8, "the part has come to rest on a side"),
@@ -120,6 +126,9 @@ MOTION_STATUSES: dict[str, Flag] = {
     ),
     "no_drive": Flag(
         11, "the mean acceleration of the steps is not 0, so they cannot drive a track", valid=False
+    ),
+    "rolls_and_slips": Flag(
+        12, "a round part slips or hops besides rolling: its mean speed is not known", valid=False
     ),
 }
 

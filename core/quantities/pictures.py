@@ -59,6 +59,8 @@ INKS = {
     "indeterminate_force": "#4a4a4a",
     "out_of_phase_possible": "#5a4580",
     "separating": "#01665e",
+    "neutral": "#777777",
+    "rolls_and_slips": "#8a7a1f",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -102,6 +104,7 @@ FILLS = {
     "indeterminate_force": "#d6d6d6",
     "out_of_phase_possible": "#c66a2c",
     "separating": "#3f8a70",
+    "neutral": "#d6d6d6",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

@@ -2,10 +2,12 @@
 
 from core.scenes import (
     bowl_drive_unit,
+    cone_on_plane,
     cylinder_isolated,
     cylinder_on_plane,
     cylinder_pair_impact,
     cylinder_rolling,
+    disc_on_edge,
     linear_drive_unit,
     orienting_line,
     rectangle_isolated,
@@ -13,7 +15,9 @@ from core.scenes import (
     rectangle_on_track,
     rectangle_pair_impact,
     resting_part,
+    roller_on_plane,
     row_on_plane,
+    sphere_on_plane,
 )
 from core.scenes.aliases import ALIASES
 from core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
@@ -27,6 +31,10 @@ SCENES: dict[str, Scene] = {
     "cylinder-on-plane": cylinder_on_plane.SCENE,
     "cylinder-pair-impact": cylinder_pair_impact.SCENE,
     "cylinder-rolling": cylinder_rolling.SCENE,
+    "sphere-on-plane": sphere_on_plane.SCENE,
+    "roller-on-plane": roller_on_plane.SCENE,
+    "disc-on-edge": disc_on_edge.SCENE,
+    "cone-on-plane": cone_on_plane.SCENE,
     "linear-drive-unit": linear_drive_unit.SCENE,
     "bowl-drive-unit": bowl_drive_unit.SCENE,
     "resting-part": resting_part.SCENE,

@@ -5,27 +5,7 @@ from __future__ import annotations
 from core.mechanics import vibration, yawing
 from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
 
-COMMON = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
-    Equation("drive_normal", vibration.drive_normal, "(4.13)"),
-    Equation("rolling_drive", yawing.rolling_drive, "(4.13), theory 9.2"),
-    Equation("axial_drive", yawing.axial_drive, "(4.13), theory 9.2"),
-    Equation("gravity_normal", yawing.level_gravity, "(4.17)"),
-    Equation("normal_acceleration", vibration.normal_acceleration, "(4.17)"),
-    Equation("throw_number", vibration.throw_number, "theory 13.2"),
-    Equation("floor_acceleration", vibration.unchecked_acceleration, "(4.17)"),
-    Equation("floor_force", vibration.floor_force, "(4.17)"),
-    Equation("axial_friction_acceleration", yawing.axial_friction_acceleration, "(4.16)"),
-    Equation("rolling_friction", yawing.rolling_friction, "(4.15)"),
-    Equation("axial_friction", yawing.axial_friction, "(4.16)"),
-    Equation("spin_acceleration", yawing.spin_acceleration, "(4.19)"),
-    Equation("yaw_acceleration", yawing.yaw_acceleration, "(4.18), theory 9.3"),
-    Equation("printed_yaw_rate", yawing.printed_yaw_rate, "(4.20), theory 9.4"),
-    Equation("pressure_offset_axial", yawing.pressure_offset_axial, "theory 9.3"),
-    Equation("required_friction", yawing.required_friction, "theory 9.3"),
-    Equation("cone_margin", yawing.cone_margin, "theory 9.3"),
-    Equation("floor_wrench", yawing.floor_wrench, "theory 9.3"),
-    Equation("force_wrench", yawing.force_wrench, "(4.12), (4.13), theory 9.3"),
+AXES = (
     *fields(
         "floor_reduction",
         "(4.1), theory 9.1",
@@ -77,6 +57,31 @@ COMMON = (
             "where the axis of the force system passes the centre, along sigma [m]",
         ),
     ),
+)
+"""Pitch and axis of the wrenches of floor and forces."""
+
+COMMON = (
+    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
+    Equation("drive_normal", vibration.drive_normal, "(4.13)"),
+    Equation("rolling_drive", yawing.rolling_drive, "(4.13), theory 9.2"),
+    Equation("axial_drive", yawing.axial_drive, "(4.13), theory 9.2"),
+    Equation("gravity_normal", yawing.level_gravity, "(4.17)"),
+    Equation("normal_acceleration", vibration.normal_acceleration, "(4.17)"),
+    Equation("throw_number", vibration.throw_number, "theory 13.2"),
+    Equation("floor_acceleration", vibration.unchecked_acceleration, "(4.17)"),
+    Equation("floor_force", vibration.floor_force, "(4.17)"),
+    Equation("axial_friction_acceleration", yawing.axial_friction_acceleration, "(4.16)"),
+    Equation("rolling_friction", yawing.rolling_friction, "(4.15)"),
+    Equation("axial_friction", yawing.axial_friction, "(4.16)"),
+    Equation("spin_acceleration", yawing.spin_acceleration, "(4.19)"),
+    Equation("yaw_acceleration", yawing.yaw_acceleration, "(4.18), theory 9.3"),
+    Equation("printed_yaw_rate", yawing.printed_yaw_rate, "(4.20), theory 9.4"),
+    Equation("pressure_offset_axial", yawing.pressure_offset_axial, "theory 9.3"),
+    Equation("required_friction", yawing.required_friction, "theory 9.3"),
+    Equation("cone_margin", yawing.cone_margin, "theory 9.3"),
+    Equation("floor_wrench", yawing.floor_wrench, "theory 9.3"),
+    Equation("force_wrench", yawing.force_wrench, "(4.12), (4.13), theory 9.3"),
+    *AXES,
 )
 THESIS = (
     *COMMON,

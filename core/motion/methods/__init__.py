@@ -5,6 +5,7 @@ from core.motion.methods import rows, tumbling
 from core.motion.methods.events import EVENTS
 from core.motion.methods.reference import REFERENCE
 from core.motion.methods.regularised import BDF, LSODA, RADAU
+from core.motion.methods.rolling import rolled
 from core.motion.methods.stepping import TIME_STEPPING
 
 METHODS: dict[str, dict[str, Method]] = {
@@ -21,5 +22,6 @@ METHODS: dict[str, dict[str, Method]] = {
         "time-stepping": tumbling.TIME_STEPPING,
     },
     "row": {"events": rows.EVENTS},
+    "rolling": rolled({"events": EVENTS, "time-stepping": TIME_STEPPING, "reference": REFERENCE}),
 }
-"""The methods by what they follow, a part that is conveyed, one that tumbles, a row; by name."""
+"""The methods by what they follow: a conveyed part, one that tumbles, a row, a round part."""

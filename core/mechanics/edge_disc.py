@@ -1,0 +1,89 @@
+"""A disc, coin or ring on its edge, its face against the wall of a track (theory 18.1).
+
+It rolls along x, kap = m r^2/I, and its face slides on the wall: the wall's force s presses through
+the centre, and its friction mu_w s acts there. Axes of the wrenches: n upwards, eta along x, sigma
+across, off the wall. All functions take and return broadcastable float64 arrays, SI units.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask
+from core.mechanics.round_parts import least_friction
+from core.mechanics.screws import Wrench, vector
+
+
+def leaves_wall(*, wall_balance: Array) -> Mask:
+    """True where nothing presses the disc onto the wall: its load is below 0."""
+    return wall_balance < 0
+
+
+def wall_as_floor(*, friction_kinetic: Array) -> Array:
+    """Return the floor's kinetic friction, for a wall of the same material [1]."""
+    return friction_kinetic
+
+
+def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:
+    """Return what wall friction leaves of the push, D - mu_w s sgn(D); 0 if it holds [m s-2]."""
+    left = np.maximum(np.abs(in_plane_drive_x) - wall_friction * wall_acceleration, 0.0)
+    return np.where(in_plane_drive_x < 0, -left, left)
+
+
+def is_held(*, net_push: Array) -> Mask:
+    """True where the friction of the wall holds the disc."""
+    return net_push == 0
+
+
+def disc_friction(*, net_push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
+    """Return the least static friction of the floor to roll, |D - w|/((1 + kap) n) [1].
+
+    w is the friction of the wall per mass; infinite in flight.
+    """
+    return least_friction(net_push, rolling_factor, floor_acceleration)
+
+
+def disc_acceleration(
+    *, net_push: Array, required_friction: Array, friction_static: Array, friction_kinetic: Array,
+    rolling_share: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the acceleration along x: kap/(1 + kap) of the net push if it rolls [m s-2].
+
+    Where the edge slips on the floor, the net push less mu_k n.
+    """
+    slipping = np.maximum(np.abs(net_push) - friction_kinetic * floor_acceleration, 0.0)
+    slipping = np.where(net_push < 0, -slipping, slipping)
+    return np.where(required_friction <= friction_static, rolling_share * net_push, slipping)
+
+
+def disc_spin(
+    *, net_push: Array, acceleration_x: Array, rolling_factor: Array, diameter: Array
+) -> Array:
+    """Return the angular acceleration about the disc's axis, kap F/(m r) [rad s-2]."""
+    return rolling_factor * (net_push - acceleration_x) / (diameter / 2)
+
+
+def disc_floor_friction(*, mass: Array, net_push: Array, acceleration_x: Array) -> Array:
+    """Return the floor's friction force that turns the disc, F, positive along -x [N]."""
+    return mass * (net_push - acceleration_x)
+
+
+def wall_drag(*, mass: Array, in_plane_drive_x: Array, net_push: Array) -> Array:
+    """Return the friction force of the wall, positive along -x [N]."""
+    return mass * (in_plane_drive_x - net_push)
+
+
+def disc_floor_wrench(*, floor_force: Array, rolling_friction: Array, diameter: Array) -> Wrench:
+    """Return the wrench of the floor about the centre: (N, -F, 0) and the moment r F."""
+    zero = np.zeros(())
+    force = vector(floor_force, -rolling_friction, zero)
+    return Wrench(force, vector(zero, zero, diameter / 2 * rolling_friction))
+
+
+def disc_force_wrench(
+    *, mass: Array, acceleration_x: Array, rolling_friction: Array, diameter: Array
+) -> Wrench:
+    """Return the wrench of drive, gravity, floor and wall together: m a along eta, moment r F."""
+    zero = np.zeros(())
+    force = vector(zero, mass * acceleration_x, zero)
+    return Wrench(force, vector(zero, zero, diameter / 2 * rolling_friction))

@@ -1,0 +1,113 @@
+"""Round parts on a vibrating floor, in the mean over a period (theory 18.2).
+
+Numbers as of motion in time: accelerations over g, velocities over g/w. The slip of a round part,
+s = u - r w, obeys
+
+    s' = D + (1 + kap) f,   |f| <= mu n,        u' = (s' + kap D)/(1 + kap)
+
+Its mean over a cycle is 0, so that the mean of u' is kap/(1 + kap) times that of D, whatever the
+drive, friction and rebounds: friction conveys no ball. Rolling resistance c (a couple c r n against
+the turning) does: in pure rolling u' = kap/(1 + kap) (D - c n sgn(u)), a block of friction c.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask
+
+
+class RollingContact(NamedTuple):
+    """What a round part has at floor and wall; all fields broadcast.
+
+    Attributes
+    ----------
+    share, factor : ndarray
+        kap/(1 + kap) and kap = m r^2/I.
+    static : ndarray
+        Static friction of the floor.
+    resistance : ndarray
+        Coefficient of rolling resistance.
+    drag : ndarray
+        Friction of the wall on the face, over gravity.
+    load : ndarray
+        Mean load on the floor, over gravity.
+    uphill : ndarray
+        Gravity against the direction of travel.
+    along, normal : ndarray
+        The drive numbers.
+    """
+
+    share: Array
+    factor: Array
+    static: Array
+    resistance: Array
+    drag: Array
+    load: Array
+    uphill: Array
+    along: Array
+    normal: Array
+
+    @property
+    def held(self) -> Array:
+        """Mean force against the motion of a part that rolls one way, over its weight."""
+        held: Array = self.resistance * self.load + self.drag
+        return held
+
+    @property
+    def free(self) -> Mask:
+        """Where nothing resists rolling."""
+        return np.asarray(self.held == 0)
+
+    @property
+    def runs_away(self) -> Mask:
+        """Where gravity is more than what resists rolling."""
+        return np.asarray(np.abs(self.uphill) > self.held)
+
+    @property
+    def lifts(self) -> Mask:
+        """Where the part leaves the floor."""
+        return np.asarray(np.abs(self.normal) > self.load)
+
+    def at_ends(self, sign: float) -> tuple[Array, Array]:
+        """Return push and load where the drive is at its peak (sign 1) or opposite (-1)."""
+        return sign * self.along - self.uphill, self.load - sign * self.normal
+
+    @property
+    def traction(self) -> tuple[Array, Array]:
+        """Bounds of the friction that rolling takes, over load and (1 + kap), in a period.
+
+        (D -+ w +- kap c n)/n has the drive's sine s in it as (p s - g)/(n - q s), which grows or
+        falls all the way: its ends count. Infinite where the part leaves the floor.
+        """
+        least, most = np.zeros(()), np.zeros(())
+        for sign in (1.0, -1.0):
+            push, load = self.at_ends(sign)
+            carried = np.where(load > 0, load, 1.0)
+            resisted = self.factor * self.resistance + self.drag / carried
+            ends = np.abs(push) / carried
+            least = np.maximum(least, np.where(load > 0, ends - resisted, np.inf))
+            most = np.maximum(most, np.where(load > 0, ends + resisted, np.inf))
+        return least, most
+
+    @property
+    def surely_rolls(self) -> Mask:
+        """Where the floor has the friction to roll in every instant, however the part moves."""
+        return np.asarray(self.traction[1] <= (1 + self.factor) * self.static)
+
+    @property
+    def surely_slips(self) -> Mask:
+        """Where it has too little at some instant, however the part moves."""
+        enough = (1 + self.factor) * np.maximum(self.static, self.resistance)
+        return np.asarray(self.lifts | (self.traction[0] > enough))
+
+
+def mean_acceleration(contact: RollingContact) -> Array:
+    """Return the mean acceleration in the long run, -k (sin(gamma) -+ c n) where it runs down [1].
+
+    0 where something resists rolling that is more than gravity.
+    """
+    left = np.maximum(np.abs(contact.uphill) - contact.held, 0.0)
+    return np.where(contact.uphill > 0, -1.0, 1.0) * contact.share * left

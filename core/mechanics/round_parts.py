@@ -1,0 +1,245 @@
+"""Balls, tubes, discs and cones that roll on a plane, from rest (theory 18.1).
+
+With kap = m r^2/I, I about the axis that a part turns about, the point of contact is pushed off by
+a force of friction F with (1 + kap) F/m: it slips as a block does under (1 + kap) times the
+friction. All functions take and return broadcastable float64 arrays, SI units, angles in radians.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics import rolling
+from core.mechanics.angles import cosine, sine
+from core.mechanics.arrays import Array, Mask, hypot, ratio
+
+# --- how much of a part turns
+
+
+def tube_factor(*, diameter: Array, inner_diameter: Array) -> Array:
+    """Return the factor m r^2/I of a tube about its axis, 2/(1 + q^2), q = d_i/d [1].
+
+    2 of a solid cylinder or disc, 1 of a hoop.
+    """
+    q = inner_diameter / diameter
+    return 2 / (1 + q * q)
+
+
+def ball_factor(*, diameter: Array, inner_diameter: Array) -> Array:
+    """Return the factor m r^2/I of a hollow ball, (5/2) (1 - q^3)/(1 - q^5), q = d_i/d [1].
+
+    5/2 of a solid ball, 3/2 of a thin shell.
+    """
+    q = inner_diameter / diameter
+    # 1 - q is a factor of both: without it a thin shell loses no digit.
+    return 2.5 * (1 + q * (1 + q)) / (1 + q * (1 + q * (1 + q * (1 + q))))
+
+
+def is_no_tube(*, diameter: Array, inner_diameter: Array) -> Mask:
+    """True where the hole is wider than the part."""
+    return inner_diameter > diameter
+
+
+def rolling_share(*, rolling_factor: Array) -> Array:
+    """Return what rolling leaves of a push, kap/(1 + kap) [1]."""
+    return rolling_factor / (1 + rolling_factor)
+
+
+# --- a ball: isotropic
+
+
+def least_friction(push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
+    """Return the least static friction of pure rolling, |D|/((1 + kap) n); inf in flight [1]."""
+    pressed = floor_acceleration > 0
+    needed = np.abs(push) / ((1 + rolling_factor) * np.where(pressed, floor_acceleration, 1.0))
+    return np.where(pressed, needed, np.inf)
+
+
+def ball_friction(
+    *, in_plane_drive: Array, rolling_factor: Array, floor_acceleration: Array
+) -> Array:
+    """Return the least static friction with which a ball rolls, |D|/((1 + kap) n) [1].
+
+    Infinite in flight.
+    """
+    return least_friction(in_plane_drive, rolling_factor, floor_acceleration)
+
+
+def rolls(*, required_friction: Array, friction_static: Array) -> Mask:
+    """True where static friction is enough to roll."""
+    return required_friction <= friction_static
+
+
+def ball_fraction(
+    *, in_plane_drive: Array, required_friction: Array, friction_static: Array,
+    friction_kinetic: Array, rolling_share: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the acceleration of a ball's centre over the push, |a|/|D| [1].
+
+    kap/(1 + kap) where it rolls, 1 - mu_k n/|D| where it slips, 1 in flight.
+    """
+    slips = 1.0 - friction_kinetic * ratio(floor_acceleration, in_plane_drive, 0.0)
+    return np.where(required_friction <= friction_static, rolling_share, slips)
+
+
+def fraction_x(*, in_plane_drive_x: Array, moved_fraction: Array) -> Array:
+    """Return the acceleration of the centre along x [m s-2]."""
+    return in_plane_drive_x * moved_fraction
+
+
+def fraction_y(*, in_plane_drive_y: Array, moved_fraction: Array) -> Array:
+    """Return the acceleration of the centre along y [m s-2]."""
+    return in_plane_drive_y * moved_fraction
+
+
+def ball_spin(
+    *, in_plane_drive: Array, moved_fraction: Array, rolling_factor: Array, diameter: Array
+) -> Array:
+    """Return the angular acceleration of a ball, kap (|D| - |a|)/r [rad s-2].
+
+    |a|/r where it rolls, kap mu_k n/r where it slips, 0 in flight.
+    """
+    return rolling_factor * in_plane_drive * (1 - moved_fraction) / (diameter / 2)
+
+
+# --- a roller, tube or ring: rolls across its axis, slides along it
+
+
+def push_across_axis(*, in_plane_drive_x: Array, in_plane_drive_y: Array, axis_yaw: Array) -> Array:
+    """Return the push in rolling direction, D_x sin(theta) + D_y cos(theta) [m s-2]."""
+    return in_plane_drive_x * sine(axis_yaw) + in_plane_drive_y * cosine(axis_yaw)
+
+
+def push_along_axis(*, in_plane_drive_x: Array, in_plane_drive_y: Array, axis_yaw: Array) -> Array:
+    """Return the push along the axis, D_x cos(theta) - D_y sin(theta) [m s-2]."""
+    return in_plane_drive_x * cosine(axis_yaw) - in_plane_drive_y * sine(axis_yaw)
+
+
+def roller_friction(
+    *, push_across_axis: Array, push_along_axis: Array, rolling_factor: Array,
+    floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the least static friction with which a roller rolls, hypot(D_s, D_e/(1+kap))/n [1]."""
+    pressed = floor_acceleration > 0
+    needed = hypot(push_along_axis, push_across_axis / (1 + rolling_factor))
+    return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)
+
+
+def roller_root(
+    *, push_across_axis: Array, push_along_axis: Array, rolling_factor: Array,
+    friction_static: Array, friction_kinetic: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the root z of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
+
+    As for the cylinder, `rolling.roll_root`.
+    """
+    return rolling.slip_root(
+        push_along_axis, push_across_axis, rolling_factor, friction_static, friction_kinetic,
+        floor_acceleration,
+    )  # fmt: skip
+
+
+def axial_acceleration(
+    *, push_along_axis: Array, roll_root: Array, friction_kinetic: Array, floor_acceleration: Array
+) -> Array:
+    """Return the acceleration along the axis, D_s z/(z + q) [m s-2]."""
+    q = friction_kinetic * floor_acceleration
+    return push_along_axis * ratio(roll_root, roll_root + q, 0.0)
+
+
+def rolling_acceleration(
+    *, push_across_axis: Array, roll_root: Array, rolling_factor: Array, rolling_share: Array,
+    friction_kinetic: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the acceleration across the axis, D_e (z + kap q)/(z + (1 + kap) q) [m s-2].
+
+    D_e kap/(1 + kap) where it rolls, z = 0.
+    """
+    return rolling.across_axis(
+        push_across_axis, roll_root, rolling_factor, rolling_share, friction_kinetic,
+        floor_acceleration,
+    )  # fmt: skip
+
+
+def roller_x(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw: Array) -> Array:
+    """Return the acceleration along x, a_e sin(theta) + a_s cos(theta) [m s-2]."""
+    return rolling_acceleration * sine(axis_yaw) + axial_acceleration * cosine(axis_yaw)
+
+
+def roller_y(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw: Array) -> Array:
+    """Return the acceleration along y, a_e cos(theta) - a_s sin(theta) [m s-2]."""
+    return rolling_acceleration * cosine(axis_yaw) - axial_acceleration * sine(axis_yaw)
+
+
+def roller_spin(
+    *, push_across_axis: Array, rolling_acceleration: Array, rolling_factor: Array, diameter: Array
+) -> Array:
+    """Return the angular acceleration about the axis, kap (D_e - a_e)/r [rad s-2]."""
+    return rolling_factor * (push_across_axis - rolling_acceleration) / (diameter / 2)
+
+
+# --- a truncated cone on its side: rolls about the vertical through its apex
+
+
+def cone_half_angle(*, diameter: Array, small_diameter: Array, height: Array) -> Array:
+    """Return the half angle of a truncated cone, atan((R1 - R2)/H) [rad]."""
+    return np.arctan2((diameter - small_diameter) / 2, height)
+
+
+def centre_radius(
+    *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
+) -> Array:
+    """Return the radius of a truncated cone at its centre of mass, R1 - z_c (R1 - R2)/H [m]."""
+    return (diameter - (diameter - small_diameter) * (mass_height / height)) / 2
+
+
+def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
+    """Return the radius of gyration of a truncated cone about its axis [m].
+
+    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(10 (1 + r + r^2)), r = R2/R1.
+    """
+    r = small_diameter / diameter
+    turning = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (10 * (1 + r * (1 + r)))
+    return diameter / 2 * np.sqrt(turning)
+
+
+def cone_factor(
+    *, centre_radius: Array, axial_gyration: Array, gyration: Array, cone_half_angle: Array
+) -> Array:
+    """Return what rolling leaves of a push on a cone, F = (l sin a)^2/I_g [1].
+
+    I_g = I_ax cos(a)^2 + (I_t + l^2) sin(a)^2 of unit mass about the line that it touches. With the
+    radius rho = l tan(a) at the centre, F = rho^2/(rho^2 + I_ax + I_t tan(a)^2): 2/3 of a cylinder.
+    """
+    turning = hypot(axial_gyration, gyration * np.tan(cone_half_angle))
+    through = hypot(centre_radius, turning)
+    return np.square(centre_radius / through)
+
+
+def cone_acceleration(*, push_across_axis: Array, cone_factor: Array) -> Array:
+    """Return the acceleration of a rolling cone's centre, F D_t [m s-2]."""
+    return cone_factor * push_across_axis
+
+
+def cone_turning(
+    *, rolling_acceleration: Array, centre_radius: Array, cone_half_angle: Array
+) -> Array:
+    """Return the turning about the vertical through the apex, F D_t/(l cos a) [rad s-2].
+
+    0 of a cylinder, whose apex is far.
+    """
+    apart = centre_radius * cosine(cone_half_angle)  # l cos(a) = rho cos(a)/tan(a)
+    return rolling_acceleration * np.tan(cone_half_angle) / apart
+
+
+def cone_friction(
+    *, push_across_axis: Array, push_along_axis: Array, cone_factor: Array,
+    floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the least static friction with which a cone rolls, hypot(D_g, (1 - F) D_t)/n [1].
+
+    Of the resultant; infinite in flight.
+    """
+    pressed = floor_acceleration > 0
+    needed = hypot(push_along_axis, push_across_axis * (1 - cone_factor))
+    return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)

@@ -1,0 +1,168 @@
+"""Round parts that roll: the motion of a block, by any method, read as that of the part (18.2).
+
+There is no kernel of their own. In pure rolling a part moves as a block whose friction is the
+rolling resistance, kap/(1 + kap) times as fast; where it cannot roll all the time, or nothing
+resists its rolling, the mean is known without following it, or is none.
+"""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.mechanics.rolling_motion import RollingContact
+from core.motion import planar
+from core.motion.groups import Contacts, Groups, cells_of
+from core.motion.kernels.planar.tables import PIECE
+from core.motion.method import Follow, Method
+from core.motion.result import STATUS, Motion
+from core.quantities import MOTION_MODES
+from core.watch import Watch
+
+WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
+SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+ROUNDING = 1e-12
+"""Of the friction that there is: so little more is none."""
+
+
+def block_groups(contact: RollingContact) -> Groups:
+    """Return the groups of the block that moves as a round part that rolls.
+
+    Its friction is the rolling resistance c, its load the part's and w/c of the wall's friction;
+    without rolling resistance, the wall's alone on a floor that does not press. A block at rest
+    stands for parts whose motion is known without it.
+    """
+    known = contact.free | contact.lifts | contact.runs_away
+    rubs = contact.resistance > 0
+    resistance = np.where(rubs, contact.resistance, 1.0)
+    friction = np.where(rubs, resistance, contact.drag / np.where(rubs, 1.0, contact.load))
+    return Groups(
+        drive_number_along=np.where(known, 0.0, contact.along),
+        drive_number_normal=np.where(known | ~rubs, 0.0, contact.normal),
+        gravity_number_along=np.where(known, 0.0, contact.uphill),
+        gravity_number_normal=contact.load + np.where(rubs, contact.drag / resistance, 0.0),
+        friction_static=friction,
+        friction_kinetic=friction,
+    )
+
+
+def always_rolls(contact: RollingContact, watch: Watch | None) -> Array:
+    """Return where the floor has the friction to roll over the whole cycle.
+
+    Bounds tell nearly all cells; the motion of the others is followed once more.
+    """
+    rolls = contact.surely_rolls
+    open_cells = ~(rolls | contact.surely_slips | contact.free | contact.runs_away)
+    if not open_cells.any():
+        return rolls
+    fields = np.broadcast_arrays(*contact, rolls)
+    shape, fields = fields[0].shape, [np.ravel(one) for one in fields]
+    found, open_cells = fields[-1].copy(), np.broadcast_to(open_cells, shape).ravel()
+    watch = watch or Watch()
+    with watch.flag() as stop:
+        for place in np.flatnonzero(open_cells):
+            if watch.stopped():
+                break
+            one = RollingContact(*(field[place] for field in fields[:-1]))
+            (cell,), _ = cells_of(block_groups(one), **SETTINGS)
+            pieces = planar.follow(cell, stop)[0]
+            found[place] = most_traction(one, pieces) <= (1 + ROUNDING) * float(one.static)
+    return found.reshape(shape)
+
+
+def most_traction(contact: RollingContact, pieces: Array) -> float:
+    """Return the largest friction over load that rolling takes, over the pieces of a cycle [1].
+
+    |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, |D| - w at most at rest.
+    """
+    # The pieces are those of a drive that points up and forwards: the mirror image, else.
+    normal = abs(float(contact.normal))
+    along = float(contact.along) * (-1.0 if contact.normal < 0 else 1.0)
+    uphill = float(contact.uphill) * (-1.0 if along < 0 else 1.0)
+    along, most = abs(along), 0.0
+    for piece in pieces:
+        start, way = piece[PIECE.phase], WAYS.get(int(piece[PIECE.mode]), 0.0)
+        end = start + piece[PIECE.span]
+        peaks = np.pi / 2 + np.pi * np.arange(-2, 8)
+        for phase in (start, end, *peaks[(peaks > start) & (peaks < end)]):
+            sine = np.sin(phase)
+            push, load = along * sine - uphill, float(contact.load) - normal * sine
+            if load <= 0.0:
+                return float("inf")
+            if way:
+                push += way * (contact.factor * contact.resistance * load - contact.drag)
+                needed = abs(push) / (1 + contact.factor)
+            else:
+                needed = max(0.0, abs(push) - contact.drag)
+            most = max(most, float(needed / load))
+    return most
+
+
+def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> Motion:
+    """Return the motion of a round part from that of its block."""
+    rolls = always_rolls(contact, watch)
+    status = np.where(
+        contact.runs_away, STATUS["runaway"],
+        np.where(contact.free, STATUS["neutral"],
+                 np.where(rolls, block.status, STATUS["rolls_and_slips"])),
+    ).astype(np.int8)  # fmt: skip
+    none = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
+    neutral = status == STATUS["neutral"]
+
+    def means(values: Array, scale: Array | float = 1.0) -> Array:
+        return np.where(none, np.nan, np.where(neutral, 0.0, scale * values))
+
+    found = {name: means(getattr(block, name)) for name in Motion._fields if name != "status"}
+    for name in ("velocity", "spread", "error"):
+        found[name] = means(getattr(block, name), contact.share)
+    found["across"] = np.where(none, np.nan, 0.0)
+    return Motion(**{n: np.broadcast_to(v, status.shape) for n, v in found.items()}, status=status)
+
+
+def _rolled(method: Method) -> Method:
+    """Return the method for round parts that follows their blocks by another one."""
+
+    def follow(contacts: Contacts) -> Follow:
+        block = method.follow(contacts)
+
+        def motion(
+            *, groups: Groups, rolling_contact: RollingContact, watch: Watch | None = None,
+            **given: Any,
+        ) -> Motion:  # fmt: skip
+            """Return the motion of the block of a round part, as that of the part."""
+            found: Motion = block(groups=groups, watch=watch, **given)
+            return as_rolling(rolling_contact, found, watch)
+
+        motion.__signature__ = _takes("rolling_contact", block)  # type: ignore[attr-defined]
+        return motion
+
+    return replace(method, follow=follow, course=None, energy=None)
+
+
+def of_slip(block: Follow) -> Follow:
+    """Return the equation of the slip of a round part's contact, which moves as a block does."""
+
+    def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **given: Any) -> Motion:
+        """Return the motion of the contact of a round part over the floor."""
+        found: Motion = block(groups=slip_groups, watch=watch, **given)
+        return found
+
+    slip_motion.__signature__ = _takes("slip_groups", block, groups=False)  # type: ignore[attr-defined]
+    return slip_motion
+
+
+def _takes(more: str, block: Follow, *, groups: bool = True) -> inspect.Signature:
+    """Return the signature of an equation that takes what another does, and one thing more."""
+    known = inspect.signature(block).parameters
+    keyword = inspect.Parameter(more, inspect.Parameter.KEYWORD_ONLY)
+    kept = [one for name, one in known.items() if groups or name != "groups"]
+    return inspect.Signature([keyword, *kept])
+
+
+def rolled(methods: dict[str, Method]) -> dict[str, Method]:
+    """Return the methods for round parts."""
+    return {name: _rolled(method) for name, method in methods.items()}

@@ -1,0 +1,234 @@
+"""The systems of round parts that roll along the track: ball, roller, disc on its edge (18.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.mechanics import rolling_motion, round_parts
+from core.mechanics.arrays import Array, Mask
+from core.mechanics.rolling_motion import RollingContact
+from core.motion import limits, scales
+from core.motion.feeding import DEFAULTS
+from core.motion.feeding import RESULTS as FEEDING
+from core.motion.groups import BLOCK_ON_FLOOR, Groups
+from core.motion.method import Method
+from core.motion.methods import METHODS
+from core.motion.methods.rolling import block_groups, of_slip
+from core.motion.result import STATUS, Motion
+from core.motion.row_scene import drive_number_along
+from core.scenes.scene import (
+    STANDARD_GRAVITY,
+    STATIC_ABOVE_KINETIC,
+    Condition,
+    Constraint,
+    Equation,
+    Scene,
+    fields,
+)
+
+SOURCE = "theory 18.2"
+BALL, ROLLER, DISC = "sphere-on-plane", "roller-on-plane", "disc-on-edge"
+ROLLING = (BALL, ROLLER, DISC)
+
+
+# --- equations
+
+
+def floor_contact(
+    *, rolling_share: Array, rolling_factor: Array, friction_static: Array,
+    rolling_resistance: Array, load_number: Array, gravity_number_along: Array,
+    drive_number_along: Array, drive_number_normal: Array,
+) -> RollingContact:  # fmt: skip
+    """Return what a round part has at the floor."""
+    return RollingContact(
+        share=rolling_share, factor=rolling_factor, static=friction_static,
+        resistance=rolling_resistance, drag=np.zeros(()), load=load_number,
+        uphill=gravity_number_along, along=drive_number_along, normal=drive_number_normal,
+    )  # fmt: skip
+
+
+def wall_contact(
+    *, rolling_share: Array, rolling_factor: Array, friction_static: Array,
+    rolling_resistance: Array, load_number: Array, gravity_number_along: Array,
+    gravity_number_across: Array, wall_friction: Array, drive_number_along: Array,
+    drive_number_normal: Array,
+) -> RollingContact:  # fmt: skip
+    """Return what a disc on its edge has at floor and wall."""
+    return RollingContact(
+        share=rolling_share, factor=rolling_factor, static=friction_static,
+        resistance=rolling_resistance, drag=wall_friction * gravity_number_across,
+        load=load_number, uphill=gravity_number_along, along=drive_number_along,
+        normal=drive_number_normal,
+    )  # fmt: skip
+
+
+def rolling_groups(*, rolling_contact: RollingContact) -> Groups:
+    """Return the groups of the block that moves as the part rolls."""
+    return block_groups(rolling_contact)
+
+
+def slip_groups(
+    *, rolling_factor: Array, drive_number_along: Array, drive_number_normal: Array,
+    gravity_number_along: Array, load_number: Array, friction_static: Array,
+    friction_kinetic: Array, restitution: Array,
+) -> Groups:  # fmt: skip
+    """Return the groups of the block that moves as the contact of a round part slips.
+
+    Its friction is 1 + kap times that of the part.
+    """
+    return Groups(
+        drive_number_along=drive_number_along,
+        drive_number_normal=drive_number_normal,
+        gravity_number_along=gravity_number_along,
+        gravity_number_normal=load_number,
+        friction_static=(1 + rolling_factor) * friction_static,
+        friction_kinetic=(1 + rolling_factor) * friction_kinetic,
+        restitution=restitution,
+    )
+
+
+def slip_velocity(*, slip_motion: Motion, velocity_scale: Array) -> Array:
+    """Return the mean velocity of the contact's slip, rolling resistance left out [m s-1]."""
+    return slip_motion.velocity * velocity_scale
+
+
+def mean_acceleration(*, rolling_contact: RollingContact, gravity: Array) -> Array:
+    """Return the mean acceleration along the track in the long run [m s-2].
+
+    Of a part that runs down -kap/(1 + kap) (g sin(gamma) - c n), whatever the drive, friction and
+    rebounds; else 0.
+    """
+    return rolling_motion.mean_acceleration(rolling_contact) * gravity
+
+
+def _has(*names: str) -> Callable[..., Mask]:
+    values = [STATUS[name] for name in names]
+
+    def has_status(*, motion: Motion) -> Mask:
+        return np.isin(motion.status, values)
+
+    has_status.__doc__ = f"Return where the status is {' or '.join(names)}."
+    return has_status
+
+
+def rests(*, motion: Motion) -> Mask:
+    """True where rolling resistance, or the wall, holds the part all the time."""
+    return motion.only("stick")
+
+
+RESULTS = (
+    Equation("conveying_velocity", scales.conveying_velocity, SOURCE),
+    Equation("conveying_velocity_error", scales.conveying_velocity_error, SOURCE),
+    Equation("efficiency", scales.efficiency, "theory 13.10"),
+    *fields(
+        "motion",
+        SOURCE,
+        stick_fraction=("stick", "share of the period in which the part does not move [1]"),
+        forward_fraction=("forward", "share of the period in which the part rolls forward [1]"),
+        backward_fraction=("backward", "share of the period in which the part rolls backward [1]"),
+        period_multiple=(
+            "multiple",
+            "after how many periods of the drive the motion repeats; 0 where it has none [1]",
+        ),
+        motion_status=("status", "how the motion ended, as a status"),
+    ),
+    Equation("mean_acceleration", mean_acceleration, SOURCE),
+    *FEEDING,
+)
+ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"mean_acceleration", "occupancy"} | {
+    "regime"
+}
+CONDITIONS = (
+    Condition(
+        "unresolved", _has("not_computed", "limit_reached", "no_solution"), ANY_RESULT, "roll"
+    ),
+    Condition("runaway", _has("runaway"), ANY_RESULT),
+    Condition("rolls_and_slips", _has("rolls_and_slips"), ANY_RESULT),
+    Condition("neutral", _has("neutral"), ANY_RESULT),
+    Condition("stick", rests, ANY_RESULT),
+)
+VALIDITY = (
+    "Motion along the track. Rolling resistance is a couple c r n against the turning, r the "
+    "radius and n the load. A part without any is not conveyed, whatever the drive and the "
+    "friction. Where the floor has not the friction to roll all the time, or the part hops, its "
+    "mean velocity is not known: the regime is rolls_and_slips."
+)
+
+
+def rolling_scenes(
+    scales_of_drive: tuple[Equation, ...], driven_within: Constraint
+) -> dict[str, Scene]:
+    """Return the systems of round parts, by name."""
+    planar = tuple(one for one in scales_of_drive if one.gives != "drive_number_along")
+    planar = (
+        *planar,
+        Equation("drive_number_along", drive_number_along, SOURCE),
+        *limits.equations("sine", ("along", "normal")),
+        Equation("rolling_share", round_parts.rolling_share, "theory 18.1"),
+        Equation("groups", rolling_groups, SOURCE),
+    )
+    on_floor = (*planar, Equation("rolling_contact", floor_contact, SOURCE))
+    at_wall = (
+        *(one for one in planar if one.gives != "gravity_number_normal"),
+        Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
+        Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
+        Equation("wall_friction", scales.wall_friction, "theory 13.1"),
+        Equation("rolling_contact", wall_contact, SOURCE),
+    )
+
+    def scene(
+        name: str, title: str, numbers: tuple[Equation, ...], kap: float, more: str = ""
+    ) -> Scene:
+        shape = round_parts.ball_factor if name == BALL else round_parts.tube_factor
+        own = (*numbers, Equation("rolling_factor", shape, "theory 18.1"))
+        leaning = {"delta": 0.0} if name == DISC else {}
+        return Scene(
+            name=name,
+            title=title,
+            source=SOURCE,
+            validity=VALIDITY + more,
+            variants={
+                method.name: (*own, *_followed(method, slips=name != DISC))
+                for method in METHODS["rolling"].values()
+            },
+            default_variant="events",
+            conditions=dict.fromkeys(METHODS["rolling"], CONDITIONS),
+            defaults={
+                "gamma": 0.0, "gravity": STANDARD_GRAVITY, "hold_down_number": 0.0,
+                "rolling_resistance": 0.0, "inner_diameter": 0.0, "rolling_factor": kap,
+                "restitution": 0.0, **leaning, **DEFAULTS,
+            },
+            constraints=(
+                STATIC_ABOVE_KINETIC, driven_within,
+                *(one for method in METHODS["rolling"].values() for one in method.refuses),
+            ),
+            choice="method",
+            variant_defaults={m.name: m.defaults for m in METHODS["rolling"].values()},
+        )  # fmt: skip
+
+    return {
+        BALL: scene(BALL, "Motion in time of a ball that rolls on a plane", on_floor, 2.5),
+        ROLLER: scene(
+            ROLLER, "Motion in time of a roller or ring, its axis across the track", on_floor, 2.0
+        ),
+        DISC: scene(
+            DISC, "Motion in time of a disc on its edge, its face against the wall", at_wall, 2.0,
+            " The wall presses by the lean alone, through the centre, and rubs as the floor does "
+            "unless the study gives its own friction.",
+        ),
+    }  # fmt: skip
+
+
+def _followed(method: Method, *, slips: bool) -> tuple[Equation, ...]:
+    """Return the equations of the motion by a method, and of its results."""
+    found = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
+    if slips:
+        block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)
+        found += [
+            Equation("slip_groups", slip_groups, SOURCE),
+            Equation("slip_motion", of_slip(block), SOURCE),
+            Equation("slip_velocity", slip_velocity, SOURCE),
+        ]
+    return tuple(found)
