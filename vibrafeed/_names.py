@@ -300,6 +300,9 @@ SimulatedScene: TypeAlias = (
         "rectangle-isolated",
         "cylinder-isolated",
         "row-on-plane",
+        "sphere-on-plane",
+        "roller-on-plane",
+        "disc-on-edge",
     ]
     | str
 )
@@ -375,6 +378,9 @@ SimulatedOutput: TypeAlias = (
         "fastest_part_velocity",
         "contact_fraction",
         "collisions_per_period",
+        "rolling_share",
+        "mean_acceleration",
+        "slip_velocity",
     ]
     | str
 )

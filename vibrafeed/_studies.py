@@ -231,6 +231,7 @@ def study(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    rolling_resistance: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -1052,6 +1053,9 @@ def simulate(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
+    rolling_resistance: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
@@ -1236,6 +1240,17 @@ def simulate(
     part_restitution : values, optional
         Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
         example 0.3.
+    inner_diameter : values, optional
+        Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
+        or a thin shell. In m, 0 or more, for example "6 mm".
+    rolling_factor : values, optional
+        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
+        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
+        2.5.
+    rolling_resistance : values, optional
+        Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
+        Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
+        example 0.01.
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1530,6 +1545,7 @@ def optimise(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    rolling_resistance: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -2034,6 +2050,10 @@ def optimise(
         m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
         cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
         2.5.
+    rolling_resistance : values, optional
+        Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
+        Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
+        example 0.01.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -2324,6 +2344,7 @@ def sensitivity(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    rolling_resistance: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -2820,6 +2841,10 @@ def sensitivity(
         m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
         cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
         2.5.
+    rolling_resistance : values, optional
+        Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
+        Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
+        example 0.01.
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -2991,6 +3016,9 @@ def calibrate(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
+    rolling_resistance: Values | None = None,
     offsets: Mapping[str, Mapping[str, Any]] | None = None,
     factors: Mapping[str, Mapping[str, Any]] | None = None,
     candidates: Mapping[str, Values] | None = None,
@@ -3185,6 +3213,17 @@ def calibrate(
     part_restitution : values, optional
         Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
         example 0.3.
+    inner_diameter : values, optional
+        Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
+        or a thin shell. In m, 0 or more, for example "6 mm".
+    rolling_factor : values, optional
+        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
+        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
+        2.5.
+    rolling_resistance : values, optional
+        Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
+        Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
+        example 0.01.
     offsets : mapping of str to mapping, optional
         Unknown offsets of parameters, such as the mounting error of an angle.
     factors : mapping of str to mapping, optional
@@ -3597,6 +3636,9 @@ def drive_error(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    inner_diameter: Values | None = None,
+    rolling_factor: Values | None = None,
+    rolling_resistance: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,

@@ -104,10 +104,10 @@ class RollingContact(NamedTuple):
         return np.asarray(self.lifts | (self.traction[0] > enough))
 
 
-def mean_acceleration(contact: RollingContact) -> Array:
-    """Return the mean acceleration in the long run, -k (sin(gamma) -+ c n) where it runs down [1].
+def mean_acceleration(share: Array, uphill: Array, held: Array) -> Array:
+    """Return the mean acceleration in the long run, over gravity [1].
 
-    0 where something resists rolling that is more than gravity.
+    -k (sin(gamma) - held) where the part runs down; 0 where what holds it is more than gravity.
     """
-    left = np.maximum(np.abs(contact.uphill) - contact.held, 0.0)
-    return np.where(contact.uphill > 0, -1.0, 1.0) * contact.share * left
+    left = np.maximum(np.abs(uphill) - held, 0.0)
+    return np.where(uphill > 0, -1.0, 1.0) * share * left

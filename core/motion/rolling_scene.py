@@ -94,13 +94,30 @@ def slip_velocity(*, slip_motion: Motion, velocity_scale: Array) -> Array:
     return slip_motion.velocity * velocity_scale
 
 
-def mean_acceleration(*, rolling_contact: RollingContact, gravity: Array) -> Array:
+def mean_acceleration(
+    *, rolling_share: Array, rolling_resistance: Array, load_number: Array,
+    gravity_number_along: Array, gravity: Array,
+) -> Array:  # fmt: skip
     """Return the mean acceleration along the track in the long run [m s-2].
 
     Of a part that runs down -kap/(1 + kap) (g sin(gamma) - c n), whatever the drive, friction and
     rebounds; else 0.
     """
-    return rolling_motion.mean_acceleration(rolling_contact) * gravity
+    held = rolling_resistance * load_number
+    return gravity * rolling_motion.mean_acceleration(rolling_share, gravity_number_along, held)
+
+
+def mean_acceleration_at_wall(
+    *, rolling_share: Array, rolling_resistance: Array, load_number: Array,
+    gravity_number_along: Array, gravity_number_across: Array, wall_friction: Array,
+    gravity: Array,
+) -> Array:  # fmt: skip
+    """Return the mean acceleration along the track in the long run [m s-2].
+
+    Of a disc that runs down -kap/(1 + kap) (g sin(gamma) - c n - mu_w s); else 0.
+    """
+    held = rolling_resistance * load_number + wall_friction * gravity_number_across
+    return gravity * rolling_motion.mean_acceleration(rolling_share, gravity_number_along, held)
 
 
 def _has(*names: str) -> Callable[..., Mask]:
@@ -134,12 +151,9 @@ RESULTS = (
         ),
         motion_status=("status", "how the motion ended, as a status"),
     ),
-    Equation("mean_acceleration", mean_acceleration, SOURCE),
     *FEEDING,
 )
-ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"mean_acceleration", "occupancy"} | {
-    "regime"
-}
+ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"occupancy"} | {"regime"}
 CONDITIONS = (
     Condition(
         "unresolved", _has("not_computed", "limit_reached", "no_solution"), ANY_RESULT, "roll"
@@ -169,13 +183,18 @@ def rolling_scenes(
         Equation("rolling_share", round_parts.rolling_share, "theory 18.1"),
         Equation("groups", rolling_groups, SOURCE),
     )
-    on_floor = (*planar, Equation("rolling_contact", floor_contact, SOURCE))
+    on_floor = (
+        *planar,
+        Equation("rolling_contact", floor_contact, SOURCE),
+        Equation("mean_acceleration", mean_acceleration, SOURCE),
+    )
     at_wall = (
         *(one for one in planar if one.gives != "gravity_number_normal"),
         Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
         Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
         Equation("wall_friction", scales.wall_friction, "theory 13.1"),
         Equation("rolling_contact", wall_contact, SOURCE),
+        Equation("mean_acceleration", mean_acceleration_at_wall, SOURCE),
     )
 
     def scene(

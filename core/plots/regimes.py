@@ -92,6 +92,7 @@ LOOKS = {
         # --- round parts
         ("neutral", "", 1.8),
         ("rolls_and_slips", "///", 1.3),
+        ("soft_contact", "..", 0.9),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)

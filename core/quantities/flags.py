@@ -108,6 +108,9 @@ REGIMES: dict[str, Flag] = {
         54, "the part cannot roll all the time: it slips too, or hops; its mean speed is not known",
         valid=False,
     ),
+    "soft_contact": Flag(
+        55, "the lining is too soft for a rigid model: follow the motion by regularised"
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -61,6 +61,7 @@ INKS = {
     "separating": "#01665e",
     "neutral": "#777777",
     "rolls_and_slips": "#8a7a1f",
+    "soft_contact": "#b3560f",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -105,6 +106,7 @@ FILLS = {
     "out_of_phase_possible": "#c66a2c",
     "separating": "#3f8a70",
     "neutral": "#d6d6d6",
+    "soft_contact": "#c66a2c",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

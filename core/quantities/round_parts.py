@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, acceleration, force, number, velocity
+from core.quantities.quantity import Quantity, acceleration, force, length, number, velocity
 
 ROUND_PARTS: dict[str, Quantity] = {
     "inner_diameter": Quantity(
@@ -59,6 +59,60 @@ ROUND_PARTS: dict[str, Quantity] = {
     ),
     "wall_drag": force(
         "m w", "Wall drag", "Friction force of the wall; positive acts along -x."
+    ),
+    # --- contacts that give
+    "restitution_speed": Quantity(
+        "m s-1", "v_e", "Speed of the restitution",
+        "Speed of impact at which the restitution was measured.", 0.0, strict=True,
+        parameter=True, examples=("0.1 m/s",), usual=(1e-3, 20.0),
+    ),
+    "impact_speed": Quantity(
+        "m s-1", "v", "Impact speed", "Speed of approach normal to the contact.", 0.0,
+        strict=True, parameter=True, examples=("0.2 m/s",), usual=(1e-4, 20.0),
+    ),
+    "contact_damping_ratio": Quantity(
+        "1", "zeta", "Damping ratio of the contact",
+        "Of the spring and damper of a contact that never pulls.", 0.0, parameter=True,
+        examples=("0.2",),
+    ),
+    "lining_stiffness": Quantity(
+        "N m-1", "k", "Stiffness of the lining",
+        "Force over depth of a part on a lined track, such as brush or urethane.", 0.0,
+        strict=True, parameter=True, examples=("20 N/mm",),
+    ),
+    "contact_modulus": Quantity(
+        "Pa", "E", "Modulus of the contact",
+        "Reduced modulus of both materials: 1/E is the sum of (1 - nu^2)/E of each.", 0.0,
+        strict=True, parameter=True, examples=("115 GPa",),
+    ),
+    "contact_radius": length(
+        "R", "Radius of the contact", "Radius of a ball, or of a rounded part where it strikes.",
+        "4 mm",
+    ),
+    "impact_damping": Quantity(
+        "s m-1", "b", "Damping of Hunt and Crossley", "F = k x^n (1 + b x'), by one restitution."
+    ),
+    "restitution_at_impact": number(
+        "e(v)", "Restitution at the impact speed", "By Hunt and Crossley's law."
+    ),
+    "damping_of_restitution": number(
+        "zeta(e)", "Damping ratio of the restitution",
+        "Of a spring and damper that never pulls, as of the method regularised.",
+    ),
+    "restitution_of_damping": number(
+        "e(zeta)", "Restitution of the damping ratio",
+        "Of a spring and damper that never pulls, whatever the speed.",
+    ),
+    "lining_frequency": Quantity(
+        "Hz", "f_c", "Natural frequency on the lining", "Of a part that swings on its lining."
+    ),
+    "lining_sag": Quantity("m", "m g/k", "Sag", "Depth by which a part sinks into its lining."),
+    "stiffness_ratio": number(
+        "f_c/f", "Lining over drive", "Natural frequency on the lining over that of the drive."
+    ),
+    "hertz_depth": Quantity("m", "x_max", "Depth of the impact", "Of a Hertz contact."),
+    "hertz_time": Quantity(
+        "s", "t_c", "Time of the impact", "How long a Hertz contact without loss lasts."
     ),
     # --- motion in time
     "rolling_resistance": Quantity(

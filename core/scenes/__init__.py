@@ -17,6 +17,7 @@ from core.scenes import (
     resting_part,
     roller_on_plane,
     row_on_plane,
+    soft_contact,
     sphere_on_plane,
 )
 from core.scenes.aliases import ALIASES
@@ -35,6 +36,7 @@ SCENES: dict[str, Scene] = {
     "roller-on-plane": roller_on_plane.SCENE,
     "disc-on-edge": disc_on_edge.SCENE,
     "cone-on-plane": cone_on_plane.SCENE,
+    "soft-contact": soft_contact.SCENE,
     "linear-drive-unit": linear_drive_unit.SCENE,
     "bowl-drive-unit": bowl_drive_unit.SCENE,
     "resting-part": resting_part.SCENE,

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.arrays import Array
+from core.mechanics.arrays import Array, Mask
 from core.mechanics.rolling_motion import RollingContact
 from core.motion import planar
 from core.motion.groups import Contacts, Groups, cells_of
@@ -50,7 +50,7 @@ def block_groups(contact: RollingContact) -> Groups:
     )
 
 
-def always_rolls(contact: RollingContact, watch: Watch | None) -> Array:
+def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
     """Return where the floor has the friction to roll over the whole cycle.
 
     Bounds tell nearly all cells; the motion of the others is followed once more.
@@ -59,19 +59,19 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Array:
     open_cells = ~(rolls | contact.surely_slips | contact.free | contact.runs_away)
     if not open_cells.any():
         return rolls
-    fields = np.broadcast_arrays(*contact, rolls)
-    shape, fields = fields[0].shape, [np.ravel(one) for one in fields]
-    found, open_cells = fields[-1].copy(), np.broadcast_to(open_cells, shape).ravel()
+    wide = np.broadcast_arrays(*contact, rolls, open_cells)
+    *fields, known, unknown = (np.ravel(one) for one in wide)
+    found: Mask = known.copy()
     watch = watch or Watch()
     with watch.flag() as stop:
-        for place in np.flatnonzero(open_cells):
+        for place in np.flatnonzero(unknown):
             if watch.stopped():
                 break
-            one = RollingContact(*(field[place] for field in fields[:-1]))
+            one = RollingContact(*(field[place] for field in fields))
             (cell,), _ = cells_of(block_groups(one), **SETTINGS)
             pieces = planar.follow(cell, stop)[0]
             found[place] = most_traction(one, pieces) <= (1 + ROUNDING) * float(one.static)
-    return found.reshape(shape)
+    return found.reshape(wide[0].shape)
 
 
 def most_traction(contact: RollingContact, pieces: Array) -> float:

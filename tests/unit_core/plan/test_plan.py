@@ -66,6 +66,9 @@ VALUES = {
     "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
     # balls, rollers, discs
     "inner_diameter": 0.002,
+    # contacts that give
+    "restitution_speed": 0.1, "impact_speed": 0.2, "contact_damping_ratio": 0.2,
+    "lining_stiffness": 2e4, "contact_modulus": 1e11, "contact_radius": 0.004,
     # lines of devices; an order counts from 1
     "arrival_rate": 300.0, "wanted_aspect": 1.0, "shank_diameter": 0.004, "device_order": 2.0,
     "lap_time": 40.0, "drop_count_1": 129.0, "drop_count_2": 49.0, "drop_count_3": 22.0,

@@ -1,0 +1,144 @@
+"""Contacts that give: restitution over impact speed, damping, contact times (theory 18.3).
+
+Arrays broadcast; SI units.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask, ratio
+
+STEPS, OUTER_STEPS = 7, 7
+"""Newton's steps for the speed after an impact, and for the damping by a restitution: two more than
+the tests need over twelve orders of magnitude."""
+SMALL, TERMS = 0.5, 16
+LITTLE = 1e-3
+HERTZ = 2.9432751843247043
+"""4 sqrt(pi) Gamma(2/5)/(5 Gamma(9/10)): a Hertz contact lasts so long, over depth and speed."""
+LEAST_RATIO = 5.0
+"""Natural frequency of a part on its lining over that of the drive, for rigid contacts."""
+
+
+def _excess(x: Array) -> Array:
+    """Return exp(x) - 1 - x, without cancellation."""
+    near = np.abs(x) < SMALL
+    small = np.where(near, x, 0.0)
+    series = np.ones(())
+    for k in range(TERMS, 2, -1):
+        series = 1 + small / k * series
+    return np.where(near, small * small / 2 * series, np.expm1(np.where(near, 1.0, x)) - x)
+
+
+def hunt_crossley(impact_number: Array) -> Array:
+    """Return the restitution of Hunt and Crossley's law for d = b v, whatever its exponent [1].
+
+    F = k x^n (1 + b x') leaves e with d - ln(1 + d) = -e d - ln(1 - e d). With s = ln(1 + d) and
+    t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x = s and -t: t by Newton's method, from s.
+    """
+    s = np.log1p(impact_number)
+    given, t = _excess(s), s
+    for _ in range(STEPS):
+        t = t - ratio(_excess(-t) - given, -np.expm1(-t), 0.0)
+    return ratio(-np.expm1(-t), impact_number, 1.0)
+
+
+def damped_number(restitution: Array) -> Array:
+    """Return d = b v at which Hunt and Crossley's law has a restitution; infinite for 0 [1].
+
+    1/e - 1 is nearly linear in d, 2 d/3 at first and d - 1 at last: Newton's method.
+    """
+    some = restitution > 0
+    known = 1 / np.where(some, restitution, 0.5) - 1
+    d = 1.5 * known
+    for _ in range(OUTER_STEPS):
+        e = hunt_crossley(d)
+        # d(1/e)/dd, by d(e d)/dd = d (1 - e d)/((1 + d) e d).
+        slope = (1 - (1 - e * d) / ((1 + d) * (e * e))) / np.where(d > 0, e * d, 1.0)
+        slope = np.where(d < LITTLE, 2.0 / 3.0, slope)
+        d = np.maximum(d - (1 / e - 1 - known) / slope, 0.0)
+    return np.where(some, d, np.inf)
+
+
+def impact_damping(*, restitution: Array, restitution_speed: Array) -> Array:
+    """Return b of Hunt and Crossley's law by one measured restitution at a speed [s m-1]."""
+    return damped_number(restitution) / restitution_speed
+
+
+def restitution_at(*, impact_damping: Array, impact_speed: Array) -> Array:
+    """Return the restitution at another speed: it falls as the speed grows [1]."""
+    endless = np.isinf(impact_damping)
+    number = np.where(endless, 1.0, impact_damping) * impact_speed
+    return np.where(endless, 0.0, hunt_crossley(number))
+
+
+# --- a linear spring and damper that never pulls
+
+
+def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
+    """Return the restitution of a spring and damper that never pulls [1].
+
+    exp(-(pi - 2 a) tan(a)), zeta = sin(a), whatever the speed; beyond zeta = 1 the same with
+    hyperbolic functions, exp(-2 zeta acosh(zeta)/sqrt(zeta^2 - 1)).
+    """
+    zeta = contact_damping_ratio
+    low = np.minimum(zeta, 1.0)
+    root = np.sqrt((1 - low) * (1 + low))
+    a = np.arctan2(low, root)
+    light = 2 * low * ratio(np.pi / 2 - a, root, 1.0)
+    high = np.maximum(zeta, 1.0)
+    beyond = np.sqrt((high - 1) * (high + 1))
+    heavy = 2 * high * ratio(np.log(high + beyond), beyond, 1.0)
+    return np.exp(-np.where(zeta < 1, light, heavy))
+
+
+def damping_of_restitution(*, restitution: Array) -> Array:
+    """Return the damping ratio with which a linear contact has a restitution [1].
+
+    By bisection of a; NaN below exp(-2) = 0.135, which takes more than critical damping.
+    """
+    low, high = np.zeros(np.shape(restitution)), np.full(np.shape(restitution), np.pi / 2)
+    for _ in range(60):
+        middle = (low + high) / 2
+        more = np.exp(-(np.pi - 2 * middle) * np.tan(middle)) > restitution
+        low, high = np.where(more, middle, low), np.where(more, high, middle)
+    return np.where(restitution < np.exp(-2.0), np.nan, np.sin((low + high) / 2))
+
+
+# --- when contacts are rigid
+
+
+def lining_frequency(*, lining_stiffness: Array, mass: Array) -> Array:
+    """Return the natural frequency of a part on its lining, sqrt(k/m)/(2 pi) [Hz]."""
+    return np.sqrt(lining_stiffness / mass) / (2 * np.pi)
+
+
+def lining_sag(*, lining_stiffness: Array, mass: Array, gravity: Array) -> Array:
+    """Return how far a part sinks into its lining by its weight, m g/k [m]."""
+    return mass * gravity / lining_stiffness
+
+
+def stiffness_ratio(*, lining_frequency: Array, frequency: Array) -> Array:
+    """Return the natural frequency of a part on its lining over that of the drive, f_c/f [1]."""
+    return lining_frequency / frequency
+
+
+def is_soft(*, stiffness_ratio: Array) -> Mask:
+    """True where the lining is too soft for rigid contacts: f_c < 5 f."""
+    return stiffness_ratio < LEAST_RATIO
+
+
+def hertz_depth(
+    *, mass: Array, contact_modulus: Array, contact_radius: Array, impact_speed: Array
+) -> Array:
+    """Return how deep a Hertz contact gives at an impact, (5 m v^2/(4 k))^(2/5) [m].
+
+    k = (4/3) E sqrt(R) of the force k x^(3/2).
+    """
+    stiffness = 4 / 3 * contact_modulus * np.sqrt(contact_radius)
+    return (1.25 * mass * np.square(impact_speed) / stiffness) ** 0.4
+
+
+def hertz_time(*, hertz_depth: Array, impact_speed: Array) -> Array:
+    """Return how long a Hertz contact lasts without loss, 2.943 x_max/v [s]."""
+    return HERTZ * hertz_depth / impact_speed

@@ -1,0 +1,115 @@
+"""Contacts that give: worked values, impacts step by step, the law's own limits."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import gamma
+
+import vibrafeed
+from core.mechanics import soft_contact
+from core.plan.loops.trace import traced
+from core.plan.plan import make_plan
+from core.quantities import REGIMES
+
+
+def sweep(*outputs, **given):
+    found = vibrafeed.sweep(scene="soft-contact", outputs=outputs, **given)
+    return (*(found[name].values for name in outputs), found.regime.values)
+
+
+def test_restitution_of_hunt_and_crossley():
+    found = soft_contact.hunt_crossley(np.array([0.1, 0.2, 0.5, 1, 2]))
+    known = [0.9374755799, 0.8821899862, 0.7484349316, 0.5936242600, 0.4107196861]
+    assert found == pytest.approx(known, abs=5e-11)
+
+
+@pytest.mark.parametrize(
+    ("zeta", "restitution"),
+    [(0.2, 0.57174003), (0.2552756, 0.5), (0.0743551, 0.8), (0.4972394, 0.3), (1, np.exp(-2))],
+)
+def test_a_damper_that_never_pulls_and_back(zeta, restitution):
+    found, _ = sweep("restitution_of_damping", contact_damping_ratio=zeta)
+    assert found == pytest.approx(restitution, abs=1e-7)
+    back, _ = sweep("damping_of_restitution", restitution=float(found))
+    assert back == pytest.approx(zeta, rel=1e-12)
+
+
+def impact(force, speed):
+    """Return the speed off a contact after an impact, followed step by step."""
+    ended = lambda t, y: force(*y) if t > 0 else 1.0  # noqa: E731
+    ended.terminal, ended.direction = True, -1
+    found = solve_ivp(lambda t, y: (y[1], -force(*y)), (0, 50), (0.0, speed), events=ended,
+                      rtol=1e-10, atol=1e-13)  # fmt: skip
+    return -found.y[1, -1] / speed
+
+
+@pytest.mark.parametrize(("power", "damping"), [(1.0, 0.3), (1.5, 0.5), (2.2, 2.0)])
+def test_impacts_of_any_exponent_by_integration(power, damping):
+    found = impact(lambda x, v: max(x, 0.0) ** power * (1 + damping * v), 1.0)
+    assert found == pytest.approx(soft_contact.hunt_crossley(np.float64(damping)), abs=1e-6)
+
+
+@pytest.mark.parametrize("zeta", [0.05, 0.6, 1.5])
+def test_dampers_that_never_pull_by_integration(zeta):
+    found = impact(lambda x, v: x + 2 * zeta * v, 1.0)
+    known, _ = sweep("restitution_of_damping", contact_damping_ratio=zeta)
+    assert found == pytest.approx(float(known), abs=1e-6)
+
+
+def test_the_law_to_many_digits():
+    with mpmath.workdps(40):
+        for d in (1e-9, 1e-6, 1e-3, 0.3, 3.0, 1e3, 1e9):
+            given = mpmath.mpf(d) - mpmath.log1p(d)
+            known = (1 + mpmath.lambertw(-mpmath.exp(-1 - given))) / d
+            assert soft_contact.hunt_crossley(np.float64(d)) == pytest.approx(
+                float(known), rel=4e-16
+            )
+
+
+def test_one_measured_value_gives_all_others():
+    random = np.random.default_rng(1)
+    e, speed = random.uniform(0.02, 0.99, 300), 10 ** random.uniform(-3, 1, 300)
+    b = soft_contact.impact_damping(restitution=e, restitution_speed=speed)
+    again = soft_contact.restitution_at(impact_damping=b, impact_speed=speed)
+    assert again == pytest.approx(e, rel=1e-13)
+    speeds = 10 ** np.linspace(-6, 6, 400)
+    for one in b[:20]:
+        found = soft_contact.restitution_at(impact_damping=one, impact_speed=speeds)
+        assert np.all(np.diff(found) < 0)  # faster impacts rebound less
+        assert np.all((found > 0) & (found <= 1))
+        # The rebound grows with the impact, up to 1/b but for rounding: no slow one is faster.
+        assert np.all(np.diff(found * speeds) > -1e-15 / one)
+        assert np.all(found * speeds < (1 + 1e-15) / one)
+    none, _ = sweep("restitution_at_impact", restitution=0, restitution_speed=0.1, impact_speed=1)
+    assert none == 0
+    full, _ = sweep("restitution_at_impact", restitution=1, restitution_speed=0.1, impact_speed=1)
+    assert full == 1
+
+
+def test_a_lining_that_is_too_soft_says_so():
+    ratio, sag, regime = sweep(
+        "stiffness_ratio", "lining_sag", mass="5 g", frequency=50.0,
+        lining_stiffness=["5 N/mm", "20 N/mm"],
+    )  # fmt: skip
+    assert ratio == pytest.approx(np.sqrt([1e6, 4e6]) / (2 * np.pi * 50), rel=1e-14)
+    assert sag == pytest.approx(0.005 * 9.80665 / np.array([5e3, 2e4]), rel=1e-14)
+    assert regime.tolist() == [REGIMES[name].value for name in ("soft_contact", "contact")]
+
+
+def test_the_time_of_a_hertz_contact():
+    time, depth, _ = sweep("hertz_time", "hertz_depth", mass="5 g", contact_modulus="100 GPa",
+                           contact_radius="4 mm", impact_speed="0.3 m/s")  # fmt: skip
+    k = 4 / 3 * 1e11 * np.sqrt(0.004)
+    assert 0.4 * k * depth**2.5 == pytest.approx(0.005 * 0.3**2 / 2, rel=1e-13)  # energy
+    factor = 4 * np.sqrt(np.pi) * gamma(0.4) / (5 * gamma(0.9))
+    assert time == pytest.approx(factor * depth / 0.3, rel=1e-14)
+    assert factor == pytest.approx(2.9432751843, abs=5e-11)
+
+
+def test_it_runs_at_the_speed_of_sweeps():
+    given = ["restitution", "restitution_speed", "impact_speed", "contact_damping_ratio"]
+    outputs = ["restitution_at_impact", "restitution_of_damping"]
+    assert traced(make_plan("soft-contact", None, outputs, given), given) is not None
