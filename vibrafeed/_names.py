@@ -23,6 +23,7 @@ SweptScene: TypeAlias = (
         "roller-on-plane",
         "disc-on-edge",
         "cone-on-plane",
+        "soft-contact",
         "linear-drive-unit",
         "bowl-drive-unit",
         "resting-part",
@@ -289,6 +290,15 @@ SweptOutput: TypeAlias = (
         "turning_acceleration",
         "net_push",
         "wall_drag",
+        "impact_damping",
+        "restitution_at_impact",
+        "damping_of_restitution",
+        "restitution_of_damping",
+        "lining_frequency",
+        "lining_sag",
+        "stiffness_ratio",
+        "hertz_depth",
+        "hertz_time",
     ]
     | str
 )

@@ -231,6 +231,12 @@ def study(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    restitution_speed: Values | None = None,
+    impact_speed: Values | None = None,
+    contact_damping_ratio: Values | None = None,
+    lining_stiffness: Values | None = None,
+    contact_modulus: Values | None = None,
+    contact_radius: Values | None = None,
     rolling_resistance: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
@@ -477,6 +483,12 @@ def sweep(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    restitution_speed: Values | None = None,
+    impact_speed: Values | None = None,
+    contact_damping_ratio: Values | None = None,
+    lining_stiffness: Values | None = None,
+    contact_modulus: Values | None = None,
+    contact_radius: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -938,6 +950,21 @@ def sweep(
         m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
         cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
         2.5.
+    restitution_speed : values, optional
+        Speed of impact at which the restitution was measured. In m s-1, above 0, for example "0.1
+        m/s".
+    impact_speed : values, optional
+        Speed of approach normal to the contact. In m s-1, above 0, for example "0.2 m/s".
+    contact_damping_ratio : values, optional
+        Of the spring and damper of a contact that never pulls. 0 or more, for example 0.2.
+    lining_stiffness : values, optional
+        Force over depth of a part on a lined track, such as brush or urethane. In N m-1, above 0,
+        for example "20 N/mm".
+    contact_modulus : values, optional
+        Reduced modulus of both materials: 1/E is the sum of (1 - nu^2)/E of each. In Pa, above 0,
+        for example "115 GPa".
+    contact_radius : values, optional
+        Radius of a ball, or of a rounded part where it strikes. In m, above 0, for example "4 mm".
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -1545,6 +1572,12 @@ def optimise(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    restitution_speed: Values | None = None,
+    impact_speed: Values | None = None,
+    contact_damping_ratio: Values | None = None,
+    lining_stiffness: Values | None = None,
+    contact_modulus: Values | None = None,
+    contact_radius: Values | None = None,
     rolling_resistance: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
@@ -2050,6 +2083,21 @@ def optimise(
         m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
         cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
         2.5.
+    restitution_speed : values, optional
+        Speed of impact at which the restitution was measured. In m s-1, above 0, for example "0.1
+        m/s".
+    impact_speed : values, optional
+        Speed of approach normal to the contact. In m s-1, above 0, for example "0.2 m/s".
+    contact_damping_ratio : values, optional
+        Of the spring and damper of a contact that never pulls. 0 or more, for example 0.2.
+    lining_stiffness : values, optional
+        Force over depth of a part on a lined track, such as brush or urethane. In N m-1, above 0,
+        for example "20 N/mm".
+    contact_modulus : values, optional
+        Reduced modulus of both materials: 1/E is the sum of (1 - nu^2)/E of each. In Pa, above 0,
+        for example "115 GPa".
+    contact_radius : values, optional
+        Radius of a ball, or of a rounded part where it strikes. In m, above 0, for example "4 mm".
     rolling_resistance : values, optional
         Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
         Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
@@ -2344,6 +2392,12 @@ def sensitivity(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    restitution_speed: Values | None = None,
+    impact_speed: Values | None = None,
+    contact_damping_ratio: Values | None = None,
+    lining_stiffness: Values | None = None,
+    contact_modulus: Values | None = None,
+    contact_radius: Values | None = None,
     rolling_resistance: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
@@ -2841,6 +2895,21 @@ def sensitivity(
         m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
         cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
         2.5.
+    restitution_speed : values, optional
+        Speed of impact at which the restitution was measured. In m s-1, above 0, for example "0.1
+        m/s".
+    impact_speed : values, optional
+        Speed of approach normal to the contact. In m s-1, above 0, for example "0.2 m/s".
+    contact_damping_ratio : values, optional
+        Of the spring and damper of a contact that never pulls. 0 or more, for example 0.2.
+    lining_stiffness : values, optional
+        Force over depth of a part on a lined track, such as brush or urethane. In N m-1, above 0,
+        for example "20 N/mm".
+    contact_modulus : values, optional
+        Reduced modulus of both materials: 1/E is the sum of (1 - nu^2)/E of each. In Pa, above 0,
+        for example "115 GPa".
+    contact_radius : values, optional
+        Radius of a ball, or of a rounded part where it strikes. In m, above 0, for example "4 mm".
     rolling_resistance : values, optional
         Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
         Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
@@ -3517,6 +3586,12 @@ def open_lazily(
     row_mass: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
+    restitution_speed: Values | None = None,
+    impact_speed: Values | None = None,
+    contact_damping_ratio: Values | None = None,
+    lining_stiffness: Values | None = None,
+    contact_modulus: Values | None = None,
+    contact_radius: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import vibrafeed
+from core.dataset.regimes import percent
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.mechanics.rolling_motion import RollingContact
@@ -284,9 +285,9 @@ def test_words_for_a_ball_that_does_not_travel():
     assert words(gamma=2.87) == down
     both = words(gamma=2.87, rolling_factor=[1.0, 2.5], friction=[0.1, 0.3])
     assert both == "The part does not travel: it runs down at 0.25 to 0.35 m/s²."
+    half = f"The part does not travel in {percent(0.5)} of the cells: "
     assert words(gamma=[0, 2.87]) == (
-        "The part does not travel in 50 % of the cells: it runs down at 0.35 m/s². "
-        "The part does not travel in 50 % of the cells: nothing conveys it, and it keeps the speed "
-        "that it has."
+        f"{half}it runs down at 0.35 m/s². "
+        f"{half}nothing conveys it, and it keeps the speed that it has."
     )
     assert words(rolling_resistance=0.05, amplitude="0.02 mm") == ""

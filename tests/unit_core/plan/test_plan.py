@@ -78,7 +78,7 @@ VALUES = {
         for name, value in (
             ("wiper_height", 0.1), ("ledge_width", 0.1), ("gap_length", 1e-4),
             ("rail_width", 0.006), ("outlet_capacity", 250.0), ("turned_share", 0.6),
-            ("turn", 21.0),
+            ("turn", 21.0), ("passed_aspect", 1.0),
         )
     },
 }  # fmt: skip
@@ -145,7 +145,9 @@ def make_plan_with_what_it_needs(name, variant, output, parameters):
 def test_every_output_evaluates_to_a_finite_value_and_a_known_regime(name, variant):
     scene = SCENES[name]
     outputs = list(scene.outputs(variant))
-    parameters = {n: VALUES[n] for n in VALUES if n in scene_parameters(scene, variant)}
+    # Where one aspect alone passes, and rails leave another, none does.
+    listed = [n for n in scene_parameters(scene, variant) if "passed_aspect" not in n]
+    parameters = {n: VALUES[n] for n in VALUES if n in listed}
     study = {**content(name, outputs, **parameters), "variant": variant}
     dataset = run_study(parse_study(study))
     # What is infinite is so for a reason: this drive does not stop the part, nor lets it hover.
