@@ -61,7 +61,7 @@ def damped_number(restitution: Array) -> Array:
 
 
 def impact_damping(*, restitution: Array, restitution_speed: Array) -> Array:
-    """Return the damping of Hunt and Crossley's law by one measured restitution at a speed [s m-1]."""
+    """Return the damping of Hunt and Crossley's law by a restitution at a speed [s m-1]."""
     return damped_number(restitution) / restitution_speed
 
 
