@@ -6,7 +6,6 @@ random ones of each kind are tried.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.options import options
 from core.intake import parse_study
 from core.kinds import run_study
 from core.motion.driven import driven
@@ -274,9 +274,7 @@ def course(drive: Mapping[str, float], phases: Array) -> tuple[Array, Array, flo
 
 def main() -> None:
     """Print the figures and draw the picture."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--waves", type=int, default=10_000)
-    _random(parser.parse_args().waves)
+    _random(options(__doc__, waves=10_000).waves)
     _searched()
     rows = cases()
     for case in rows:

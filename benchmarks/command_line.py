@@ -11,7 +11,6 @@ median of the ratios. The limit is 3.
 
 from __future__ import annotations
 
-import argparse
 import os
 import resource
 import statistics
@@ -22,6 +21,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from benchmarks.options import options
 from core.extras import ROOT
 
 PAIRS = 15
@@ -102,9 +102,7 @@ def ratios() -> list[tuple[float, float]]:
 
 def main() -> None:
     """Print the medians."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--rounds", type=int, default=5)
-    rounds = [first_minute() for _ in range(parser.parse_args().rounds)]
+    rounds = [first_minute() for _ in range(options(__doc__, rounds=5).rounds)]
     print("| what | s | of the processor |\n| --- | --- | --- |")
     for label in rounds[0]:
         clock, spent = (statistics.median(one[label][k] for one in rounds) for k in (0, 1))

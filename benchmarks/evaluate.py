@@ -14,7 +14,6 @@ cell costs on grids of 10^4 to 10^8 cells.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import os
@@ -30,6 +29,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from benchmarks.options import options
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.plan.blocks import evaluate_in_blocks
@@ -278,13 +278,7 @@ def sizes(runs: int) -> None:
 
 def main() -> int:
     """Print the figures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=float)
-    parser.add_argument("--runs", type=int, default=9)
-    parser.add_argument("--before")
-    parser.add_argument("--bits", action="store_true")
-    parser.add_argument("--sizes", action="store_true")
-    asked = parser.parse_args()
+    asked = options(__doc__, cells=float, runs=9, before=str, bits=False, sizes=False)
     if asked.bits:
         return 0 if bits(int(asked.cells or 1e5)) else 1
     if asked.sizes:

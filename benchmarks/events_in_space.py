@@ -6,13 +6,13 @@ own error the reference bounds (`tests/laws/test_spatial_events.py`); some of th
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
+from benchmarks.options import options
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER, Floats
 from core.motion.kernels.cells import cell_of
@@ -126,13 +126,14 @@ def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
 
 def main() -> None:
     """Print a row for each kind and one for all."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=int, default=1000, help="of each kind")
-    parser.add_argument("--seed", type=int, default=14)
-    parser.add_argument("--repeats", type=int, default=2, help="of each timing")
-    parser.add_argument("--stepped", type=int, default=10, help="cells of each kind, by steps")
-    parser.add_argument("--worst", type=int, default=0, help="cells to show of each kind")
-    arguments = parser.parse_args()
+    arguments = options(
+        __doc__,
+        cells=(1000, "of each kind"),
+        seed=14,
+        repeats=(2, "of each timing"),
+        stepped=(10, "cells of each kind, by steps"),
+        worst=(0, "cells to show of each kind"),
+    )
     every: dict[str, list[Floats]] = {}
     print(
         "| cells | repeat | error/A w: median | 99 % | worst | stated: median | exceeded | "

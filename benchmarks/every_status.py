@@ -7,7 +7,6 @@ whatever the status. Errors of `aperiodic` are statistical, at 99 %; those of th
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
@@ -15,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+from benchmarks.options import options
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels import means
 from core.motion.kernels.arrays import NEVER, Flags, Floats
@@ -196,14 +196,15 @@ def lines(name: str, found: Judged) -> Iterator[str]:
 
 def main() -> None:
     """Print a line for each family and status, and for all."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=int, default=1000, help="of each family")
-    parser.add_argument("--seed", type=int, default=28)
-    parser.add_argument("--most", type=int, default=1000, help="periods of the method")
-    parser.add_argument("--periods", type=int, default=10_000, help="of a course")
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--worst", type=int, default=0, help="cells to show of each family")
-    arguments = parser.parse_args()
+    arguments = options(
+        __doc__,
+        cells=(1000, "of each family"),
+        seed=28,
+        most=(1000, "periods of the method"),
+        periods=(10_000, "of a course"),
+        threads=2,
+        worst=(0, "cells to show of each family"),
+    )
     print(
         "| cells | status | number | judged | error exceeded | share | by more than 0.01 A w | "
         "stated/A w: median | other multiple |"

@@ -11,7 +11,6 @@ the service of a saturated machine.
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import http.client
 import multiprocessing
@@ -26,6 +25,7 @@ from multiprocessing.connection import Connection
 
 import aiohttp
 
+from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
 
 CLIENTS, SECONDS = 200, 120.0
@@ -221,10 +221,7 @@ def line(kind: str, times: list[float], seconds: float) -> str:
 
 def main() -> None:
     """Print the figures; exit with 1 if one misses its bar."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--clients", type=int, default=CLIENTS)
-    parser.add_argument("--seconds", type=float, default=SECONDS)
-    wanted = parser.parse_args()
+    wanted = options(__doc__, clients=CLIENTS, seconds=SECONDS)
     missed = measure(wanted.clients, wanted.seconds, print)
     for what in missed:
         print("MISSED", what)

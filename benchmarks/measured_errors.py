@@ -6,12 +6,11 @@ clock 1 % slow: `python -m benchmarks.measured_errors --draws 400`.
 
 from __future__ import annotations
 
-import argparse
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from benchmarks.options import options
 from core.errors import StudyError
 from core.measured import Fit, Signal, fit_signal
 
@@ -36,9 +35,7 @@ CASES: dict[
 
 def main() -> None:
     """Print a row for each kind of noise."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--draws", type=int, default=200)
-    draws = parser.parse_args().draws
+    draws = options(__doc__, draws=200).draws
     print("| noise | clock | amplitudes | phases | orders told that are not there | refused |")
     print("| --- | --- | --- | --- | --- | --- |")
     for name, case in CASES.items():

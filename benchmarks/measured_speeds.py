@@ -8,13 +8,13 @@ fitted drive, and its speed compared with that under the drive itself:
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from benchmarks.measured_errors import AMPLITUDES, CASES, FREQUENCY, ORDERS, PHASES, fitted
+from benchmarks.options import options
 from core.motion.drive_error import DriveError, drive_error, velocities
 from core.motion.prepare import prepare
 from core.study.simulate_study import SimulateStudy
@@ -28,10 +28,7 @@ WITHIN = "95 %"
 
 def main() -> None:
     """Print a row for each kind of noise and part."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--recordings", type=int, default=100)
-    parser.add_argument("--draws", type=int, default=200)
-    asked = parser.parse_args()
+    asked = options(__doc__, recordings=100, draws=200)
     print(f"| noise | part | true speed [mm/s] | stated error [mm/s] | within its {WITHIN} |")
     print("| --- | --- | --- | --- | --- |")
     for noise in CASES:

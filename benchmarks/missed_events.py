@@ -9,7 +9,6 @@ this code with other constants, which it compiles: some minutes.
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -22,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.options import options
 from benchmarks.waves import CLOSE, NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
 from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of
@@ -255,12 +255,9 @@ def compare(way: str, usual: dict[str, NDArray], finer: dict[str, NDArray]) -> N
 
 def main() -> None:
     """Print all of it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sums", type=int, default=2000)
-    parser.add_argument("--cells", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--write", type=Path, help="only write the motions to this file")
-    given = parser.parse_args()
+    given = options(
+        __doc__, sums=2000, cells=2000, seed=7, write=(Path, "only write the motions to this file")
+    )
     if given.write:
         motions(given.cells, given.seed, given.write)
         return

@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import statistics
 import time
@@ -18,6 +17,7 @@ import numpy as np
 
 from benchmarks.lockstep import lockstep_velocities
 from benchmarks.motions import planar_motion
+from benchmarks.options import options
 from core.motion.groups import Groups as Part
 from core.motion.groups import cells_of
 from core.motion.kernels.arrays import NEVER
@@ -156,10 +156,9 @@ def time_points(count: int) -> None:
 
 def main() -> None:
     """Print both parts."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=100_000, help="points of the second part")
-    parser.add_argument("--pairs", type=int, default=9, help="pairs of the first part")
-    given = parser.parse_args()
+    given = options(
+        __doc__, points=(100_000, "points of the second part"), pairs=(9, "pairs of the first part")
+    )
     compare_speed(given.pairs)
     time_points(given.points)
 

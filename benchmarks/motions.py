@@ -1,15 +1,17 @@
 """The functions of motion with every number by its name: for benchmarks and tests of single cells.
 
-Each takes the fields of `Groups` and `Contacts` beside the settings of its own.
+Each takes the fields of `Groups` and `Contacts` beside the settings of its own, and returns what
+the function of that name in `core.motion.methods` does.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from core.motion.groups import Contacts, Groups
 from core.motion.methods import METHODS, events, reference, regularised, stepping, tumbling
-from core.motion.path import Path
 from core.motion.result import Motion
 
 
@@ -21,51 +23,24 @@ def _sorted(numbers: dict[str, Any]) -> tuple[Groups, Contacts, dict[str, Any]]:
     return Groups(**groups), Contacts(**contacts), settings
 
 
-def planar_motion(**numbers: Any) -> Motion:
-    """Return what `events.planar_motion` does."""
+def _in_plane(function: Callable[..., Any], **numbers: Any) -> Any:
     groups, _, settings = _sorted(numbers)
-    return events.planar_motion(groups, **settings)
+    return function(groups, **settings)
 
 
-def planar_path(**numbers: Any) -> events.EventPath:
-    """Return what `events.planar_path` does."""
-    groups, _, settings = _sorted(numbers)
-    return events.planar_path(groups, **settings)
-
-
-def stepped_motion(**numbers: Any) -> Motion:
-    """Return what `stepping.stepped_motion` does."""
+def _in_space(function: Callable[..., Any], **numbers: Any) -> Any:
     groups, contacts, settings = _sorted(numbers)
-    return stepping.stepped_motion(groups, contacts, **settings)
+    return function(groups, contacts, **settings)
 
 
-def planar_stepped_motion(**numbers: Any) -> Motion:
-    """Return what `stepping.stepped_motion` does, in the plane."""
-    return stepped_motion(**numbers, planar=True)
-
-
-def stepped_path(**numbers: Any) -> Path:
-    """Return what `stepping.stepped_path` does."""
-    groups, contacts, settings = _sorted(numbers)
-    return stepping.stepped_path(groups, contacts, **settings)
-
-
-def reference_motion(**numbers: Any) -> Motion:
-    """Return what `reference.reference_motion` does."""
-    groups, contacts, settings = _sorted(numbers)
-    return reference.reference_motion(groups, contacts, **settings)
-
-
-def reference_path(**numbers: Any) -> Path:
-    """Return what `reference.reference_path` does."""
-    groups, contacts, settings = _sorted(numbers)
-    return reference.reference_path(groups, contacts, **settings)
-
-
-def regularised_motion(**numbers: Any) -> Motion:
-    """Return what `regularised.regularised_motion` does."""
-    groups, _, settings = _sorted(numbers)
-    return regularised.regularised_motion(groups, **settings)
+planar_motion = partial(_in_plane, events.planar_motion)
+planar_path = partial(_in_plane, events.planar_path)
+regularised_motion = partial(_in_plane, regularised.regularised_motion)
+stepped_motion = partial(_in_space, stepping.stepped_motion)
+planar_stepped_motion = partial(stepped_motion, planar=True)
+stepped_path = partial(_in_space, stepping.stepped_path)
+reference_motion = partial(_in_space, reference.reference_motion)
+reference_path = partial(_in_space, reference.reference_path)
 
 
 def tumbling_motion(**numbers: Any) -> tumbling.Tumble:

@@ -8,7 +8,6 @@ cells alone, in the process. Files are in the system's cache, which is the best 
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import tempfile
 import time
@@ -18,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
+from benchmarks.options import options
 from core.intake import prepare_content
 from core.plan.evaluate import evaluate
 from core.sweep import Sweep
@@ -64,10 +64,7 @@ def median(work: Callable[[], object], runs: int) -> tuple[float, float, float]:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--cells", type=float, default=2e7)
-    parser.add_argument("--runs", type=int, default=9)
-    asked = parser.parse_args()
+    asked = options(__doc__, cells=2e7, runs=9)
     content = study(asked.cells)
     sweep = prepare_content(content)
     shape = sweep.grid.shape

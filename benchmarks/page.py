@@ -8,11 +8,11 @@ is empty where a page is loaded. A picture counts when new data of it are drawn.
 
 from __future__ import annotations
 
-import argparse
 import statistics
 from typing import Any
 
 from benchmarks.browsing import browsed
+from benchmarks.options import options
 from benchmarks.serving import Served, served
 
 # Notes when a map's colours are drawn, and whether they are others than before.
@@ -166,9 +166,7 @@ def measure(server: Served, context: Any, runs: int) -> None:
 
 def main() -> None:
     """Measure, and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=5)
-    given = parser.parse_args()
+    given = options(__doc__, runs=5)
     with served(workers=1) as server, browsed() as context:
         measure(server, context, given.runs)
 

@@ -7,7 +7,6 @@ the same for whoever decides between a reply and a job.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -16,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.options import options
 from core.errors import StudyError
 from core.intake import load_study, prepare_content
 from core.kinds import tabulate
@@ -189,10 +189,7 @@ def name_of(content: Content) -> str:
 
 def main() -> None:
     """Print how well prices tell times."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--studies", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    asked = parser.parse_args()
+    asked = options(__doc__, studies=200, seed=0)
     ratios: dict[str, list[float]] = defaultdict(list)
     for number, content in enumerate(studies(asked.seed)):
         if number == asked.studies:

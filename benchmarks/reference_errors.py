@@ -6,13 +6,13 @@ both, and those that the reference could not show to repeat, with as many period
 
 from __future__ import annotations
 
-import argparse
 import time
 
 import numpy as np
 
 from benchmarks.honest_estimates import REPEATS, by_events, random_groups
 from benchmarks.motions import reference_motion
+from benchmarks.options import options
 from core.motion.result import STATUS
 
 PERIODS = (100, 12, 3, 1)
@@ -21,10 +21,7 @@ PERIODS = (100, 12, 3, 1)
 
 def main() -> None:
     """Print a row for each number of periods and each status."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--motions", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=3)
-    arguments = parser.parse_args()
+    arguments = options(__doc__, motions=400, seed=3)
     groups = random_groups(
         arguments.motions, arguments.seed, throw=(0.1, 4.0), most_restitution=0.4
     )

@@ -8,7 +8,6 @@ one cell in a thousand.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Mapping
@@ -17,6 +16,7 @@ from functools import reduce
 
 import numpy as np
 
+from benchmarks.options import options
 from core.motion.result import STATUS
 from core.motion.systems import SYSTEMS
 from core.plan.equations import run_equations
@@ -131,11 +131,7 @@ def changes(cells: Cells) -> Changes:
 
 def main() -> int:
     """Print the shares by restitution and by status; 1 if more than the aim changes."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=int, default=10_000)
-    parser.add_argument("--seed", type=int, default=14)
-    parser.add_argument("--show", type=int, default=5, help="cells that change, in full")
-    given = parser.parse_args()
+    given = options(__doc__, cells=10_000, seed=14, show=(5, "cells that change, in full"))
     start = time.perf_counter()
     found = changes(random_cells(given.cells, given.seed))
     names = {value: name for name, value in STATUS.items()}

@@ -9,7 +9,6 @@ how quick the machine is to wake a process up, and the least that any service ad
 
 from __future__ import annotations
 
-import argparse
 import json
 import multiprocessing
 import os
@@ -27,6 +26,7 @@ import orjson
 from app.jobs.manifest import NETCDF
 from app.jobs.store import Store
 from app.web.routes.sweeps import NUMPY, binary
+from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
 from core.dataset.document import to_document
 from core.intake import prepare_content, read_json
@@ -247,10 +247,7 @@ def _send_for_ever(listener: socket.socket, path: str) -> None:
 
 def main() -> None:
     """Print every figure."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--pairs", type=int, default=200)
-    parser.add_argument("--downloads", type=int, default=7)
-    wanted = parser.parse_args()
+    wanted = options(__doc__, pairs=200, downloads=7)
     with served() as server:
         requests(server, wanted.pairs)
         download(server, wanted.downloads)

@@ -9,7 +9,6 @@ beside it, marked as stopped, with the pieces that `--resume` goes on with.
 
 from __future__ import annotations
 
-import argparse
 import os
 import random
 import signal
@@ -21,6 +20,7 @@ from pathlib import Path
 
 import xarray
 
+from benchmarks.options import options
 from core.motion.result import STATUS
 
 VIBRAFEED = Path(sys.executable).with_name("vibrafeed")
@@ -78,15 +78,12 @@ def state(folder: Path) -> str:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Ctrl-C at random moments of a first simulation.")
-    parser.add_argument("--moments", type=int, default=10)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    asked = options(__doc__, moments=10, seed=1)
     whole = run(None)[0]
     print(f"a whole run, compiling included: {whole:.1f} s")
-    draw = random.Random(options.seed)
+    draw = random.Random(asked.seed)
     worst = 0.0
-    for _ in range(options.moments):
+    for _ in range(asked.moments):
         moment = draw.uniform(EARLIEST, whole)
         seconds, code, left = run(moment)
         worst = max(worst, seconds)

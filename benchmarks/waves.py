@@ -8,7 +8,6 @@ more and more harmonics as a ratio to the plain sine, both measured in turns in 
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -16,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.options import options
 from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of, each
 from core.motion.kernels import track
@@ -278,14 +278,15 @@ def feeder_parts(cells: int, seed: int, across: float) -> Groups:
 
 def main() -> None:
     """Print all of it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=int, default=2000)
-    parser.add_argument("--judged", type=int, default=160, help="cells of them by the reference")
-    parser.add_argument("--bouncing", type=int, default=4000, help="of each kind of bouncing parts")
-    parser.add_argument("--timed", type=int, default=300)
-    parser.add_argument("--rounds", type=int, default=15)
-    parser.add_argument("--seed", type=int, default=7)
-    given = parser.parse_args()
+    given = options(
+        __doc__,
+        cells=2000,
+        judged=(160, "cells of them by the reference"),
+        bouncing=(4000, "of each kind of bouncing parts"),
+        timed=300,
+        rounds=15,
+        seed=7,
+    )
     agreement(given.cells, given.judged, given.seed)
     repetition(given.bouncing, given.seed)
     flat = feeder_parts(given.timed, given.seed, 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.worked_values import CLOSED_FORMS, ClosedForm
+from benchmarks.worked_values import CLOSED_FORMS, Row
 from core.intake import parse_study
 from core.kinds import run_study
 
@@ -14,7 +14,7 @@ EXACT = 1e-13
 @pytest.mark.parametrize(
     "row", CLOSED_FORMS, ids=lambda row: f"{row.scene}-{row.variant}-{row.output}-{row.value}"
 )
-def test_a_worked_value(row: ClosedForm) -> None:
+def test_a_worked_value(row: Row) -> None:
     study = {
         "kind": "sweep", "scene": row.scene, "variant": row.variant, "outputs": [row.output],
         "parameters": row.given,

@@ -1,0 +1,30 @@
+"""The options of a benchmark's command line, read in one way."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+
+def options(about: str | None, **known: Any) -> argparse.Namespace:
+    """Return the options of the command line.
+
+    Parameters
+    ----------
+    about : str
+        What the benchmark prints; its first line is shown as help.
+    known
+        Each option with its default, whose type its value has; False is a switch, and a type alone
+        is that of an option without a default. A pair has the words of its help beside it.
+    """
+    parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
+    for name, value in known.items():
+        default, words = value if isinstance(value, tuple) else (value, None)
+        flag = f"--{name.replace('_', '-')}"
+        if default is False:
+            parser.add_argument(flag, action="store_true", help=words)
+        elif isinstance(default, type):
+            parser.add_argument(flag, type=default, help=words)
+        else:
+            parser.add_argument(flag, type=type(default), default=default, help=words)
+    return parser.parse_args()
