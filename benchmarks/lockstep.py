@@ -1,24 +1,15 @@
-"""Prints how many planar cells a second lockstep Moreau-Jean time stepping does, the peer of the
-method of events: `python -m benchmarks.lockstep`.
-"""  # noqa: D205
+"""Lockstep Moreau-Jean time stepping of planar cells: the rival of the method of events."""
 
 from __future__ import annotations
 
-import time
-
-import numba
 import numpy as np
 from numba import njit, prange
 from numpy.typing import ArrayLike, NDArray
-
-from benchmarks.worked_values import GRAVITY, MEAN_VELOCITIES
 
 Array = NDArray[np.float64]
 
 BLOCK = 64  # cells in step: enough for the processor's lanes, few enough for its first cache
 AVERAGED = 10  # last periods, over which the mean is taken
-CELLS = 20_000
-REPEATS = 10  # the best counts: others may use the machine
 UNROLLED = 4  # steps between two visits of memory
 
 
@@ -112,50 +103,3 @@ def lockstep_velocities(
     velocities = np.empty((blocks, BLOCK))
     _run(groups, velocities, sines, periods, min(AVERAGED, periods))
     return velocities.ravel()[:count].reshape(shape)
-
-
-def main() -> None:
-    """Print the speed over random cells, and the error in cases with known means."""
-    random = np.random.default_rng(1)
-    throw = random.uniform(0.5, 3.0, CELLS)
-    beta = np.radians(random.uniform(15, 40, CELLS))
-    gamma = np.radians(random.uniform(-5, 5, CELLS))
-    drive = throw * np.cos(gamma) / np.sin(beta)
-    given = (
-        drive * np.cos(beta), drive * np.sin(beta), np.sin(gamma), np.cos(gamma),
-        random.uniform(0.2, 0.8, CELLS), random.uniform(0, 0.5, CELLS),
-    )  # fmt: skip
-    lockstep_velocities(*(values[:BLOCK] for values in given))  # compiles
-    threads = numba.get_num_threads()
-    for used in range(1, threads + 1):
-        numba.set_num_threads(used)
-        best = np.inf
-        for _ in range(REPEATS):
-            start = time.perf_counter()
-            velocities = lockstep_velocities(*given)
-            best = min(best, time.perf_counter() - start)
-        print(
-            f"{CELLS:,} cells, 1,600 steps a period, 50 periods, {used} of {threads} threads: "
-            f"{best:.2f} s, {CELLS / best:,.0f} cells a second, "
-            f"{CELLS * 80_000 / best / used / 1e9:.2f} steps a nanosecond and thread"
-        )
-    assert np.all(np.isfinite(velocities))
-    for case in MEAN_VELOCITIES.values():
-        if case.friction_static != case.friction_kinetic:
-            continue  # here friction has one coefficient
-        groups, known = case.groups(), case.value
-        for steps in (400, 1600, 6400):
-            velocity = lockstep_velocities(
-                groups["drive_number_along"], groups["drive_number_normal"],
-                groups["gravity_number_along"], groups["gravity_number_normal"],
-                case.friction_kinetic, case.restitution, steps,
-            )  # fmt: skip
-            found = float(velocity) * GRAVITY / case.circular_frequency
-            print(
-                f"{case.name:14} {steps:5} steps: {1e3 * found:11.6f} mm/s, known "
-                f"{1e3 * known:11.6f}, error {100 * (found / known - 1):+.4f} %"
-            )
-
-
-if __name__ == "__main__":
-    main()

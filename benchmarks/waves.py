@@ -1,15 +1,14 @@
-"""Prints how exact motion under any drive agrees and what it costs; `python -m benchmarks.waves`.
+"""Random drives of any wave for tests, and what harmonics cost; `python -m benchmarks.waves`.
 
-Random drives of one to eight harmonics on each axis, and of two to twelve steps, with random parts: closed forms in the
-plane against series in space, and some of them against the reference. Bouncing parts under a plain sine against the same
-as one harmonic, and under random drives against series in space: which of them repeat. Then the time of a cell under
-more and more harmonics as a ratio to the plain sine, both measured in turns in one run, on one thread.
-"""  # noqa: E501
+Drives of one to eight harmonics on each axis, and of two to twelve steps, with random parts; parts
+that bounce. The program prints the time of a cell under more and more harmonics as a ratio to the
+plain sine, both measured in turns in one run, on one thread. That ways of following them agree is
+tested in tests/laws/test_waves.py and test_planar_means.py.
+"""
 
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
@@ -17,21 +16,14 @@ from numpy.typing import NDArray
 
 from benchmarks.options import options
 from core.motion import planar, waves
-from core.motion.groups import Contacts, Groups, cells_of, each
+from core.motion.groups import Groups, cells_of
 from core.motion.kernels import track
 from core.motion.kernels.arrays import NEVER
-from core.motion.methods.events import planar_motion
-from core.motion.methods.reference import reference_motion
-from core.motion.methods.spatial_events import spatial_motion
-from core.motion.result import COLUMNS, STATUS, Motion
+from core.motion.result import COLUMNS
 from core.motion.waves import ENDS, TURN, Wave
 
 PLANAR = {"tolerance": 1e-12, "most_periods": 1000.0}
 SPATIAL = {"tolerance": 1e-10, "most_periods": 400.0}
-REPEATS = [STATUS["periodic"], STATUS["at_rest"]]
-NAMES = {value: name for name, value in STATUS.items()}
-CLOSE = 1e-9
-"""Of the drive's speed: the issue's bar."""
 
 Pick = np.random.Generator
 
@@ -130,95 +122,6 @@ def lifting(pick: Pick, wave: Wave, *, clean: bool) -> Groups:
     )  # fmt: skip
 
 
-def repetition(cells: int, seed: int) -> None:
-    """Print how often a motion that repeats is said not to, and whose means differ."""
-    pick = np.random.default_rng(seed)
-    decided = [STATUS["aperiodic"], STATUS["sensitive"]]
-    for clean in (True, False):
-        kind = "clean" if clean else "random"
-        groups = bouncing(pick, cells, clean=clean)
-        sine, wave = (planar_motion(one, **PLANAR) for one in (groups, as_harmonic(groups)))
-        drive = np.hypot(groups.drive_number_along, groups.drive_number_normal)
-        compare(f"{kind} sines and the same as one harmonic", sine, wave, drive)
-        lost = np.isin(wave.status, decided) & np.isin(sine.status, REPEATS)
-        print(f"   one harmonic said not to repeat where the sine does: {lost.sum()}")
-        for name, one in (("sine", sine), ("harmonic", wave)):
-            wild = one.status == STATUS["aperiodic"]
-            print(
-                f"   aperiodic under the {name}: {wild.sum()}, stated error of the median "
-                f"{np.median((one.error / drive)[wild]):.1%} of the drive's speed"
-            )
-    for clean in (True, False):
-        for make in (harmonics, steps):
-            total, lost, apart = 0, 0, 0
-            for orders in range(1, 9):
-                count = orders if make is harmonics else orders + 1
-                groups = lifting(pick, make(pick, cells // 16, count), clean=clean)
-                flat, spatial = planar_motion(groups, **PLANAR), spatial_motion(
-                    groups, Contacts(), **SPATIAL
-                )  # fmt: skip
-                both = np.isin(spatial.status, REPEATS)
-                wild = np.isin(flat.status, decided) & both
-                far = np.abs(flat.velocity - spatial.velocity) > flat.error + spatial.error
-                total, lost = total + both.sum(), lost + wild.sum()
-                apart += (far & wild).sum()
-            kind = "clean" if clean else "random"
-            print(
-                f"{kind} {make.__name__}, lifting: of {total:,} that repeat in space {lost} "
-                f"({lost / total:.2%}) do not in the plane, the means of {apart} of them apart by "
-                f"more than both errors"
-            )
-
-
-def compare(name: str, one: Motion, other: Motion, speed: NDArray[np.float64]) -> None:
-    """Print how far two ways of following the same parts are apart."""
-    both = np.isin(one.status, REPEATS) & np.isin(other.status, REPEATS)
-    apart = np.abs(one.velocity - other.velocity)
-    share = (apart / speed)[both]
-    beyond = (apart > one.error + other.error) & both
-    print(
-        f"{name}: {both.sum():,} of {both.size:,} repeat by both; apart median "
-        f"{np.median(share):.1e}, 99 % {np.quantile(share, 0.99):.1e}, largest {share.max():.1e} "
-        f"of the drive's speed; within {CLOSE:g}: {np.mean(share <= CLOSE):.2%}; beyond both "
-        f"stated errors: {beyond.sum()}; other multiple: "
-        f"{np.sum(one.multiple[both] != other.multiple[both])}"
-    )
-    differ = Counter(
-        f"{NAMES[a]}/{NAMES[b]}"
-        for a, b in zip(one.status.tolist(), other.status.tolist(), strict=True)
-        if a != b
-    )
-    if differ:
-        print("   other status:", ", ".join(f"{who} {count}" for who, count in differ.items()))
-
-
-def joined(motions: list[Motion]) -> Motion:
-    """Return motions one after another."""
-    return Motion._make(np.concatenate(fields) for fields in zip(*motions, strict=True))
-
-
-def agreement(cells: int, judged: int, seed: int) -> None:
-    """Print agreement over drives of every size."""
-    pick = np.random.default_rng(seed)
-    flat, spatial, speeds, by_reference, asked = [], [], [], [], []
-    each_kind = cells // 16
-    for orders in range(1, 9):
-        for make in (harmonics, steps):
-            count = orders if make is harmonics else int(pick.integers(2, 13))
-            groups = parts(pick, make(pick, each_kind, count))
-            flat.append(planar_motion(groups, **PLANAR))
-            spatial.append(spatial_motion(groups, Contacts(), **SPATIAL))
-            speeds.append(waves.size(groups.wave))
-            singles, _ = each(groups)
-            chosen = [part for part, _ in zip(singles, range(judged // 16), strict=False)]
-            found = [reference_motion(part, most_periods=100) for part in chosen]
-            by_reference.append(Motion._make(np.array(field) for field in zip(*found, strict=True)))
-            asked.append(Motion._make(field[: len(chosen)] for field in flat[-1]))
-    compare("plane and space", joined(flat), joined(spatial), np.concatenate(speeds))
-    some = np.concatenate([speed[: judged // 16] for speed in speeds])
-    compare("plane and reference", joined(asked), joined(by_reference), some)
-
-
 def more_orders(pick: Pick, sine: Groups, orders: int) -> Groups:
     """Return the parts with so many harmonics on each axis in the place of the sine."""
     pushes = (sine.drive_number_along, sine.drive_number_across, sine.drive_number_normal)
@@ -277,18 +180,8 @@ def feeder_parts(cells: int, seed: int, across: float) -> Groups:
 
 
 def main() -> None:
-    """Print all of it."""
-    given = options(
-        __doc__,
-        cells=2000,
-        judged=(160, "cells of them by the reference"),
-        bouncing=(4000, "of each kind of bouncing parts"),
-        timed=300,
-        rounds=15,
-        seed=7,
-    )
-    agreement(given.cells, given.judged, given.seed)
-    repetition(given.bouncing, given.seed)
+    """Print both."""
+    given = options(__doc__, timed=300, rounds=15, seed=7)
     flat = feeder_parts(given.timed, given.seed, 0.0)
     times("In the plane", flat, planar.solve_cells, given.rounds)
 
