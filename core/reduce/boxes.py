@@ -194,7 +194,7 @@ class Boxes:
         cells = self._counted(name, values, box)
         for tile in lanes.tiles(ends):
             places, offset = lanes.places(tile, ends)
-            held = {kind: lanes.buffer(kind, places.slots.size) for kind in EMPTY}
+            held = {kind: lanes.buffer(kind, places.lanes) for kind in EMPTY}
             here = tuple(
                 slice(start - first, stop - first)
                 for (start, stop), (first, _) in zip(tile.values(), box, strict=True)

@@ -42,8 +42,8 @@ class Places:
     ----------
     strides : mapping of str to int
         Lanes from one value of an axis to the next.
-    slots : ndarray of int64, shape (lanes,)
-        The slot of each lane in its box, but for where the tile starts.
+    lanes : int
+        Number of lanes.
     numbers : ndarray of int64, shape (lanes,)
         What the place of a lane in a row adds to the number of a cell.
     order : ndarray of int64, shape (lanes,)
@@ -53,7 +53,7 @@ class Places:
     """
 
     strides: Mapping[str, int]
-    slots: Integers
+    lanes: int
     numbers: Integers
     order: Integers
     own_slots: Integers
@@ -115,16 +115,16 @@ class BoxLanes:
         count = math.prod(lanes.values())
         slots, numbers = np.zeros(count, np.int64), np.zeros(count, np.int64)
         for name, at in zip(lanes, np.indices(tuple(lanes.values())), strict=True):
-            if name in self._goes:
+            if name in self.order.inner and name in self._goes:
                 numbers += at.reshape(-1) * self.numbers[name]
-            else:
+            elif name not in self._goes:
                 slots += at.reshape(-1) * of_slot[name]
         order = np.argsort(slots, kind="stable")
         each = math.prod(n for name, n in lanes.items() if name in self._goes)
         strides = _strides(lanes)
         if self.order.gathers:
             del strides[self.order.inner[0]]
-        return Places(strides, slots, numbers, order, slots[order][::each].copy())
+        return Places(strides, count, numbers, order, slots[order][::each].copy())
 
     def gather(self, cells: Array, tile: Ends, places: Places, lanes: Mapping[str, Array]) -> None:
         """Take stored cells of a tile, over the axes of the field, into lanes of every kind."""
@@ -180,13 +180,13 @@ class Totals:
         """Fold the ``largest`` or ``least`` in lanes of an output; `at` is empty if unknown."""
         ends, row = self._ends_of(name), 2 if kind == "least" else 0
         kernels.fold_extremes(
-            lanes, at, kind == "least", places.slots, offset, places.numbers,
+            lanes, at, kind == "least", places.order, places.own_slots, offset, places.numbers,
             ends[row], ends[row + 1],
         )  # fmt: skip
 
     def fold_counts(self, lanes: Array, places: Places, offset: int, first: int, last: int) -> None:
         """Fold the counts in lanes, several in one number."""
-        kernels.fold_counts(lanes, places.slots, offset, self.counts[first:last])
+        kernels.fold_counts(lanes, places.order, places.own_slots, offset, self.counts[first:last])
 
     def state(self, name: str, counter: int) -> State:
         """Return what is known of an output, of which a counter counts the cells."""

@@ -114,7 +114,7 @@ class FieldLoop:
         for tile in lanes.tiles(box):
             places, offset = lanes.places(tile, box)
             held = [
-                [lanes.buffer(f"{k}.{kind}", places.slots.size) for kind in one.kinds]
+                [lanes.buffer(f"{k}.{kind}", places.lanes) for kind in one.kinds]
                 for k, one in enumerate(self._gatherings)
             ]
             flat = [array for arrays in held for array in arrays]

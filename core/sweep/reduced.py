@@ -36,7 +36,7 @@ from core.watch import Watch
 if TYPE_CHECKING:
     from core.reduce.run import Units
 
-SEEN_SECONDS = 1.5e-9
+SEEN_SECONDS = 0.5e-9
 """What it takes to see what a cell tells for an answer, beside evaluating it."""
 
 

@@ -55,6 +55,9 @@ class LaneOrder:
         Whether the first axis of a row goes, so that pieces of it gather in the same lanes.
     steps : mapping of str to int
         Values of each axis in a tile, but for the last.
+    apart : frozenset of str
+        Outer axes that go, but whose values in a tile have lanes of their own: a lane gathers no
+        more cells, and a tile would be small.
     """
 
     outer: tuple[str, ...]
@@ -63,6 +66,7 @@ class LaneOrder:
     period: int
     gathers: bool
     steps: Mapping[str, int]
+    apart: frozenset[str]
 
     @classmethod
     def of(
@@ -95,14 +99,18 @@ class LaneOrder:
             steps[inner[0]] = _even(shape[inner[0]], max(1, lanes // period))
             lanes = max(1, lanes // (steps[inner[0]] * period))
             most //= steps[inner[0]] * period
+        apart = set()
         for name in reversed(outer):
-            steps[name] = _even(shape[name], max(1, min(depth if name in goes else lanes, most)))
+            is_deep = name in goes and depth > 1
+            steps[name] = _even(shape[name], max(1, min(depth if is_deep else lanes, most)))
             most //= steps[name]
-            if name in goes:
+            if is_deep:
                 depth //= steps[name]
-            else:
-                lanes //= steps[name]
-        return cls(tuple(outer), tuple(inner), piece, period, gathers, steps)
+                continue
+            lanes //= steps[name]
+            if name in goes:
+                apart.add(name)
+        return cls(tuple(outer), tuple(inner), piece, period, gathers, steps, frozenset(apart))
 
     def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
         """Return the lanes of a tile by axis, outermost first: a grid of all cells that are apart.
@@ -110,7 +118,7 @@ class LaneOrder:
         `shape` is that of the tile.
         """
         goes = set(over)
-        lanes = {name: shape[name] for name in self.outer if name not in goes}
+        lanes = {name: shape[name] for name in self.outer if name not in goes or name in self.apart}
         for name in self.inner:
             lanes[name] = shape[name]
         if self.gathers:

@@ -17,6 +17,9 @@ COUNT_BITS = 8
 """Bits of a count in a lane: it gathers fewer cells than they can say."""
 COUNTS = 6
 """Counts that fit in the whole numbers of a float."""
+WIDER = (1 << 2 * COUNT_BITS) - 1
+EVERY_OTHER = sum(((1 << COUNT_BITS) - 1) << (2 * COUNT_BITS * k) for k in range(COUNTS // 2))
+"""The bits of the first count, the third and so on."""
 DIGIT = 40
 """Bits of a digit of an exact sum."""
 
@@ -103,6 +106,7 @@ def fold_extremes(
     values: Array,
     numbers: Array,
     least: bool,
+    order: Integers,
     slots: Integers,
     offset: int,
     own_numbers: Integers,
@@ -119,44 +123,57 @@ def fold_extremes(
         The number of the row that it lies in, infinite where there is none; empty if nobody asks.
     least : bool
         Whether the least is wanted; else the largest.
-    slots, offset
-        Slot of each lane in the box, but for an offset.
+    order, slots, offset
+        As in `fold_sums`.
     own_numbers : ndarray of int64, shape (lanes,)
         What the place of a lane in the row adds to the number.
     keys, places : ndarray of int64, shape (slots of the box,)
         Key and number of the extreme of each slot.
     """
     empty = math.inf if least else -math.inf
-    for lane in range(slots.size):
-        own = key(values[lane] + 0.0)
-        values[lane] = empty
-        slot = offset + slots[lane]
-        place = 0
-        if numbers.size:
-            number = numbers[lane]
-            numbers[lane] = math.inf
-            if number == math.inf:
-                continue
-            place = int(number) + own_numbers[lane]
-        is_better = own < keys[slot] if least else own > keys[slot]
-        if is_better or (own == keys[slot] and place < places[slot]):
-            keys[slot] = own
-            places[slot] = place
+    each = order.size // slots.size
+    for slot in range(slots.size):
+        best, place = empty, math.inf
+        for k in range(slot * each, (slot + 1) * each):
+            lane = order[k]
+            value = values[lane]
+            number = numbers[lane] + own_numbers[lane] if numbers.size else 0.0
+            is_better = value < best if least else value > best
+            if is_better or (value == best and number < place):
+                best, place = value, number
+        if place == math.inf:
+            continue
+        own, at = key(best + 0.0), int(place)
+        here = offset + slots[slot]
+        is_better = own < keys[here] if least else own > keys[here]
+        if is_better or (own == keys[here] and at < places[here]):
+            keys[here], places[here] = own, at
+    values[:] = empty
+    numbers[:] = math.inf
 
 
 @borrowing
-def fold_counts(packed: Array, slots: Integers, offset: int, counts: Integers) -> None:
+def fold_counts(
+    packed: Array, order: Integers, slots: Integers, offset: int, counts: Integers
+) -> None:
     """Add the counts in lanes, several in one number, to those of their slots.
 
-    `counts` has a row for each count; lanes hold 0 afterwards.
+    `counts` has a row for each count; lanes hold 0 afterwards. Every other count has room for twice
+    as many bits: so many lanes are added before counts come apart.
     """
-    for lane in range(slots.size):
-        own = int(packed[lane])
-        packed[lane] = 0.0
-        slot = offset + slots[lane]
-        for k in range(counts.shape[0]):
-            counts[k, slot] += own & ((1 << COUNT_BITS) - 1)
-            own >>= COUNT_BITS
+    each = order.size // slots.size
+    for slot in range(slots.size):
+        here = offset + slots[slot]
+        for first in range(slot * each, (slot + 1) * each, 1 << COUNT_BITS):
+            even, odd = 0, 0
+            for k in range(first, min(first + (1 << COUNT_BITS), (slot + 1) * each)):
+                own = int(packed[order[k]])
+                even += own & EVERY_OTHER
+                odd += (own >> COUNT_BITS) & EVERY_OTHER
+            for k in range(counts.shape[0]):
+                pair = odd if k % 2 else even
+                counts[k, here] += (pair >> (k // 2 * 2 * COUNT_BITS)) & WIDER
+    packed[:] = 0.0
 
 
 @disjoint

@@ -40,7 +40,7 @@ def gathered(table: np.ndarray, over: tuple[str, ...], box: dict | None = None) 
     totals = Totals(slots, 1)
     for tile in lanes.tiles(ends):
         places, offset = lanes.places(tile, ends)
-        held = {kind: lanes.buffer(kind, places.slots.size) for kind in EMPTY}
+        held = {kind: lanes.buffer(kind, places.lanes) for kind in EMPTY}
         cells = table[tuple(slice(*tile[name]) for name in dims)]
         lanes.gather(cells, tile, places, held)
         totals.fold_counts(held["counts"], places, offset, 0, 1)
@@ -135,9 +135,13 @@ def test_of_equal_cells_the_first_in_the_grid_counts() -> None:
 def test_packed_counts_come_apart() -> None:
     packed = np.array([3.0 + 200.0 * 2**COUNT_BITS, float(DEPTH) * 2.0 ** (5 * COUNT_BITS)])
     counts = np.zeros((6, 1), np.int64)
-    fold_counts(packed, np.zeros(2, np.int64), 0, counts)
+    fold_counts(packed, np.array([1, 0]), np.array([0]), 0, counts)
     assert counts[:, 0].tolist() == [3, 200, 0, 0, 0, DEPTH]
     assert not packed.any()
+    many = np.full(1000, sum(float(DEPTH) * 2.0 ** (k * COUNT_BITS) for k in range(6)))
+    counts[:] = 0
+    fold_counts(many, np.arange(1000), np.array([0]), 0, counts)
+    assert counts[:, 0].tolist() == [1000 * DEPTH] * 6
     assert DEPTH < 1 << COUNT_BITS
 
 

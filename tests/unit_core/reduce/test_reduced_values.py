@@ -124,7 +124,16 @@ def test_no_bit_depends_on_boxes_threads_or_parts(over: tuple[str, ...]) -> None
     "over", [("frequency",), ("amplitude", "friction"), ("beta",), ("alpha", "beta", "friction")]
 )
 def test_the_compiled_loop_has_the_bits_of_stored_cells(over, monkeypatch) -> None:
-    prepared = reduced(over, quantiles=[])
+    both_ways(reduced(over, quantiles=[]), monkeypatch)
+
+
+def test_so_has_one_with_functions_of_numpy_between_its_loops(monkeypatch) -> None:
+    asked = {"over": ["amplitude", "beta"], "statistics": ["mean", "argmin"], "cells": "all"}
+    study = {**STUDY, "outputs": ["travel_time"], "reduce": asked}
+    both_ways(prepare_content(study), monkeypatch)
+
+
+def both_ways(prepared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     want: dict[str, bytes] = {}
     for is_compiled, cells in ((False, 1 << 22), (True, 1 << 22), (True, 97)):
         monkeypatch.setattr("core.reduce.boxes.repays", lambda *_, how=is_compiled: how)
