@@ -164,7 +164,7 @@ def test_the_best_tells_its_margins_its_neighbours_and_its_band(page, address):
     field = page.locator("#value-friction")
     field.fill("0.3")
     field.press("Tab")
-    expect(page.locator("#optimum [role=status]").first).to_have_text(
+    expect(page.locator("#extra [role=status]").first).to_have_text(
         "The best is of other values: find it again."
     )
     expect(page.locator("#picture .mark")).to_have_count(0)

@@ -3,7 +3,7 @@
 import { drawn } from "./elements.js";
 import { label, number, shown } from "./words.js";
 
-export const { ticks } = window.d3;
+export const { ticks } = /** @type {any} */ (window).d3;
 
 export const FRAME = { left: 62, right: 14, top: 10, bottom: 46 };
 

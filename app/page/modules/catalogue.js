@@ -7,6 +7,7 @@ export class Catalogue {
   constructor(ask) {
     this.ask = ask;
     this.described = new Map(); // path -> scene
+    this.drawn = null; // figures of the thesis
   }
 
   async load() {

@@ -3,6 +3,9 @@
 import { carryOut, put, slice } from "./service.js";
 import { givenValues } from "./view.js";
 
+/** @typedef {import("./view.js").View} View */
+/** @typedef {import("./view.js").Point} Point */
+
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
@@ -11,7 +14,8 @@ const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
 const MOST_KEPT = 32; // slices, of 0.4 MB
 const MOST_UNDER_WAY = 2;
-const AT_A_POINT = ["conveying_velocity", "throw_number"]; // beside the course of a part
+// What is asked for beside the course of a part, where the scene has it.
+const AT_A_POINT = ["conveying_velocity", "throw_number", "hop_height", "platoons"];
 
 function span(axis, num) {
   return { start: axis.from, stop: axis.to, num };
@@ -31,8 +35,14 @@ function studyOf(view, num = FINE[view.kind]) {
     scene: view.scene,
     ...(view.choice ? { [choice]: view.choice } : {}),
     outputs: [view.output],
+    ...recordedDrive(view),
     parameters: parametersOf(view, num),
   };
+}
+
+// The recording of a drive, as a study has it.
+export function recordedDrive({ set, recording }) {
+  return set === "recorded" && recording ? { drive: recording.drive } : {};
 }
 
 // One output over its axes, however the service laid it out: {x, y, z, regime}.
@@ -115,6 +125,7 @@ export class Source {
     return studyOf(view, view.kind === "sweep" ? FINE.sweep : this.fineness);
   }
 
+  /** @param {View} view @param {{dragged?: any, signal?: AbortSignal, tell?: (job: any) => void}} how */
   async compute(view, { dragged = null, signal, tell } = {}) {
     if (view.kind === "sweep") return this.sliced(view, dragged, signal);
     if (dragged) return fromDataset(await motion(view, COARSE, { signal, tell }), view);
@@ -122,6 +133,7 @@ export class Source {
   }
 
   // A coarse picture to begin with, where a fine one may take long.
+  /** @param {View} view @param {{dragged?: any, signal?: AbortSignal, tell?: (job: any) => void}} how */
   coarse(view, { signal, tell } = {}) {
     return this.moved(view, COARSE, { signal, tell });
   }
@@ -142,6 +154,7 @@ export class Source {
   }
 
   // The same at both ends, and between, of what is not known exactly: least and largest of each.
+  /** @param {View} view @param {{dragged?: any, signal?: AbortSignal, tell?: (job: any) => void}} how */
   async band(view, { signal } = {}) {
     const { name, share } = view.band;
     const found = [];
@@ -215,22 +228,49 @@ export function places(low, high) {
   return { from: low, to: high, num: DRAGGED, at: (k) => low + (k / (DRAGGED - 1)) * (high - low) };
 }
 
-function hasAll(scene, names) {
-  return names.every((name) => scene.outputs.some((one) => one.name === name));
+// The values of the one design at a point of the view.
+export function valuesAt(view, point) {
+  const values = { ...givenValues(view), [view.x.name]: point.x };
+  if (view.y && point.y !== null && point.y !== undefined) values[view.y.name] = point.y;
+  return values;
 }
 
-// The course of the one part at a point of the view.
-export async function courseAt(view, scene, point, { signal } = {}) {
-  const parameters = { ...givenValues(view), [view.x.name]: point.x };
-  if (view.y && point.y !== null && point.y !== undefined) parameters[view.y.name] = point.y;
-  const study = {
+// The motion of a design, as a study; `values` may have lists.
+function motionStudy(view, scene, values) {
+  const outputs = AT_A_POINT.filter((name) => scene.outputs.some((one) => one.name === name));
+  return {
     kind: "simulate",
     scene: view.scene,
     ...(view.kind === "simulate" && view.choice ? { method: view.choice } : {}),
-    trajectory: 400,
-    ...(hasAll(scene, AT_A_POINT) ? { outputs: AT_A_POINT } : {}),
-    parameters,
+    ...(outputs.length ? { outputs } : {}),
+    ...recordedDrive(view),
+    parameters: values,
   };
-  const { dataset } = await carryOut("simulate", study, { signal });
-  return dataset;
+}
+
+// The course of the one part at a point of the view.
+/** @param {View} view @param {object} scene @param {Point} point @param {{signal?: AbortSignal}} how */
+export async function courseAt(view, scene, point, { signal } = {}) {
+  const study = { ...motionStudy(view, scene, valuesAt(view, point)), trajectory: 400 };
+  return (await carryOut("simulate", study, { signal })).dataset;
+}
+
+// What a part does with these values: {name: value} of some outputs, and its regime.
+export async function designAt(view, scene, values) {
+  const own = Object.entries(values).filter(([name, value]) => view.own?.[name] !== value);
+  const { variables } = (await carryOut("simulate", motionStudy(view, scene, Object.fromEntries(own)))).dataset;
+  const { data, flags = {} } = variables.regime ?? {};
+  const found = Object.fromEntries(Object.entries(variables).map(([name, one]) => [name, one.data]));
+  return { ...found, regime: Object.keys(flags).find((name) => flags[name] === data) ?? "" };
+}
+
+// The least and the largest speed at the point of the view within its band, or null.
+export async function speedBand(view, scene) {
+  const { band, point } = view;
+  const values = valuesAt(view, point);
+  const list = BAND.map((step) => values[band.name] * (1 + step * band.share));
+  const study = motionStudy(view, scene, { ...values, [band.name]: list });
+  const { data } = (await carryOut("simulate", study)).dataset.variables.conveying_velocity;
+  const speeds = data.filter((one) => Number.isFinite(one));
+  return speeds.length ? { least: Math.min(...speeds), largest: Math.max(...speeds) } : null;
 }

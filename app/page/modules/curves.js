@@ -14,6 +14,10 @@ function ink(host) {
 }
 
 export class Curves {
+  /**
+   * @param {HTMLElement} host
+   * @param {{onpick?: Function, onpoint?: Function, ondrag?: Function, title?: string, hint?: string, isSmall?: boolean}} options
+   */
   constructor(host, { onpick = () => {}, onpoint = () => {}, hint = "" } = {}) {
     this.onpick = onpick;
     this.onpoint = onpoint;
@@ -60,7 +64,7 @@ export class Curves {
       ticks: { stroke: this.grid() },
       values: (_, splits) => splits.map((value) => number(value)),
     });
-    this.plot = new window.uPlot(
+    this.plot = new (/** @type {any} */ (window).uPlot)(
       {
         width: Math.max(200, this.box.clientWidth),
         height: Math.max(200, this.box.clientHeight),
@@ -72,7 +76,7 @@ export class Curves {
         cursor: { drag: { x: false, y: false } },
         hooks: {
           setCursor: [(plot) => this.say(plot.cursor.idx)],
-          draw: [(plot) => this.strip(plot), (plot) => this.drawMarks(plot)],
+          draw: [(plot) => this.strip(plot), (plot) => this.drawMarks(plot), (plot) => this.drawPoints(plot)],
         },
       },
       columns,
@@ -118,6 +122,28 @@ export class Curves {
   mark(marks, whose) {
     this.marks[whose] = marks;
     this.plot?.redraw();
+  }
+
+  // Points that were measured, of [value of x, value of the line], or null.
+  points(points) {
+    this.measured = points;
+    this.plot?.redraw();
+  }
+
+  drawPoints(plot) {
+    const { ctx } = plot;
+    const [xFactor] = shown(this.data.x.unit);
+    const [yFactor] = shown(this.data.lines[0].unit);
+    const size = 4 * (window.devicePixelRatio || 1);
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = ink(this.box);
+    for (const [x, y] of this.measured ?? []) {
+      const at = [plot.valToPos(x * xFactor, "x", true), plot.valToPos(y * yFactor, "y", true)];
+      ctx.beginPath();
+      ctx.arc(...at, size, 0, 2 * Math.PI);
+      ctx.fill();
+    }
+    ctx.restore();
   }
 
   drawMarks(plot) {

@@ -1,6 +1,13 @@
 // Elements of the page, made without strings of markup: nothing that is shown is ever run.
 
+/**
+ * @param {string} tag
+ * @param {Record<string, any>} attributes
+ * @param {any[]} children
+ * @returns {any}
+ */
 export function element(tag, attributes = {}, ...children) {
+  /** @type {any} */
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined || value === false) continue;
@@ -18,11 +25,12 @@ export function fill(parent, ...children) {
 
 // The same; what had the focus has it still, if an element of that id is there again.
 export function refill(parent, ...children) {
-  const { id } = parent.contains(document.activeElement) ? document.activeElement : {};
+  const id = parent.contains(document.activeElement) ? document.activeElement.id : "";
   fill(parent, ...children);
   if (id) document.getElementById(id)?.focus({ preventScroll: true });
 }
 
+/** @returns {any} */
 export function byId(id) {
   return document.getElementById(id);
 }

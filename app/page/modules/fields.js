@@ -17,6 +17,13 @@ export function choiceField(id, text, options, value, chosen) {
 // A number, typed with or without its unit; `set` hears the value in the unit of the service. What is
 // no number, or what `check` objects to with a sentence, changes nothing: the last value stays, and
 // the reason is said beside the field. An `isOptional` field may be emptied: `set` then hears null.
+/**
+ * @param {string | null} text its name, where no label has it
+ * @param {number | null | undefined} value
+ * @param {string} unit of the service
+ * @param {(value: number | null) => void} set
+ * @param {{isOptional?: boolean, check?: (value: number) => string, [attribute: string]: any}} options
+ */
 export function numberInput(text, value, unit, set, { isOptional = false, check = () => "", ...more } = {}) {
   let last = value;
   const said = element("span", { class: "wrong", role: "alert" });

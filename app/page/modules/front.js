@@ -44,7 +44,12 @@ export class Front {
 
   // designs: of {at, values, regime, isKnee}, along the front; `output` against the size of `against`
   show(designs, { output, against, scene, names, units }) {
-    Object.assign(this, { designs, output, against, scene, names, units });
+    this.designs = designs;
+    this.output = output;
+    this.against = against;
+    this.scene = scene;
+    this.names = names;
+    this.units = units;
     this.points = designs.map(({ values }) => ({ x: Math.abs(values[against].value), y: values[output].value }));
     this.at = null;
     this.dimmed = new Set();

@@ -6,7 +6,7 @@ import { FRAME } from "./axes.js";
 import { drawn } from "./elements.js";
 import { shown } from "./words.js";
 
-const { contours, ticks } = window.d3;
+const { contours, ticks } = /** @type {any} */ (window).d3;
 const LEVELS = 10;
 const FEW = 50; // values of an axis, for lines that move
 

@@ -9,18 +9,26 @@ import { Controls } from "./controls.js";
 import { byId, reveal } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
 import { Jobs } from "./jobs.js";
+import { Matters } from "./matters.js";
+import { Measured } from "./measured.js";
 import { tellMeaning } from "./meaning.js";
 import { MotionAtPoint } from "./motion.js";
 import { Notice } from "./notice.js";
-import { begun, complete } from "./opening.js";
+import { complete } from "./opening.js";
 import { Optimum } from "./optimum.js";
 import { PartHere } from "./part.js";
 import { Picture } from "./picture.js";
-import { tellQuestions } from "./questions.js";
+import { tellQuestions } from "./nav.js";
+import { LETTERS, Pins } from "./pins.js";
+import { QUESTIONS, begun } from "./questions.js";
+import { isSet, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
 import { fromLink, frozen, toLink } from "./view.js";
-import { duration, valuesTold } from "./words.js";
+import { Waves } from "./waves.js";
+import { duration, learn, valuesTold } from "./words.js";
 
+// What of a view asks for other fields, or another picture.
+const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
 const DIMMED_AFTER = 100; // ms without the picture of the fields
 
 // For screen readers, and whoever waits for the picture.
@@ -38,15 +46,24 @@ class Page {
     this.picture = new Picture({
       onpick: (point) => this.setView({ point }),
       onpoint: (point) => this.optimum.pointed(point),
+      ondrag: (point, { isOver }) => this.setView({ point }, { isHeld: !isOver }),
     });
-    this.motion = new MotionAtPoint(byId("detail"), byId("course"), {
+    this.motion = new MotionAtPoint(byId("detail"), {
       notice: this.notice,
-      onshown: (point, course) => {
-        this.picture.mark([{ ...point, text: "" }], "chosen");
-        this.part.tell(course);
+      onshown: (view, course) => {
+        this.part.tell(view, course);
+        if (this.extra && this.hasExtra()) this.extra.follow?.(view);
+        if (view.pins?.length) this.pins.show(view, this.seen);
       },
     });
-    this.part = new PartHere(byId("part"), (point) => this.setView({ point }));
+    this.pins = new Pins(byId("pins"), {
+      onpins: (pins) => this.setView({ pins }),
+      onshow: (values) => this.choose(values),
+    });
+    this.part = new PartHere(byId("part"), {
+      onpoint: (point) => this.setView({ point }),
+      onpin: () => this.pins.pin(this.view),
+    });
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
     this.turn = 0; // of views that were opened: the last one counts
@@ -63,15 +80,27 @@ class Page {
     this.controls.frictions = friction.pairs;
     const study = () => this.source.study(this.view);
     const tell = (job) => this.jobs.note(job);
+    const extra = byId("extra");
     this.optimum = new Optimum(byId("optimum"), {
+      first: extra,
       beside: byId("beside"),
       onmark: (marks) => this.picture.mark(marks, "best"),
-      onchoose: (at) => this.choose(at),
+      onchoose: (at, how) => this.choose(at, how),
       onwish: (best) => this.setView({ best }),
       steps: () => this.picture.steps(),
       persist: (task) => this.notice.persist(task),
       tell,
     });
+    // What a question has beside picture, fields and motion, by its record.
+    this.extras = {
+      matters: new Matters(extra),
+      measured: new Measured(extra, {
+        onruns: (runs) => this.setView({ runs }),
+        onvalue: (name, value) => this.setView({ values: { ...this.view.values, [name]: value } }),
+        tell,
+      }),
+      waves: new Waves(extra, (patch) => this.setView(patch)),
+    };
     const best = () => this.optimum.study();
     const picture = (what) => (what === "best" && this.optimum.front) || this.picture.drawing;
     const told = () => ({
@@ -102,8 +131,9 @@ class Page {
     const begin = begun(question);
     // What a question begins with need not be there in another system, or the other way to look.
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
-    if (isOther) Object.assign(begin, { output: "", choice: "", x: undefined, y: undefined });
-    const view = { ...begin, ...wanted, question, scene: known ? wanted.scene : begin.scene };
+    if (isOther) Object.assign(begin, { output: "", choice: "", values: {}, x: undefined, y: undefined, set: undefined, point: undefined });
+    const values = { ...begin.values, ...wanted.values };
+    const view = { ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene };
     await this.open(view, { complaints });
   }
 
@@ -114,15 +144,17 @@ class Page {
   }
 
   // The one way in which a view changes: the address, the fields, the picture and the motion follow.
-  // `dragged` while a slider is held: the address has the value where it is let go.
-  setView(patch, { dragged = null } = {}) {
+  // `dragged` while a slider is held, `isHeld` while a point is: the address has the value where it is
+  // let go.
+  setView(patch, { dragged = null, isHeld = dragged !== null, isStep = true } = {}) {
     const before = this.view;
     const view = { ...before, ...patch };
-    const isSame = ["kind", "scene", "choice", "output", "x", "y", "band"].every((name) => view[name] === before[name]);
+    const isSame = OPENED_ANEW.every((name) => view[name] === before[name]);
     const names = (one) => Object.keys(one.values).join();
     if (!isSame || names(view) !== names(before)) {
       const isOfAxes = ["x", "y"].every((place) => view[place]?.name === before[place]?.name);
       const isOther = ["kind", "scene", "output"].some((name) => name in patch);
+      if ("kind" in patch || "scene" in patch) view.set = view.runs = view.recording = null;
       const best = view.best && { ...view.best, isFound: false };
       const point = isOfAxes && !isOther && !patch.y && !patch.x ? view.point : null;
       return this.open({ ...view, best, point }, { isSwitching: true, isStep: true });
@@ -131,10 +163,12 @@ class Page {
     this.view = frozen(view);
     this.controls.follow(view);
     if (this.optimum.view && view.question === "drive") this.optimum.follow(this.view);
-    if (!dragged) this.keep({ isStep: !patch.best || patch.best.isFound === before.best.isFound });
+    if (!isHeld) this.keep({ isStep: isStep && (!patch.best || patch.best.isFound === before.best.isFound) });
+    if (patch.runs || patch.pins) this.tellBeside();
     if (patch.point) this.part.place(view.point);
-    if (view.point && (patch.point || patch.values)) this.follow({ isSeen: Boolean(patch.point) });
-    return patch.values ? this.compute({ dragged }) : null;
+    if (view.point && (patch.point || patch.values)) this.follow();
+    const isOfPins = patch.pins && !view.y;
+    return patch.values || isOfPins ? this.compute({ dragged }) : null;
   }
 
   // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching`
@@ -156,6 +190,13 @@ class Page {
       scene = await this.catalogue.describe(wanted);
     }
     if (isLeft()) return;
+    if (wanted.set === "recorded" && !wanted.recording) {
+      complaints.push("A recording is not kept in a link: choose its file again.");
+      wanted = { ...wanted, set: "ellipse", x: undefined, y: undefined };
+    }
+    if (wanted.set && (wanted.kind === "sweep" || !isSet(wanted.set))) wanted = { ...wanted, set: null };
+    scene = withSet(scene, wanted.set);
+    learn(scene);
     const made = complete(wanted, scene);
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
     const view = made.view;
@@ -174,15 +215,27 @@ class Page {
     tellMeaning(byId("meaning").lastElementChild, view, scene);
     document.querySelector("main").classList.remove("opening");
     this.part.show(view, scene);
-    this.motion.leave();
+    this.motion.begin(view);
     await this.tellWhatElse();
     if (isLeft()) return;
     this.notice.tell(complaints.slice(0, 1));
     this.opened = turn;
     const drawn = this.compute({ isFirst: true });
     if (view.point) this.follow();
+    this.tellBeside();
     await drawn;
-    if (!isLeft() && view.question === "drive" && this.view.best.isFound) await this.optimum.find();
+    if (isLeft() || view.question !== "drive" || !this.view.best.isFound) return;
+    await this.optimum.find({ isShown: !wanted.point });
+  }
+
+  // What is told beside the picture of the view: marks of pins and runs, and pinned designs.
+  tellBeside() {
+    const { view } = this;
+    const within = (axis, value) => !axis || (value >= axis.from && value <= axis.to);
+    const pins = (view.pins ?? []).map((pin, i) => ({ x: pin[view.x.name], y: view.y ? pin[view.y.name] : null, text: LETTERS[i] }));
+    this.picture.mark(pins.filter(({ x, y }) => within(view.x, x) && within(view.y, y ?? view.y?.from)), "pins");
+    this.picture.points(view.question === "measured" && !view.y ? view.runs : null);
+    this.pins.show(view, this.seen);
   }
 
   tellQuestions(current) {
@@ -197,6 +250,11 @@ class Page {
     byId("figures").hidden = question !== "thesis";
     byId("optimum").hidden = question !== "drive";
     this.away.offer(question === "drive");
+    this.extra = this.extras[QUESTIONS[question].extra] ?? null;
+    byId("extra").hidden = !QUESTIONS[question].extra || question === "thesis";
+    byId("extra").className = QUESTIONS[question].extra ?? "";
+    if (this.extra && this.hasExtra()) this.extra.show(this.view, this.seen);
+    else if (question !== "drive") byId("extra").hidden = true;
     if (question === "drive") {
       this.optimum.show(this.view, this.seen);
       return;
@@ -259,7 +317,18 @@ class Page {
       } while (!dragged && this.source.isWorthMore(view));
       this.controls.clear();
       if (!isFirst) this.notice.tell(); // a word about a link stays
-      if (view.band && !dragged) {
+      if (view.pins?.length && !view.y && !dragged) {
+        const others = await Promise.all(
+          view.pins.map(async (pin, i) => {
+            const one = { ...view, values: { ...view.values, ...pin }, band: null };
+            delete one.values[view.x.name];
+            return { text: `design ${LETTERS[i]}`, found: await this.source.compute(one, { signal }) };
+          }),
+        );
+        signal.throwIfAborted();
+        this.picture.showOthers(found, others);
+      }
+      if (view.band && !dragged && view.question !== "drive") {
         const band = await this.notice.persist(() => this.source.band(view, { signal }));
         signal.throwIfAborted();
         this.picture.showBand(found, band, view.band);
@@ -298,19 +367,26 @@ class Page {
   }
 
   // Show a drive as a whole: its point, and the values that are no axes.
-  choose(at) {
+  choose(at, { isStep = true } = {}) {
     const { values, x, y } = this.view;
     const moved = Object.fromEntries(Object.entries(at).filter(([name]) => name in values));
     const isOther = Object.keys(moved).some((name) => moved[name] !== values[name]);
     const point = { x: at[x.name], y: y ? at[y.name] : null };
-    return this.setView(isOther ? { values: { ...values, ...moved }, point } : { point });
+    return this.setView(isOther ? { values: { ...values, ...moved }, point } : { point }, { isStep });
   }
 
-  // The motion at the point of the view; `isSeen` where it is to be brought into sight.
-  async follow({ isSeen = false } = {}) {
+  // The motion at the point of the view.
+  async follow() {
     if (!this.catalogue.scene(this.view.scene)?.methods.length) return;
+    this.picture.mark([{ ...this.view.point, text: "", isDragged: true }], "chosen");
     await this.motion.follow(this.view, this.seen);
-    if (isSeen) byId("course").scrollIntoView({ block: "nearest" });
+  }
+
+  // Whether what a question has beside its picture makes sense of the view.
+  hasExtra() {
+    const { kind, point, y, runs } = this.view;
+    if (kind !== "simulate" || !point || !this.seen.outputs.some(({ name }) => name === "conveying_velocity")) return false;
+    return this.extra !== this.extras.measured || (!y && Boolean(runs));
   }
 }
 

@@ -6,18 +6,23 @@ import { drawn, element, fill } from "./elements.js";
 import { svgDocument } from "./exported.js";
 import { bordersDrawn, clipDrawn, contoursDrawn, hatchDrawn, paint, thinned } from "./layers.js";
 import { legendOf, occurring, scaleTold } from "./legend.js";
-import { markerDrawn } from "./markers.js";
+import { markDrawn } from "./marks.js";
 import { namesDrawn } from "./names.js";
 import { capital, withUnit, words } from "./words.js";
 
-const SMALL = 3.5; // px
 let maps = 0;
 
 export class HeatMap {
   // `onpick` is called with {x, y} when a point is clicked, or Enter is pressed at the cursor;
-  // `onpoint` with that of the cursor wherever it moves.
-  constructor(host, { onpick = () => {}, onpoint = () => {}, title = "Map", hint = "" } = {}) {
+  // `onpoint` with that of the cursor wherever it moves, `ondrag(point, {isOver})` with that of the
+  // mark that is dragged.
+  /**
+   * @param {HTMLElement} host
+   * @param {{onpick?: Function, onpoint?: Function, ondrag?: Function, title?: string, hint?: string, isSmall?: boolean}} options
+   */
+  constructor(host, { onpick = () => {}, onpoint = () => {}, ondrag = () => {}, title = "Map", hint = "", isSmall = false } = {}) {
     this.onpick = onpick;
+    this.ondrag = ondrag;
     this.onpoint = onpoint;
     this.hint = hint; // told while no point is
     this.clipId = `inside-${(maps += 1)}`;
@@ -29,11 +34,14 @@ export class HeatMap {
     this.box = element(
       "div",
       {
-        class: "map",
+        class: isSmall ? "map small" : "map",
         tabindex: "0",
         role: "application",
         "aria-label": `${title}: arrow keys move the cursor, Enter chooses the point`,
         onpointermove: (event) => this.point(event),
+        onpointerdown: (event) => this.grip(event),
+        onpointerup: (event) => this.let(event),
+        onpointercancel: () => (this.gripped = null),
         onpointerleave: () => this.leave(),
         onclick: (event) => this.pick(event),
         onkeydown: (event) => this.press(event),
@@ -41,7 +49,7 @@ export class HeatMap {
       this.canvas,
       this.svg,
     );
-    fill(host, this.box, this.said, this.scale, this.legend);
+    fill(host, this.box, this.said, ...(isSmall ? [] : [this.scale, this.legend]));
     this.data = null;
     this.cursor = null; // {x, y}, values of the axes: the next picture may have other cells
     this.marks = {}; // by who sets them
@@ -50,8 +58,8 @@ export class HeatMap {
 
   // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j)}, regime: {at(i, j), names} or null,
   // look(name) of a regime}. While it `isMoving`, lines are drawn of fewer values: they take most of
-  // the time.
-  show(data, { isMoving = false } = {}) {
+  // the time. A `range` of colours is that of several maps.
+  show(data, { isMoving = false, range = null } = {}) {
     this.data = data;
     this.isMoving = isMoving;
     const size = data.x.values.length * data.y.values.length;
@@ -62,7 +70,7 @@ export class HeatMap {
     }
     // While something moves, colours keep their meaning.
     const isHeld = isMoving && this.range && this.rangeOf === data.z.name;
-    if (!isHeld) this.range = scaleOf(this.flat);
+    if (!isHeld) this.range = range ?? scaleOf(this.flat);
     this.rangeOf = data.z.name;
     this.regimes = occurring(data, data.look);
     this.draw();
@@ -127,26 +135,7 @@ export class HeatMap {
 
   marksDrawn() {
     const all = Object.values(this.marks).flat();
-    return drawn("g", { class: "marks" }, ...all.map((mark) => this.markDrawn(mark)));
-  }
-
-  markDrawn({ x, y, text, regime, isSmall }) {
-    const cx = this.x.place(x);
-    const cy = this.y.place(y);
-    if (isSmall) return markerDrawn(this.data.look(regime), cx, cy, SMALL, { class: "marker" });
-    const isRight = cx > this.box.clientWidth * 0.7;
-    const isHigh = cy < 2 * FRAME.top + 14;
-    return drawn(
-      "g",
-      { class: "mark" },
-      drawn("circle", { cx, cy, r: 7, class: "halo" }),
-      drawn("circle", { cx, cy, r: 7 }),
-      drawn(
-        "text",
-        { x: cx + (isRight ? -11 : 11), y: cy + (isHigh ? 18 : -8), "text-anchor": isRight ? "end" : "start" },
-        text,
-      ),
-    );
+    return drawn("g", { class: "marks" }, ...all.map((mark) => markDrawn(mark, this)));
   }
 
   cursorDrawn() {
@@ -193,7 +182,37 @@ export class HeatMap {
 
   point(event) {
     if (!this.data) return;
-    this.move(this.under(event));
+    if (this.gripped) this.ondrag(this.exactly(event), { isOver: false });
+    else this.move(this.under(event));
+  }
+
+  // The chosen point is taken hold of.
+  grip(event) {
+    if (!event.target.closest?.(".dragged")) return;
+    this.gripped = event.target;
+    this.box.setPointerCapture(event.pointerId);
+  }
+
+  let(event) {
+    if (!this.gripped) return;
+    this.gripped = null;
+    this.isLet = true; // the click that follows chooses nothing
+    this.ondrag(this.exactly(event), { isOver: true });
+  }
+
+  // The point under the pointer, within the axes, to four digits of them.
+  exactly(event) {
+    const box = this.box.getBoundingClientRect();
+    const within = (axis, value) => {
+      const [low, high] = [Math.min(axis.first, axis.last), Math.max(axis.first, axis.last)];
+      const digit = 10 ** Math.floor(Math.log10((high - low) / 300));
+      const rounded = Math.round(value / digit) * digit;
+      return Number(Math.max(low, Math.min(high, rounded)).toPrecision(6));
+    };
+    return {
+      x: within(this.x, this.x.value(event.clientX - box.left)),
+      y: within(this.y, this.y.value(event.clientY - box.top)),
+    };
   }
 
   move(cursor) {
@@ -226,6 +245,10 @@ export class HeatMap {
 
   pick(event) {
     if (!this.data) return;
+    if (this.isLet) {
+      this.isLet = false;
+      return;
+    }
     this.move(this.under(event));
     this.onpick(this.cursor);
   }

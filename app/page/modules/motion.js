@@ -1,18 +1,29 @@
 // The motion at the chosen point of a view.
 
+import { Animation } from "./animation.js";
 import { courseAt } from "./computed.js";
-import { Course, courseOf } from "./course.js";
+import { courseOf } from "./course.js";
 import { Refusal } from "./service.js";
+import { sentence } from "./words.js";
 
 export class MotionAtPoint {
-  // `onshown(point, course)` hears whose motion is shown.
-  constructor(section, host, { notice, onshown }) {
+  // `onshown(view, course)` hears whose motion is shown.
+  constructor(section, { notice, onshown }) {
     this.section = section;
-    this.host = host;
     this.notice = notice;
     this.onshown = onshown;
     this.next = null; // the view and scene whose motion is wanted
     this.isFollowing = false;
+    this.turn = 0;
+    /** @type {Animation | null} */
+    this.animation = null;
+  }
+
+  // Another view is opened: what is under way is of no use. Its motion has its place from the start.
+  begin({ kind, point }) {
+    this.turn += 1;
+    this.next = null;
+    this.section.hidden = kind !== "simulate" || !point;
   }
 
   // Show the motion at the point of a view; of the views meanwhile only the last counts.
@@ -25,7 +36,7 @@ export class MotionAtPoint {
       while (this.next) {
         const { next } = this;
         this.next = null;
-        await this.show(next.view, next.scene, next.view.point);
+        await this.show(next.view, next.scene);
       }
     } finally {
       this.section.setAttribute("aria-busy", "false");
@@ -33,28 +44,20 @@ export class MotionAtPoint {
     }
   }
 
-  // Another view is opened, or one without a point: what is under way is of no use.
-  leave() {
-    this.turn = (this.turn ?? 0) + 1;
-    this.next = null;
-    this.section.hidden = true;
-  }
-
-  async show(view, scene, point) {
+  async show(view, scene) {
     const { turn } = this;
-    const isLeft = () => turn !== this.turn || (this.next && this.next.view.point !== point);
+    this.section.hidden = false;
+    this.animation ??= new Animation(this.section);
     try {
-      const dataset = await this.notice.persist(() => courseAt(view, scene, point));
-      if (isLeft()) return;
-      this.section.hidden = false;
-      this.course ??= new Course(this.host);
-      const course = courseOf(dataset);
-      this.course.show(course);
-      this.onshown(point, course);
+      const course = courseOf(await this.notice.persist(() => courseAt(view, scene, view.point)));
+      if (turn !== this.turn) return;
+      this.animation.show(course);
+      this.onshown(view, course);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      if (isLeft()) return;
-      this.notice.tell([error.errors[0]?.message ?? error.message]);
+      if (turn !== this.turn) return;
+      this.animation.fail(error.errors[0] ? sentence(error.errors[0]) : error.message);
+      this.onshown(view, null);
     }
   }
 }

@@ -1,32 +1,14 @@
 // A view made whole: what it lacks is set to what is usual, what makes no sense is told of.
 
+import { SETS, isSet } from "./sets.js";
 import { shownParameters, typical, usual } from "./view.js";
 import { capital, words } from "./words.js";
 
-const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" };
-const BEGIN = {
-  speed: MOTION,
-  drive: MOTION,
-  springs: {
-    kind: "sweep",
-    scene: "linear-drive-unit",
-    choice: "measured",
-    output: "track_amplitude",
-    x: { name: "frequency", from: 40, to: 60 },
-    y: { name: "load_mass", from: 0, to: 2 },
-  },
-  all: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" },
-};
 const FIRST_OUTPUTS = ["conveying_velocity", "acceleration_x"];
 const FIRST_AXES = ["amplitude", "beta"];
 
 // A name that may be anybody's, as it is told.
 const told = (name) => words(name).slice(0, 60);
-
-// The view that a question begins with.
-export function begun(question) {
-  return { choice: "", values: {}, ...(BEGIN[question] ?? BEGIN.speed), question };
-}
 
 // A view of a scene made whole, and a sentence about each part of it that made no sense.
 export function complete(wanted, scene) {
@@ -37,6 +19,7 @@ export function complete(wanted, scene) {
   const parameters = shownParameters(scene, view.output, given);
   // A link may name anything, also what every object of JavaScript has.
   const byName = Object.assign(Object.create(null), ...parameters.map((one) => ({ [one.name]: one })));
+  if (isSet(view.set)) chooseAxesOfSet(view, byName);
   complaints.push(...chooseAxes(view, byName));
   const foreign = Object.keys(view.values).filter((name) => !byName[name]);
   for (const name of foreign) delete view.values[name];
@@ -45,11 +28,27 @@ export function complete(wanted, scene) {
     else view.values[name] ??= typical(byName[name]);
   }
   view.own = Object.fromEntries(parameters.map((one) => [one.name, one.default]));
+  if (view.pins) {
+    const isOfScene = (pin) => Object.keys(pin).every((name) => scene.parameters.some((one) => one.name === name));
+    const pins = view.pins.filter(isOfScene);
+    if (pins.length < view.pins.length) foreign.push("a pinned design");
+    view.pins = pins;
+  }
+  if (view.kind === "simulate") view.point ??= pointOf(view, byName);
   if (view.band && !Object.hasOwn(view.values, view.band.name)) {
     foreign.push(view.band.name);
     view.band = null;
   }
   return { view, complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
+}
+
+// The point whose motion is shown to begin with: what is typical, within the axes.
+function pointOf({ x, y }, byName) {
+  const within = ({ name, from, to }) => {
+    const value = typical(byName[name]);
+    return value > from && value < to ? value : (from + to) / 2;
+  };
+  return { x: within(x), y: y ? within(y) : null };
 }
 
 function chooseOutput(view, scene) {
@@ -69,6 +68,16 @@ function chooseOutput(view, scene) {
 // The outputs that depend on a parameter at least.
 export function pictured(scene) {
   return scene.outputs.filter(({ asks }) => asks.length);
+}
+
+// The axes that show most of a drive or a row.
+function chooseAxesOfSet(view, byName) {
+  for (const place of ["x", "y"]) {
+    const name = SETS[view.set][place];
+    if (view[place] !== undefined || !byName[name]) continue;
+    const [from, to] = usual(byName[name]);
+    view[place] = { name, from, to };
+  }
 }
 
 function chooseAxes(view, byName) {

@@ -3,14 +3,14 @@
 import { designsOf } from "./answer.js";
 import { bandOf, neighboursOf } from "./around.js";
 import { bestStudy, variablesOf } from "./best.js";
-import { element, fill } from "./elements.js";
+import { element, fill, refill } from "./elements.js";
 import { Front } from "./front.js";
 import { designTold, marginsTold, ratesTold, statusTold } from "./margin.js";
 import { bandTold, neighboursDrawn, neighboursTold } from "./neighbours.js";
 import { Parallel } from "./parallel.js";
 import { carryOut } from "./service.js";
 import { Wishes } from "./wishes.js";
-import { words } from "./words.js";
+import { withUnit, words } from "./words.js";
 
 const NEAR = 0.06; // of an axis of the picture
 
@@ -18,15 +18,22 @@ export class Optimum {
   // `onmark(marks)` shows points in the picture, `onchoose(at)` a drive as a whole, `onwish(best)` hears
   // of what is wished for, or found, `steps()` gives how far the values of the picture lie apart,
   // `persist(task)` asks until the service answers.
-  // A trade-off is drawn in `beside`, next to the picture.
-  constructor(host, { beside, onmark, onchoose, onwish, steps, persist, tell }) {
-    Object.assign(this, { host, beside, onmark, onchoose, onwish, steps, persist, tellJob: tell });
+  // A trade-off is drawn in `beside`, next to the picture; what is asked for first stands in `first`.
+  constructor(host, { first, beside, onmark, onchoose, onwish, steps, persist, tell }) {
+    this.host = host;
+    this.first = first;
+    this.beside = beside;
+    this.onmark = onmark;
+    this.onchoose = onchoose;
+    this.onwish = onwish;
+    this.steps = steps;
+    this.persist = persist;
+    this.tellJob = tell;
     this.form = element("div", { class: "wishes" });
     this.wishes = new Wishes(this.form, (best) => this.onwish(best));
-    this.said = element("div", { role: "status" });
+    this.said = element("div", { role: "status", class: "finding" });
     this.answer = element("div", { class: "answer" });
-    this.find_ = element("button", { type: "button", onclick: () => this.find() }, "Find the best");
-    fill(host, element("h2", {}, "The best of this picture"), this.form, this.find_, this.said, this.answer);
+    fill(host, element("h2", { tabindex: "-1" }, "What is best, and how sure is that?"), this.form, this.answer);
     this.designs = [];
   }
 
@@ -35,14 +42,48 @@ export class Optimum {
     this.scene = scene;
     this.view = view;
     this.wishes.show(view, scene);
+    this.tellFirst();
     this.forget();
     this.abort?.abort();
+  }
+
+  // The button that finds the best, and each level that it may keep below.
+  tellFirst() {
+    const levels = this.scene.outputs.filter(({ name, level }) => Number.isFinite(level) && name !== this.view.output);
+    const isKept = (name) => this.view.best.limits.some(({ output }) => output === name);
+    const button = (text, onclick, more = {}) => element("button", { type: "button", onclick, ...more }, text);
+    refill(
+      this.first,
+      element(
+        "div",
+        { class: "buttons" },
+        button("Find the best", () => this.find(), { id: "find", class: "main" }),
+        ...levels.map(({ name, level, begins }) =>
+          button(`Without ${begins}`, () => this.keepBelow(name, level), { id: `below-${name}`, "aria-pressed": String(isKept(name)) }),
+        ),
+        button("Limits", () => {
+          this.host.scrollIntoView();
+          this.host.querySelector("h2").focus({ preventScroll: true });
+        }),
+      ),
+      this.said,
+    );
+  }
+
+  keepBelow(name, upper) {
+    const { best } = this.view;
+    const others = best.limits.filter(({ output }) => output !== name);
+    const isNew = others.length === best.limits.length;
+    const limits = isNew ? [...others, { output: name, lower: null, upper, absolute: false }] : others;
+    this.onwish({ ...best, limits, isFound: false });
+    return this.find();
   }
 
   // The view has changed, and its picture is the same or is being drawn.
   follow(view) {
     this.view = view;
     this.wishes.follow(view);
+    this.tellFirst();
     this.grown();
   }
 
@@ -72,7 +113,8 @@ export class Optimum {
     this.said.textContent = "The best is of other values: find it again.";
   }
 
-  async find() {
+  // `isShown` where the drive that is found becomes the design.
+  async find({ isShown = true } = {}) {
     const study = this.study();
     this.abort?.abort();
     this.abort = new AbortController();
@@ -90,7 +132,7 @@ export class Optimum {
       this.grown(); // meanwhile
       if (!this.found) return;
       this.onwish({ ...this.view.best, isFound: true });
-      await this.tell(dataset, signal);
+      await this.tell(dataset, signal, isShown);
     } catch (error) {
       if (error.name === "AbortError") return;
       if (!error.errors) throw error;
@@ -101,7 +143,7 @@ export class Optimum {
     }
   }
 
-  async tell(dataset, signal) {
+  async tell(dataset, signal, isShown) {
     const names = variablesOf(this.view);
     const all = designsOf(dataset, names);
     this.designs = all.filter(({ isThere }) => isThere);
@@ -110,17 +152,24 @@ export class Optimum {
       return;
     }
     if (this.view.best.kind === "pareto") this.tellFront(names);
-    else await this.tellOne(this.designs[0], signal);
+    else await this.tellOne(this.designs[0], signal, isShown);
   }
 
   markOf({ at }, text, more = {}) {
     return { x: at[this.view.x.name], y: this.view.y ? at[this.view.y.name] : null, text, ...more };
   }
 
-  async tellOne(design, signal) {
+  async tellOne(design, signal, isShown) {
     const { view, scene } = this;
     const units = (name) => this.units(name);
-    this.said.textContent = statusTold(design.status);
+    const at = Object.entries(design.at).map(([name, value]) => `${words(name)} ${withUnit(value, units(name))}`);
+    const { value, unit } = design.values[view.output];
+    fill(
+      this.said,
+      element("strong", {}, `Best: ${at.join(", ")}`),
+      ` with ${words(view.output)} ${withUnit(value, unit)}. ${statusTold(design.status)}`,
+    );
+    if (isShown) this.onchoose(design.at, { isStep: false });
     const around = element("div", {}, element("p", { class: "unit" }, "Looking around it ..."));
     fill(
       this.answer,

@@ -27,7 +27,9 @@ export class Parallel {
   // `onpoint(index)` hears of the line under the pointer, `onpick(index)` of the one chosen,
   // `onbrush(set)` of the indices that are left out.
   constructor(host, { onpoint, onpick, onbrush }) {
-    Object.assign(this, { onpoint, onpick, onbrush });
+    this.onpoint = onpoint;
+    this.onpick = onpick;
+    this.onbrush = onbrush;
     this.room = ROOM[0];
     this.svg = drawn("svg", { class: "parallel", role: "group", "aria-label": "Parallel coordinates of the drives" });
     this.said = element("p", { class: "said", role: "status" });

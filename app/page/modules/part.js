@@ -1,22 +1,27 @@
-// "My part, here": a point of the picture in exact numbers, and what a part does there in one line.
+// "My part, here": a point of the picture in exact numbers, and what a part does there in one large line.
 
+import { speedBand } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { numberInput } from "./fields.js";
+import { Refusal } from "./service.js";
 import { capital, label, number, withUnit, words } from "./words.js";
 
 const HOP = 1e-9; // of the scale of lengths: what is lower is rounding
 
 export class PartHere {
-  // `onpoint({x, y})` hears of a point that was typed.
-  constructor(host, onpoint) {
+  // `onpoint({x, y})` hears of a point that was typed, `onpin()` that its design is to be pinned.
+  constructor(host, { onpoint, onpin }) {
     this.host = host;
     this.onpoint = onpoint;
+    this.pin = element("button", { type: "button", onclick: onpin, title: "Keep this design beside others" }, "Pin");
     this.answer = element("p", { class: "answer", "aria-live": "polite" });
+    this.more = element("p", { class: "more" });
   }
 
   // The fields of a view; without motion in time there is nothing to tell of a part.
   show(view, scene) {
     this.view = view;
+    this.scene = scene;
     this.host.hidden = !scene.methods.length;
     if (this.host.hidden) return;
     const axes = ["x", "y"].filter((place) => view[place]);
@@ -31,14 +36,17 @@ export class PartHere {
       };
       this.fields[place] = numberInput(null, typed[place], unit, set, { id: `here-${place}`, size: 7 });
       this.fields[place].taken = (value) => (typed[place] = value);
-      return [element("label", { for: `here-${place}` }, label(name, unit)), this.fields[place]];
+      return element("span", {}, element("label", { for: `here-${place}` }, label(name, unit)), " ", this.fields[place]);
     };
     fill(
       this.host,
-      element("div", { class: "here" }, element("strong", {}, "My part, here:"), ...axes.flatMap(field)),
       this.answer,
+      this.more,
+      element("div", { class: "here" }, element("strong", {}, "My part, here:"), ...axes.map(field), this.pin),
     );
-    this.answer.textContent = view.point ? "" : "Type a point, or click one in the picture.";
+    this.pin.hidden = view.kind !== "simulate";
+    fill(this.answer, view.point ? "Following the part ..." : "Type a point, or click one in the picture.");
+    fill(this.more);
   }
 
   // A point that was chosen elsewhere stands in the fields, too.
@@ -50,20 +58,50 @@ export class PartHere {
     }
   }
 
-  // What a part does at a point, by its course and the numbers of the study.
-  tell({ velocity, height, throwNumber, amplitude, regime }) {
-    const most = Math.max(...height);
-    const scale = Math.max(...height.map(Math.abs), amplitude ?? 0);
-    const more = [words(regime)];
-    if (most > HOP * scale) more.push(`hops ${withUnit(most, "m", 3)} high`);
+  // What a part does at a point, by its course; null where there is none.
+  async tell(view, course) {
+    this.told = view;
+    if (!course) {
+      fill(this.answer, "There is no motion at this point: see below.");
+      fill(this.more);
+      return;
+    }
+    const { velocity, regime } = course;
+    const speed = velocity === null || velocity === undefined ? "No mean speed" : withUnit(velocity, "m s-1", 4);
+    const band = element("span", { class: "band" });
+    if (view.question === "hop") {
+      const hop = this.hop(course);
+      fill(this.answer, element("strong", {}, hop ? `Hops ${withUnit(hop, "m", 3)} high` : "Does not hop"), ` ${capital(words(regime))}`);
+    } else fill(this.answer, element("strong", {}, speed), " ", band, ` ${capital(words(regime))}`);
+    this.more.textContent = this.lines(course, view.question === "hop" ? [`mean speed ${speed}`] : []);
+    if (!view.band || !(view.band.name in view.values)) return;
+    try {
+      const found = await speedBand(view, this.scene);
+      if (this.told !== view || !found) return;
+      const { name, share } = view.band;
+      const told = `${words(name)} known within ${number(100 * share, 3)} %`;
+      band.textContent = `(${withUnit(found.least, "m s-1", 3)} to ${withUnit(found.largest, "m s-1", 3)} with the ${told})`;
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error; // the picture tells what is wrong
+    }
+  }
+
+  // How high it hops, how far from lift-off it is, and what a row does.
+  lines(course, more) {
+    const { throwNumber, amplitude, platoons } = course;
+    const hop = this.hop(course);
+    if (hop && !more.length) more.push(`hops ${withUnit(hop, "m", 3)} high`);
     if (throwNumber > 0) {
       const lifts = amplitude ? ` (lifts off at ${withUnit(amplitude / throwNumber, "m", 3)} of amplitude)` : "";
       more.push(`throw number ${number(throwNumber, 3)}${lifts}`);
     }
-    fill(
-      this.answer,
-      element("strong", {}, velocity === null ? "No mean speed" : withUnit(velocity, "m s-1", 4)),
-      ` ${capital(more.filter(Boolean).join(", "))}.`,
-    );
+    if (platoons) more.push(`${number(platoons)} ${platoons === 1 ? "platoon" : "platoons"}`);
+    return more.length ? `${capital(more.join(", "))}.` : "";
+  }
+
+  // How high the part hops; 0 where that is nothing but rounding.
+  hop({ height, hopHeight, amplitude }) {
+    const most = hopHeight ?? Math.max(...height);
+    return most > HOP * Math.max(...height.map(Math.abs), amplitude ?? 0) ? most : 0;
   }
 }

@@ -1,6 +1,7 @@
 // The picture of a view: a map or lines, the worst case of what is not known exactly, and how much holds.
 
 import { Curves } from "./curves.js";
+import { scaleOf } from "./colours.js";
 import { byId, element, fill, reveal } from "./elements.js";
 import { occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
@@ -9,9 +10,11 @@ import { pictureOf } from "./view.js";
 import { capital, number, words } from "./words.js";
 
 export class Picture {
-  constructor({ onpick, onpoint }) {
+  constructor({ onpick, onpoint, ondrag }) {
     this.onpick = onpick;
+    this.ondrag = ondrag;
     this.onpoint = onpoint;
+    /** @type {any} */
     this.drawing = null; // a map or lines
     this.marks = {}; // by who sets them
   }
@@ -24,8 +27,8 @@ export class Picture {
     this.marks = {};
     this.dim("Computing ...");
     fill(byId("headline"), capital(words(view.output)), " ", element("small", {}, scene.title));
-    byId("worst").hidden = true;
-    byId("note").hidden = scene.regimes.every(({ valid }) => valid);
+    byId("worst").hidden = byId("beside").hidden = true;
+    byId("note").hidden = view.kind === "simulate" || scene.regimes.every(({ valid }) => valid);
   }
 
   // `isMoving` while a slider is dragged: the next picture will soon be there.
@@ -34,21 +37,23 @@ export class Picture {
     byId("host").dataset.view = pictureOf(view);
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
-      const { onpick, onpoint } = this;
+      const { onpick, onpoint, ondrag } = this;
       const told = { hint: this.hint(), title: words(this.view.output) };
-      const options = { onpick, onpoint, ...told };
+      const options = { onpick, onpoint, ondrag, ...told };
       const host = byId("host");
       this.drawing = kind === "map" ? new HeatMap(host, options) : new Curves(host, options);
       this.kind = kind;
       for (const [whose, marks] of Object.entries(this.marks)) this.mark(marks, whose);
+      this.drawing.points?.(this.measured);
     }
     const look = (name) => lookOf(this.scene, name);
     if (kind === "map") this.drawing.show({ ...found, look }, { isMoving });
     else {
       const values = Array.from(found.x.values, (_, i) => found.z.at(i));
+      this.lines = [{ name: found.z.name, unit: found.z.unit, values }];
       this.drawing.show({
         x: found.x,
-        lines: [{ name: found.z.name, unit: found.z.unit, values }],
+        lines: this.lines,
         regime: found.regime,
         look,
       });
@@ -70,35 +75,61 @@ export class Picture {
   }
 
   hint() {
-    const motion = this.scene.methods.length ? " Click, or press Enter, to see the motion there." : "";
+    const motion = this.scene.methods.length ? " Click, press Enter, or drag the ring, and the motion is that of the point." : "";
     return `Point at the picture to read it.${motion}`;
   }
 
-  // What is not known exactly: a band about each line, or a second map of the worst case.
+  // What is not known exactly: a band about each line, or maps of the least value and of the spread, in
+  // the colours of the picture.
   showBand(found, { x, y, low, high }, { name, share }) {
-    const host = byId("worst");
     const told = `${words(name)} known within ${number(100 * share)} %`;
-    host.hidden = false;
+    const look = (one) => lookOf(this.scene, one);
     if (found.y) {
-      fill(host, element("h2", {}, `The least value, ${told}`), element("div", { id: "worst-host" }));
-      const worst = new HeatMap(byId("worst-host"), { title: "Worst case" });
-      worst.show({ x, y, z: { ...found.z, at: low }, regime: null });
+      const spread = (i, j) => high(i, j) - low(i, j);
+      const values = [low, spread].flatMap((at) => Array.from(y.values, (_, j) => Array.from(x.values, (__, i) => at(i, j))).flat());
+      const range = scaleOf([...this.drawing.flat, ...values]);
+      this.drawing.show({ ...found, look }, { range });
+      const hosts = [element("div", {}), element("div", {})];
+      byId("beside").hidden = false;
+      fill(
+        byId("beside"),
+        element("h3", {}, `The least value, ${told}`),
+        hosts[0],
+        element("h3", {}, "How far it spreads, in the same colours"),
+        hosts[1],
+      );
+      [low, spread].forEach((at, i) => {
+        const map = new HeatMap(hosts[i], { title: i ? "Spread" : "Least value", isSmall: true });
+        map.show({ x, y, z: { ...found.z, at }, regime: null }, { range });
+      });
       return;
     }
-    fill(host, element("p", {}, `The band: ${told}.`));
+    byId("worst").hidden = false;
+    fill(byId("worst"), `The band: ${told}.`);
     const along = (at) => Array.from(found.x.values, (_, i) => at(i));
-    this.drawing.show({
-      x: found.x,
-      lines: [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }],
-      regime: found.regime,
-      look: (one) => lookOf(this.scene, one),
-    });
+    this.lines = [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }];
+    this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look });
+  }
+
+  // Lines of other designs over the same axis, of {text, found}.
+  showOthers(found, others) {
+    if (found.y || !others.length) return;
+    const along = (one) => Array.from(one.x.values, (_, i) => one.z.at(i));
+    const lines = others.map((one) => ({ ...one.found.z, label: one.text, values: along(one.found) }));
+    const look = (one) => lookOf(this.scene, one);
+    this.drawing.show({ x: found.x, lines: [...this.lines, ...lines], regime: found.regime, look });
   }
 
   // Points to be marked, of {x, y, text}, by whoever sets them. Lines have no marks.
   mark(marks, whose) {
     this.marks[whose] = marks;
     this.drawing?.mark?.(marks, whose);
+  }
+
+  // Points that were measured, of [value of the axis, value of the output], or null.
+  points(points) {
+    this.measured = points;
+    this.drawing?.points?.(points);
   }
 
   // How far values lie apart along the axes.

@@ -36,7 +36,13 @@ export function address(path) {
   return `${BASE}${path}`;
 }
 
+/**
+ * @typedef {{method?: string, body?: object, headers?: Record<string, string>, signal?: AbortSignal}} Options
+ * @param {string} path
+ * @param {Options} options
+ */
 async function ask(path, { method = "GET", body, headers = {}, signal } = {}) {
+  /** @type {Record<string, string>} */
   const sent = { ...headers };
   if (key.get()) sent.Authorization = `Bearer ${key.get()}`;
   if (body !== undefined) sent["Content-Type"] = "application/json";
@@ -64,10 +70,12 @@ async function ask(path, { method = "GET", body, headers = {}, signal } = {}) {
   return reply;
 }
 
+/** @param {string} path @param {Options} [options] */
 export async function get(path, options) {
   return (await ask(path, { headers: { Accept: "application/json" }, ...options })).json();
 }
 
+/** @param {string} path @param {object} body @param {Options} options */
 export async function put(path, body, options = {}) {
   const reply = await ask(path, { method: "POST", body, ...options });
   return { status: reply.status, content: await reply.json() };
@@ -113,6 +121,11 @@ export async function slice(id, output, axes, fixed, signal) {
 
 // Carry out a study: at once if the service does so, else as a job whose state `tell` hears.
 // Returns the dataset as JSON, and the seconds that it took, or null if it was there before.
+/**
+ * @param {string} process
+ * @param {object} study
+ * @param {{tell?: (job: any) => void, signal?: AbortSignal}} options
+ */
 export async function carryOut(process, study, { tell = () => {}, signal } = {}) {
   const { status, content } = await put(`/processes/${process}/execution`, study, { signal });
   if (status !== 201) {

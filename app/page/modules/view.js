@@ -2,11 +2,40 @@
 // of it is believed before it is compared with what the service says there is.
 
 import { bestFromQuery, bestToQuery } from "./criterion.js";
+import { QUESTIONS } from "./questions.js";
+import { SETS } from "./sets.js";
 
 const MOST_CHARACTERS = 4000;
 
-export const QUESTIONS = ["speed", "drive", "springs", "thesis", "all"];
+const MOST_RUNS = 50;
+export const MOST_PINS = 4;
 export const KINDS = ["simulate", "sweep"];
+
+/**
+ * @typedef {{name: string, from: number, to: number}} Axis
+ * @typedef {{x: number, y: number | null}} Point
+ * @typedef {{name: string, share: number}} Band
+ *
+ * What is shown.
+ * @typedef {object} View
+ * @property {string} question
+ * @property {string} kind `simulate` or `sweep`
+ * @property {string} scene
+ * @property {string} choice its method or variant; "" is that of the service
+ * @property {string} [set] parameters in place of others, by name in `sets.js`
+ * @property {string} output
+ * @property {Axis} x
+ * @property {Axis | null} y null where lines are drawn
+ * @property {Record<string, number>} values of what is no axis, in units of the service
+ * @property {Record<string, number>} [own] values that the service has by itself
+ * @property {Band | null} [band] what is not known exactly
+ * @property {Point | null} [point] whose motion is shown
+ * @property {number[][]} [runs] of [value across, measured speed]
+ * @property {Record<string, number>[]} [pins] designs
+ * @property {{name: string, drive: object}} [recording] of a drive, which is in no link
+ * @property {string} [figure] of the thesis
+ * @property {any} [best] as `criterion.js` has it
+ */
 
 // The same, which nothing can change: `setView` of the page alone makes another one.
 export function frozen(value) {
@@ -15,10 +44,12 @@ export function frozen(value) {
 }
 
 // What is drawn of a view, as text: two views with the same have the same picture.
-export function pictureOf({ kind, scene, choice, output, x, y, values, band }) {
-  return toLink({ question: "", kind, scene, choice, output, x, y, values, band });
+/** @param {any} view */
+export function pictureOf({ kind, scene, choice, set, output, x, y, values, band }) {
+  return toLink({ question: "", kind, scene, choice, set, output, x, y, values, band });
 }
 
+/** @param {View} view */
 export function toLink(view) {
   const query = new URLSearchParams({
     question: view.question,
@@ -34,13 +65,19 @@ export function toLink(view) {
   for (const [name, value] of Object.entries(view.values)) query.set(`p.${name}`, String(value));
   for (const place of ["x", "y"]) if (view[place] === null) query.set(place, "");
   if (view.band) query.set("band", `${view.band.name}:${view.band.share}`);
+  if (view.set) query.set("set", view.set);
   if (view.figure) query.set("figure", view.figure);
   if (view.point) query.set("point", `${view.point.x}:${view.point.y ?? ""}`);
+  if (view.runs) query.set("runs", view.runs.map((run) => run.join(":")).join(","));
+  for (const pin of view.pins ?? []) {
+    query.append("pin", Object.entries(pin).map(([name, value]) => `${name}:${value}`).join(","));
+  }
   if (view.question === "drive" && view.best) bestToQuery(view.best, query);
   return `#${query}`;
 }
 
 // What a link asks for, and a sentence about each part of it that makes no sense.
+/** @param {string} hash @returns {{wanted: any, complaints: string[]}} */
 export function fromLink(hash) {
   const complaints = [];
   const text = hash.replace(/^#/, "");
@@ -56,7 +93,8 @@ export function fromLink(hash) {
     if (known && !known.includes(value)) complaints.push(`The link names no ${name} of this page.`);
     else wanted[name] = value;
   };
-  one("question", QUESTIONS);
+  one("question", Object.keys(QUESTIONS));
+  one("set", Object.keys(SETS));
   one("kind", KINDS);
   one("scene");
   one("choice");
@@ -93,9 +131,29 @@ export function fromLink(hash) {
     if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
     else complaints.push("The link gives a point that is none of a picture.");
   }
+  const runs = query.get("runs");
+  if (runs !== null) {
+    const read = runs.split(",").slice(0, MOST_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
+    if (read.length > 1 && read.every((run) => run.length === 2 && run.every(Number.isFinite))) wanted.runs = read;
+    else complaints.push("The link gives runs that are no pairs of numbers.");
+  }
+  const pins = query.getAll("pin").slice(0, MOST_PINS).map(pinOf);
+  if (pins.includes(null)) complaints.push("The link pins a design that has no numbers.");
+  if (pins.length) wanted.pins = pins.filter((pin) => pin !== null);
   const best = bestFromQuery(query, complaints);
   if (best) wanted.best = best;
   return { wanted, complaints: [...new Set(complaints)] };
+}
+
+// A pinned design: its values by name, which may be any.
+function pinOf(text) {
+  const pin = Object.create(null);
+  for (const part of text.split(",")) {
+    const [name, value] = part.split(":");
+    if (!name || !value || !Number.isFinite(Number(value))) return null;
+    pin[name] = Number(value);
+  }
+  return pin;
 }
 
 // What a parameter may be: within its bounds, and where it usually is.

@@ -17,16 +17,20 @@ const VIEW = {
   values: { frequency: 50, friction: 0.1 + 0.2 },
   band: { name: "friction", share: 0.2 },
   point: { x: 0.00035, y: null },
+  set: "ellipse",
+  runs: [[0.0001, 0.0035], [0.0002, 0.0076]],
+  pins: [{ amplitude: 0.0001, friction: 0.2 }],
   best: { ...usualBest(), kind: "limit", against: "hop_height", limit: 0.25, given: { radius: 0.3 } },
 };
 
 test("a link restores its view to the last digit", () => {
   const { wanted, complaints } = fromLink(toLink(VIEW));
   assert.deepEqual(complaints, []);
-  for (const name of ["question", "kind", "scene", "output", "x", "y", "band", "point", "best"]) {
+  for (const name of ["question", "kind", "scene", "output", "x", "y", "band", "point", "best", "set", "runs"]) {
     assert.deepEqual(wanted[name], VIEW[name], name);
   }
   assert.deepEqual({ ...wanted.values }, VIEW.values);
+  assert.deepEqual(wanted.pins.map((pin) => ({ ...pin })), VIEW.pins);
   assert.equal(toLink({ ...VIEW, ...wanted }), toLink(VIEW));
 });
 
@@ -34,6 +38,7 @@ test("each part of a link that makes no sense is said once", () => {
   for (const link of [
     "#question=why", "#x=beta", "#x=beta:5:5", "#x=beta:9:1", "#p.beta=", "#p.beta=1e999", "#band=beta:2",
     "#point=here", `#${"x".repeat(5000)}`, "#best=fastest", "#best=limit&limit=-1",
+    "#set=none", "#runs=1:2", "#runs=1,2", "#pin=amplitude", "#pin=a:1&pin=b:x",
   ]) {
     assert.equal(fromLink(link).complaints.length, 1, link);
   }

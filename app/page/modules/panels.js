@@ -1,0 +1,154 @@
+// Curves of a motion over one cycle, coloured by what the part does. A line shows the moment: it is
+// dragged, or moved by the arrow keys.
+
+import { MODES, PARTS, cycleOf, modeAt } from "./course.js";
+import { drawn, fill } from "./elements.js";
+import { beside, capital, number, shown } from "./words.js";
+
+const PANEL = 78; // px
+const CURVE = 46; // px, of its height
+const OF_ROW = 2.5; // times as high: there is one
+const LEFT = 62; // px
+const RIGHT = 8; // px
+const LEAST = 280; // px
+const STEP = 0.01; // of a cycle
+
+export class Panels {
+  // `ontime(time)` hears of a moment that was chosen.
+  constructor(ontime) {
+    this.ontime = ontime;
+    this.svg = drawn("svg", {
+      class: "panels",
+      tabindex: "0",
+      role: "slider",
+      "aria-label": "Moment of the motion",
+      "aria-valuemin": "0",
+      "aria-valuemax": "100",
+    });
+    this.svg.addEventListener("pointerdown", (event) => {
+      this.svg.setPointerCapture(event.pointerId);
+      this.choose(event);
+    });
+    this.svg.addEventListener("pointermove", (event) => {
+      if (this.svg.hasPointerCapture(event.pointerId)) this.choose(event);
+    });
+    this.svg.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  choose(event) {
+    if (!this.course) return;
+    const box = this.svg.getBoundingClientRect();
+    const at = ((event.clientX - box.left) / box.width) * this.width;
+    this.ontime(((at - LEFT) / (this.width - LEFT - RIGHT)) * cycleOf(this.course));
+  }
+
+  press(event) {
+    if (!this.course) return;
+    const cycle = cycleOf(this.course);
+    const to = {
+      ArrowLeft: this.time - STEP * cycle,
+      ArrowDown: this.time - STEP * cycle,
+      ArrowRight: this.time + STEP * cycle,
+      ArrowUp: this.time + STEP * cycle,
+      Home: 0,
+      End: (1 - STEP) * cycle,
+    }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    this.ontime(to);
+  }
+
+  // What is drawn of a course: {name, unit, lines of {values, modes, stroke}}.
+  curves({ along, height, wall, partVelocity, trackVelocity, modes, row, unit }) {
+    if (row) {
+      const lines = row.ahead.map((values, i) => ({ values, stroke: PARTS[i % PARTS.length] }));
+      return [{ name: "each part, ahead of the mean travel of the last", unit: "m", lines }];
+    }
+    const found = [
+      { name: "position on the track", unit, lines: [{ values: along, modes }] },
+      { name: "height above the floor", unit, lines: [{ values: height, modes }] },
+    ];
+    if (wall) found.push({ name: "distance from the wall", unit, lines: [{ values: wall, modes }] });
+    if (partVelocity) {
+      const lines = [{ values: trackVelocity, modes: null }, { values: partVelocity, modes }];
+      found.push({ name: "velocity along, of part and track (thin)", unit: "m s-1", lines });
+    }
+    return found;
+  }
+
+  draw(course) {
+    this.course = course;
+    const panels = this.curves(course);
+    this.width = Math.max(LEAST, this.svg.clientWidth);
+    this.tall = course.row ? OF_ROW : 1;
+    const height = this.tall * PANEL * panels.length + 26;
+    this.svg.setAttribute("viewBox", `0 0 ${this.width} ${height}`);
+    const parts = panels.flatMap((panel, place) => this.panel(panel, place * PANEL));
+    this.now = drawn("line", { y1: 16, y2: height - 20, class: "now" });
+    this.knob = drawn("circle", { cy: height - 20, r: 6, class: "knob" });
+    const told = `time over one cycle of ${number(1000 * cycleOf(course), 3)} ms`;
+    parts.push(this.now, this.knob, drawn("text", { x: this.width - RIGHT, y: height - 3, "text-anchor": "end" }, told));
+    fill(this.svg, ...parts);
+  }
+
+  across(time) {
+    const { times } = this.course;
+    return LEFT + ((time - times[0]) / cycleOf(this.course)) * (this.width - LEFT - RIGHT);
+  }
+
+  panel({ name, unit, lines }, above) {
+    const top = above + 22;
+    const [factor, unitShown] = shown(unit);
+    const all = lines.flatMap(({ values }) => values);
+    const low = Math.min(...all);
+    const high = Math.max(...all);
+    const size = factor * Math.max(Math.abs(low), Math.abs(high));
+    const tall = this.tall * PANEL - (PANEL - CURVE);
+    const up = (value) => top + tall - ((value - low) / (high - low || 1)) * tall;
+    const end = (value) => drawn("text", { x: LEFT - 6, y: up(value) + 4, "text-anchor": "end" }, beside(size, value * factor));
+    const zero = low < 0 && high > 0 ? [drawn("line", { x1: LEFT, x2: this.width - RIGHT, y1: up(0), y2: up(0), class: "level" })] : [];
+    return [
+      drawn("text", { x: LEFT, y: top - 6, class: "label" }, `${capital(name)} (${unitShown})`),
+      ...zero,
+      end(high),
+      end(low),
+      ...lines.flatMap((one) => this.line(one, up)),
+    ];
+  }
+
+  line({ values, modes, stroke: own }, up) {
+    const { times } = this.course;
+    const at = (k) => `${this.across(times[k]).toFixed(1)},${up(values[k]).toFixed(1)}`;
+    if (!modes) {
+      const points = values.map((_, k) => at(k)).join(" ");
+      return [drawn("polyline", own ? { points, class: "course", stroke: own } : { points, class: "track" })];
+    }
+    const parts = [];
+    let from = 0;
+    for (let i = 1; i <= values.length; i++) {
+      if (i < values.length && modes[i] === modes[from]) continue;
+      const points = [];
+      for (let k = from; k <= Math.min(i, values.length - 1); k++) points.push(at(k));
+      const [stroke] = MODES[modes[from]] ?? MODES.unknown;
+      parts.push(drawn("polyline", { points: points.join(" "), stroke, class: "course" }));
+      from = i;
+    }
+    return parts;
+  }
+
+  // Show a moment of the cycle, from 0 on.
+  at(time) {
+    this.time = time;
+    const x = this.across(time + this.course.times[0]);
+    this.now.setAttribute("x1", x);
+    this.now.setAttribute("x2", x);
+    this.knob.setAttribute("cx", x);
+  }
+
+  // The same for screen readers, which do not want to hear of each frame.
+  tell() {
+    const [, text] = MODES[modeAt(this.course, this.time + this.course.times[0])] ?? MODES.unknown;
+    this.svg.setAttribute("aria-valuenow", String(Math.round((100 * this.time) / cycleOf(this.course))));
+    this.svg.setAttribute("aria-valuetext", `${number(1000 * this.time, 3)} ms, the part ${text}`);
+  }
+}

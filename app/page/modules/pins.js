@@ -1,0 +1,100 @@
+// Designs that are pinned, beside the one at the chosen point: their values and what a part does there.
+
+import { designAt, valuesAt } from "./computed.js";
+import { element, fill } from "./elements.js";
+import { Refusal } from "./service.js";
+import { MOST_PINS } from "./view.js";
+import { capital, label, number, shown, words } from "./words.js";
+
+export const LETTERS = ["A", "B", "C", "D"];
+const TOLD = ["conveying_velocity", "hop_height", "throw_number"];
+
+export class Pins {
+  // `onpins(pins)` hears of other pins, `onshow(values)` of one that is to be the design.
+  constructor(host, { onpins, onshow }) {
+    this.host = host;
+    this.onpins = onpins;
+    this.onshow = onshow;
+    this.known = new Map(); // study as text -> promise of what a part does there
+  }
+
+  pin(view) {
+    const pins = view.pins ?? [];
+    if (pins.length < MOST_PINS) this.onpins([...pins, { ...view.values, ...valuesAt(view, view.point) }]);
+  }
+
+  async show(view, scene) {
+    const pins = view.pins ?? [];
+    this.shown = view;
+    this.host.hidden = !pins.length || !view.point;
+    if (this.host.hidden) return;
+    const designs = [...pins, { ...view.values, ...valuesAt(view, view.point) }];
+    const found = await Promise.all(designs.map((values) => this.done(view, scene, values)));
+    if (this.shown === view) this.draw(view, scene, designs, found);
+  }
+
+  // What a part does with these values, or null where the service refuses them.
+  done(view, scene, values) {
+    const text = JSON.stringify([view.scene, view.kind, view.choice, values]);
+    if (!this.known.has(text)) {
+      const asked = designAt(view, scene, values).catch((error) => {
+        this.known.delete(text);
+        if (error instanceof Refusal) return null;
+        throw error;
+      });
+      this.known.set(text, asked);
+    }
+    return this.known.get(text);
+  }
+
+  draw(view, scene, designs, found) {
+    const last = designs.length - 1;
+    const head = designs.map((values, i) =>
+      element(
+        "th",
+        { scope: "col" },
+        i === last ? "Here" : LETTERS[i],
+        i === last ? null : element("button", { type: "button", "aria-label": `Show design ${LETTERS[i]}`, onclick: () => this.onshow(values) }, "Show"),
+        i === last
+          ? null
+          : element(
+              "button",
+              { type: "button", "aria-label": `Remove design ${LETTERS[i]}`, onclick: () => this.onpins(view.pins.filter((_, k) => k !== i)) },
+              "Remove",
+            ),
+      ),
+    );
+    const row = (name, unit, values) => {
+      const [factor] = shown(unit);
+      const told = values.map((value) => (Number.isFinite(value) ? number(value * factor) : "-"));
+      return element("tr", {}, element("th", { scope: "row" }, label(name, unit)), ...told.map((text) => element("td", {}, text)));
+    };
+    const differs = ({ name }) => new Set(designs.map((values) => values[name])).size > 1;
+    const outputs = scene.outputs.filter(({ name }) => TOLD.includes(name));
+    fill(
+      this.host,
+      element("h2", {}, "Designs side by side"),
+      element(
+        "div",
+        { class: "wide" },
+        element(
+          "table",
+          { class: "compared" },
+          element("thead", {}, element("tr", {}, element("td", {}), ...head)),
+          element(
+            "tbody",
+            {},
+            ...outputs.map(({ name, unit }) => row(name, unit, found.map((one) => one?.[name] ?? NaN))),
+            element(
+              "tr",
+              {},
+              element("th", { scope: "row" }, "What it does"),
+              ...found.map((one) => element("td", {}, one ? capital(words(one.regime)) : "Not computed")),
+            ),
+            ...scene.parameters.filter(differs).map(({ name, unit }) => row(name, unit, designs.map((values) => values[name]))),
+          ),
+        ),
+      ),
+    );
+  }
+}

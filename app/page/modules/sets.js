@@ -1,0 +1,95 @@
+// Parameters that a scene takes in place of others: those of a drive that is no sine, and of a row of
+// unequal parts. The service lists their names; here are those of them that the page has fields for.
+
+const LENGTH = { unit: "m", lower: 0 };
+const ANGLE = { unit: "degree", lower: -180, upper: 180, usual: [-180, 180] };
+const LEVEL = { unit: "m s-2" };
+const SHARE = { unit: "1", lower: 0, usual: [0.5, 10] };
+const FRICTION = { unit: "1", lower: 0, usual: [0.05, 0.6] };
+const OF_SINE = ["amplitude", "peak_to_peak", "alpha", "beta"];
+
+// By name: a title, what it stands for, its parameters with what they begin as, and the axes.
+export const SETS = {
+  ellipse: {
+    title: "An ellipse: along and off the floor, out of phase",
+    instead: OF_SINE,
+    parameters: {
+      amplitude_along_1: { ...LENGTH, label: "Amplitude along", begin: 0.0003, usual: [0.00005, 0.0008] },
+      amplitude_normal_1: { ...LENGTH, label: "Amplitude off the floor", begin: 0.00008, usual: [0, 0.0002] },
+      phase_normal_1: { ...ANGLE, label: "Phase off the floor", begin: -70 },
+    },
+    x: "phase_normal_1",
+    y: "amplitude_normal_1",
+  },
+  harmonics: {
+    title: "Two frequencies along the track",
+    instead: OF_SINE,
+    parameters: {
+      amplitude_along_1: { ...LENGTH, label: "Amplitude along", begin: 0.0003, usual: [0.00005, 0.0008] },
+      amplitude_along_2: { ...LENGTH, label: "Amplitude along, twice the frequency", begin: 0.000075, usual: [0, 0.0002] },
+      phase_along_2: { ...ANGLE, label: "Phase along, twice the frequency", begin: 180 },
+    },
+    x: "phase_along_2",
+    y: "amplitude_along_2",
+  },
+  steps: {
+    title: "Steps: gently forward, sharply back",
+    instead: OF_SINE,
+    parameters: {
+      acceleration_along_1: { ...LEVEL, label: "Acceleration of step 1", begin: 2.5, usual: [0.5, 10] },
+      acceleration_along_3: { ...LEVEL, label: "Acceleration of step 3", begin: 2.5, usual: [0.5, 10] },
+      duration_1: { ...SHARE, label: "Duration of step 1", begin: 5 },
+      duration_2: { ...SHARE, label: "Duration of step 2, which closes the wave", begin: 2 },
+      duration_3: { ...SHARE, label: "Duration of step 3", begin: 5 },
+    },
+    x: "acceleration_along_1",
+    y: "duration_2",
+  },
+  recorded: {
+    title: "What an accelerometer recorded",
+    instead: [...OF_SINE, "frequency"],
+    parameters: { drive_factor: { unit: "1", lower: 0, label: "Factor of the drive", begin: 1, usual: [0.5, 1.5] } },
+    x: "drive_factor",
+    y: "friction",
+  },
+  row: {
+    title: "Four parts of unequal friction",
+    instead: ["parts", "friction", "friction_static", "friction_kinetic"],
+    parameters: Object.fromEntries(
+      [0.3, 0.36, 0.26, 0.34].map((value, i) => [
+        `part_friction_${i + 1}`,
+        { ...FRICTION, label: `Friction of part ${i + 1}${i ? "" : ", the rearmost"}`, begin: value },
+      ]),
+    ),
+  },
+};
+
+export function isSet(name) {
+  return Object.hasOwn(SETS, name);
+}
+
+// A scene with the parameters of a set in place of those that they stand for.
+export function withSet(scene, name) {
+  if (!isSet(name)) return scene;
+  const { instead, parameters } = SETS[name];
+  const added = Object.entries(parameters).map(([parameter, one]) => ({
+    symbol: "",
+    description: one.label,
+    lower: null,
+    upper: null,
+    example: one.begin,
+    default: null,
+    instead_of: [],
+    ...one,
+    name: parameter,
+  }));
+  const names = added.map((one) => one.name);
+  const others = (list) => (list.some((one) => instead.includes(one)) ? names : []);
+  const exchanged = (list) => [...others(list), ...list.filter((one) => !instead.includes(one))];
+  const [frequency, ...rest] = scene.parameters.filter((one) => !instead.includes(one.name));
+  return {
+    ...scene,
+    parameters: [frequency, ...added, ...rest].filter(Boolean),
+    outputs: scene.outputs.map((one) => ({ ...one, asks: exchanged(one.asks), required: exchanged(one.required) })),
+  };
+}
