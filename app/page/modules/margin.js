@@ -5,7 +5,7 @@ import { lookOf } from "./markers.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 const STATUSES = {
-  optimal: "No other choice within the bounds does better.",
+  optimal: "The search met nothing better within the bounds.",
   flat: "The choice does not matter here.",
   no_motion: "No choice moves the part forwards.",
   only_backward: "Every choice moves the part backwards.",

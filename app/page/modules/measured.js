@@ -48,7 +48,7 @@ export class Measured {
         unknowns.length > 1
           ? choiceField("unknown", "Unknown", unknowns.map((name) => [name, capital(words(name))]), this.unknown, (name) => (this.unknown = name))
           : null,
-        element("button", { type: "button", class: "main", onclick: () => this.find() }, `Find the ${words(this.unknown ?? "friction")}`),
+        element("button", { type: "button", id: "find-unknown", class: "main", onclick: () => this.find() }, `Find the ${words(this.unknown ?? "friction")}`),
       ),
       this.wrong,
       this.said,

@@ -98,8 +98,8 @@ export class Optimum {
   forget() {
     this.designs = [];
     this.found = null;
+    if (this.front) this.beside.hidden = true;
     this.front = null;
-    this.beside.hidden = true;
     this.onmark([]);
     fill(this.said);
     fill(this.answer);
@@ -169,7 +169,7 @@ export class Optimum {
       element("strong", {}, `Best: ${at.join(", ")}`),
       ` with ${words(view.output)} ${withUnit(value, unit)}. ${statusTold(design.status)}`,
     );
-    if (isShown) this.onchoose(design.at, { isStep: false });
+    if (isShown && view.kind === "simulate") this.onchoose(design.at, { isStep: false });
     const around = element("div", {}, element("p", { class: "unit" }, "Looking around it ..."));
     fill(
       this.answer,

@@ -23,6 +23,7 @@ export class PartHere {
     this.view = view;
     this.scene = scene;
     this.host.hidden = !scene.methods.length;
+    this.host.classList.toggle("banded", Boolean(view.band));
     if (this.host.hidden) return;
     const axes = ["x", "y"].filter((place) => view[place]);
     const typed = { x: view.point?.x ?? null, y: view.point?.y ?? null };

@@ -27,7 +27,11 @@ export class Picture {
     this.marks = {};
     this.dim("Computing ...");
     fill(byId("headline"), capital(words(view.output)), " ", element("small", {}, scene.title));
-    byId("worst").hidden = byId("beside").hidden = true;
+    byId("worst").hidden = true;
+    // Maps of what is not known exactly have their room from the start.
+    const hasMaps = Boolean(view.band && view.y) && view.question !== "drive";
+    byId("beside").hidden = !hasMaps;
+    fill(byId("beside"), ...(hasMaps ? [element("div", { class: "map small" }), element("div", { class: "map small" })] : []));
     byId("note").hidden = view.kind === "simulate" || scene.regimes.every(({ valid }) => valid);
   }
 
