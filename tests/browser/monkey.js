@@ -114,7 +114,9 @@
     }
     const chosen = { system: view.scene, model: view.kind, output: view.output, across: view.x?.name, up: view.y?.name ?? "" };
     for (const [id, value] of Object.entries(chosen)) {
-      const { value: shown } = document.getElementById(`choose-${id}`);
+      const choice = document.getElementById(`choose-${id}`);
+      if (!choice && id === "model") continue; // what is not followed in time has one
+      const { value: shown } = choice;
       if (shown !== value) say(id, shown, value);
     }
     for (const [id, axis] of [["across", view.x], ["up", view.y]]) {

@@ -38,7 +38,8 @@ export class Animation {
     this.isSeen = true;
     this.last = null;
     requestAnimationFrame((now) => this.tick(now));
-    new ResizeObserver(() => this.course && this.drawAll()).observe(host);
+    // In a frame of its own: what is drawn changes the height.
+    new ResizeObserver(() => requestAnimationFrame(() => this.resize())).observe(host);
     new IntersectionObserver(([{ isIntersecting }]) => (this.isSeen = isIntersecting)).observe(host);
   }
 
@@ -103,7 +104,13 @@ export class Animation {
     requestAnimationFrame((next) => this.tick(next));
   }
 
+  resize() {
+    if (!this.course || this.width === this.side.clientWidth) return;
+    this.drawAll();
+  }
+
   drawAll() {
+    this.width = this.side.clientWidth;
     this.panels.draw(this.course);
     this.draw();
   }

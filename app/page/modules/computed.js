@@ -270,7 +270,7 @@ export async function speedBand(view, scene) {
   const values = valuesAt(view, point);
   const list = BAND.map((step) => values[band.name] * (1 + step * band.share));
   const study = motionStudy(view, scene, { ...values, [band.name]: list });
-  const { data } = (await carryOut("simulate", study)).dataset.variables.conveying_velocity;
-  const speeds = data.filter((one) => Number.isFinite(one));
+  const found = (await carryOut("simulate", study)).dataset.variables.conveying_velocity;
+  const speeds = (found?.data ?? []).filter((one) => Number.isFinite(one));
   return speeds.length ? { least: Math.min(...speeds), largest: Math.max(...speeds) } : null;
 }

@@ -261,6 +261,7 @@ export class HeatMap {
     const last = [x.values.length - 1, y.values.length - 1];
     this.cursor ??= { x: x.values[Math.round(last[0] / 2)], y: y.values[Math.round(last[1] / 2)] };
     if (event.key === "Enter") {
+      this.move(this.cursor);
       this.onpick(this.cursor);
     } else if (moves[event.key]) {
       const [di, dj] = moves[event.key];
