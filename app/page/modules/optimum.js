@@ -50,7 +50,6 @@ export class Optimum {
   // The button that finds the best, and each level that it may keep below.
   tellFirst() {
     const levels = this.scene.outputs.filter(({ name, level }) => Number.isFinite(level) && name !== this.view.output);
-    const isKept = (name) => this.view.best.limits.some(({ output }) => output === name);
     const button = (text, onclick, more = {}) => element("button", { type: "button", onclick, ...more }, text);
     refill(
       this.first,
@@ -59,7 +58,7 @@ export class Optimum {
         { class: "buttons" },
         button("Find the best", () => this.find(), { id: "find", class: "main" }),
         ...levels.map(({ name, level, begins }) =>
-          button(`Without ${begins}`, () => this.keepBelow(name, level), { id: `below-${name}`, "aria-pressed": String(isKept(name)) }),
+          button(`Without ${begins}`, () => this.keepBelow(name, level), { id: `below-${name}` }),
         ),
         button("Limits", () => {
           this.host.scrollIntoView();
@@ -68,6 +67,15 @@ export class Optimum {
       ),
       this.said,
     );
+    this.tellKept();
+  }
+
+  // Which levels it keeps below. The buttons stay: one of them may just be pressed.
+  tellKept() {
+    for (const { name } of this.scene.outputs) {
+      const isKept = this.view.best.limits.some(({ output }) => output === name);
+      this.first.querySelector(`#below-${name}`)?.setAttribute("aria-pressed", String(isKept));
+    }
   }
 
   keepBelow(name, upper) {
@@ -83,7 +91,7 @@ export class Optimum {
   follow(view) {
     this.view = view;
     this.wishes.follow(view);
-    this.tellFirst();
+    this.tellKept();
     this.grown();
   }
 
