@@ -17,12 +17,11 @@ error, 47 would end it."""
 
 
 class BodyState(NamedTuple):
-    """A part in space: distance from the wall, height, velocities relative to the track, and spin.
+    """A part above the floor: height, velocities relative to the track, and spin.
 
     The spin is the velocity across that it gives the lowest point (theory 7.3).
     """
 
-    y: float
     z: float
     ux: float
     uy: float
@@ -31,11 +30,10 @@ class BodyState(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """How the contacts were left: `spare` as in `slip_along`, whether floor and wall carried."""
+    """How the floor was left: `spare` as in `slip_along`, and whether it carried the part."""
 
     spare: float
     pressed: bool
-    leaning: bool
 
 
 class Push(NamedTuple):
@@ -47,43 +45,49 @@ class Push(NamedTuple):
     h: float
 
 
-class Laws(NamedTuple):
-    """Numbers of the laws of contact, `rolling` = m r^2/I of a cylinder, 0 of a block.
+class FloorLaws(NamedTuple):
+    """Numbers of the floor, and `rolling` = m r^2/I of a cylinder, 0 of a block.
 
     A few of those of a cell: what a step is handed takes time.
     """
 
     restitution: float
-    wall_restitution: float
     friction_static: float
     friction_kinetic: float
-    wall_friction: float
     rolling: float
 
 
 @compiled
-def laws_of(cell: Cell, rolling: float) -> Laws:
-    """Return the numbers of the laws of contact among those of a cell, `Cell`."""
-    return Laws(
-        cell.restitution, cell.wall_restitution, cell.friction_static, cell.friction_kinetic,
-        cell.wall_friction, rolling,
-    )  # fmt: skip
+def floor_laws(cell: Cell, rolling: float) -> FloorLaws:
+    """Return the numbers of the floor among those of a cell, `Cell`."""
+    return FloorLaws(cell.restitution, cell.friction_static, cell.friction_kinetic, rolling)
+
+
+class Wall(NamedTuple):
+    """The wall: a part's distance from it, whether it carried the part, and its numbers."""
+
+    y: float
+    leaning: bool
+    restitution: float
+    friction: float
 
 
 class Stepped(NamedTuple):
-    """What a step ends with: velocities, spin, normal impulses of floor and wall, and `spare`.
-
-    `failed` where the contacts have no solution that is known well enough.
-    """
+    """What a step ends with: velocities, spin, the normal impulse of the floor, and `spare`."""
 
     vx: float
     vy: float
     vz: float
     spin: float
     normal: float
-    side: float
     spare: float
-    failed: bool
+
+
+Cornered = tuple[Stepped, float, bool]
+"""What a step at a wall ends with: also the normal impulse of the wall, and whether it failed.
+
+It fails where the contacts have no solution that is known well enough.
+"""
 
 
 @compiled
@@ -181,7 +185,7 @@ def planar_step(
 
 
 @compiled
-def floor_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Stepped:
+def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Stepped:
     """Return velocities, spin, normal impulse and `spare`, a step later; no wall.
 
     As `planar_step`, with a slip (u_x, u_y + spin) whose friction is the impulse (f_x, f_y) of
@@ -192,10 +196,10 @@ def floor_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Stepped
     h, rolling = push.h, laws.rolling
     vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
     if body.z + 0.5 * h * body.uz > 0.0:
-        return Stepped(vx, vy, vz, body.spin, 0.0, 0.0, -1.0, False)
+        return Stepped(vx, vy, vz, body.spin, 0.0, -1.0)
     normal = -(vz + laws.restitution * min(body.uz, 0.0))
     if normal <= 0.0:
-        return Stepped(vx, vy, vz, body.spin, 0.0, 0.0, -1.0, False)
+        return Stepped(vx, vy, vz, body.spin, 0.0, -1.0)
     vz += normal
     response = 1.0 + rolling
     slide = laws.friction_kinetic * normal
@@ -235,7 +239,7 @@ def floor_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Stepped
         return held_state(vy, vz, body.spin, normal, spare, rolling)
     fx += left_x
     fy += left_y
-    return Stepped(vx + fx, vy + fy, vz, body.spin + rolling * fy, normal, 0.0, -1.0, False)
+    return Stepped(vx + fx, vy + fy, vz, body.spin + rolling * fy, normal, -1.0)
 
 
 @compiled
@@ -247,9 +251,9 @@ def held_state(
     A cylinder rolls on with v_y - (v_y + spin)/(1 + m r^2/I), the rest of its slip.
     """
     if rolling == 0.0:
-        return Stepped(0.0, 0.0, vz, 0.0, normal, 0.0, spare, False)
+        return Stepped(0.0, 0.0, vz, 0.0, normal, spare)
     vy -= (vy + spin) / (1.0 + rolling)
-    return Stepped(0.0, vy, vz, -vy, normal, 0.0, spare, False)
+    return Stepped(0.0, vy, vz, -vy, normal, spare)
 
 
 @compiled
@@ -282,7 +286,7 @@ def rubbing(
 
 
 @compiled
-def corner_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Stepped:
+def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Cornered:
     """Return the state a step later, on the floor and at the wall as well.
 
     A contact takes part where its gap is closed in the middle of the step, z + h u_z/2 <= 0 and
@@ -290,42 +294,45 @@ def corner_step(body: BodyState, touch: Touch, push: Push, laws: Laws) -> Steppe
     axis only, where friction holds up to mu_s n + mu_w S (theory 4.4).
     """
     h, spare, spin, rolling = push.h, touch.spare, body.spin, laws.rolling
-    if not body.y + 0.5 * h * body.uy <= 0.0:
-        return floor_step(body, touch, push, laws)
+    if not wall.y + 0.5 * h * body.uy <= 0.0:
+        return floor_step(body, touch, push, laws), 0.0, False
     floor = body.z + 0.5 * h * body.uz <= 0.0
     vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
-    steady = touch.pressed and (touch.leaning or body.uy == 0.0)
+    steady = touch.pressed and (wall.leaning or body.uy == 0.0)
     if steady and floor and vz < 0.0 and vy <= 0.0:
         static, kinetic = laws.friction_static, laws.friction_kinetic
         if spin == 0.0:
-            limit = laws.wall_friction * -vy
+            limit = wall.friction * -vy
             vx, spare = slip_along(
                 body.ux, h * push.ax, static * -vz + limit, kinetic * -vz + limit, spare
             )
-            return Stepped(vx, 0.0, 0.0, 0.0, -vz, -vy, spare, False)
+            return Stepped(vx, 0.0, 0.0, 0.0, -vz, spare), -vy, False
         if rolling > 0.0:
             slip, turn, normal, side, held = rubbing(
                 vx, -vz, -vy, spin, static if spare >= 0.0 else kinetic, kinetic,
-                laws.wall_friction, rolling,
+                wall.friction, rolling,
             )  # fmt: skip
             if normal >= 0.0 and side >= 0.0:
                 spare = math.inf if held else -1.0
-                return Stepped(slip, 0.0, 0.0, turn, normal, side, spare, False)
+                return Stepped(slip, 0.0, 0.0, turn, normal, spare), side, False
     # One contact may do, with nothing to iterate: the other parts by itself.
     alone = floor_step(body, touch, push, laws)
-    back = laws.wall_restitution * min(body.uy, 0.0)
+    back = wall.restitution * min(body.uy, 0.0)
     if alone.vy + back >= 0.0:
-        return alone
+        return alone, 0.0, False
     if not floor:
         side, response = -(vy + back), 1.0 + rolling
-        limit = laws.wall_friction * side
+        limit = wall.friction * side
         gx, gz, _ = friction_impulse(vx, vz - spin, limit, limit, response)
-        return Stepped(vx + gx, vy + side, vz + gz, spin - rolling * gz, 0.0, side, -1.0, False)
-    return sweep_corner(body, spare, push, laws)
+        after = Stepped(vx + gx, vy + side, vz + gz, spin - rolling * gz, 0.0, -1.0)
+        return after, side, False
+    return sweep_corner(wall, body, spare, push, laws)
 
 
 @compiled
-def sweep_corner(body: BodyState, spare: float, push: Push, laws: Laws) -> Stepped:
+def sweep_corner(
+    wall: Wall, body: BodyState, spare: float, push: Push, laws: FloorLaws
+) -> Cornered:
     """Return the state after a step in which both floor and wall carry, by sweeps.
 
     Projected Gauss-Seidel, each contact solved exactly in its turn: n = max(0, n - v_z - eps u_z),
@@ -337,7 +344,7 @@ def sweep_corner(body: BodyState, spare: float, push: Push, laws: Laws) -> Stepp
     response = 1.0 + rolling
     vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
     back_z = laws.restitution * min(body.uz, 0.0)
-    back_y = laws.wall_restitution * min(body.uy, 0.0)
+    back_y = wall.restitution * min(body.uy, 0.0)
     pushed = abs(push.ax) + abs(push.ay) + abs(push.az)
     small = 1e-11 * h * pushed + 1e-15 * (abs(vx) + abs(vy) + abs(vz))
     normal, side = 0.0, 0.0
@@ -365,7 +372,7 @@ def sweep_corner(body: BodyState, spare: float, push: Push, laws: Laws) -> Stepp
         spin += rolling * (gy - fy)
         change += abs(gx - fx) + abs(gy - fy)
         fx, fy = gx, gy
-        limit = laws.wall_friction * side
+        limit = wall.friction * side
         gx, gz, _ = friction_impulse(vx - wx, vz - spin - response * wz, limit, limit, response)
         vx += gx - wx
         vz += gz - wz
@@ -379,5 +386,5 @@ def sweep_corner(body: BodyState, spare: float, push: Push, laws: Laws) -> Stepp
     # Where sweeps creep, what they still change is less than the error of the step.
     failed = change > 1e-2 * h * pushed
     if normal > 0.0 and (held or stopped):
-        return Stepped(0.0, vy, vz, spin, normal, side, math.inf, failed)
-    return Stepped(vx, vy, vz, spin, normal, side, -1.0, failed)
+        return Stepped(0.0, vy, vz, spin, normal, math.inf), side, failed
+    return Stepped(vx, vy, vz, spin, normal, -1.0), side, failed

@@ -11,9 +11,10 @@ from core.motion.kernels.stepping.contacts import (
     BodyState,
     Push,
     Touch,
+    Wall,
     corner_step,
+    floor_laws,
     floor_step,
-    laws_of,
 )
 from core.motion.kernels.stepping.period import acceleration, after_jump
 from core.motion.kernels.stepping.tables import DRIVE
@@ -32,7 +33,7 @@ def path(
     step without a solution, or after a stop, is left as it was.
     """
     cell = cell_of(group)
-    laws = laws_of(cell, rolling)
+    laws = floor_laws(cell, rolling)
     x, y, z, ux, uy, uz, spin = start
     resting = ux == 0.0 and uy + spin == 0.0 and uz == 0.0 and z <= 0.0
     spare = math.inf if resting else -1.0
@@ -54,16 +55,17 @@ def path(
             along, across = cell.drive_number_along * sine, cell.drive_number_across * sine
             lift, track = cell.drive_number_normal * sine, cell.drive_number_along * math.cos(tau)
         ax, ay, az = acceleration(ux, along, across, lift, track, cell, absolute)
-        body, push = BodyState(y, z, ux, uy, uz, spin), Push(ax, ay, az, h)
-        touch = Touch(spare, pressed, leaning)
+        body, push = BodyState(z, ux, uy, uz, spin), Push(ax, ay, az, h)
+        touch = Touch(spare, pressed)
         if wall:
-            after = corner_step(body, touch, push, laws)
+            beside = Wall(y, leaning, cell.wall_restitution, cell.wall_friction)
+            after, side, failed = corner_step(beside, body, touch, push, laws)
+            leaning = side > 0.0
+            if failed:
+                break
         else:
             after = floor_step(body, touch, push, laws)
-        if after.failed:
-            break
-        vx, vy, vz, spin, spare = after.vx, after.vy, after.vz, after.spin, after.spare
-        leaning = after.side > 0.0
+        vx, vy, vz, spin, normal, spare = after
         end = elapsed + h if wave.size > 0 else (k + 1) * h
         while given < phases.size and (phases[given] - begin <= end or k == steps - 1):
             s = (phases[given] - begin) / h - k
@@ -80,5 +82,5 @@ def path(
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)
-        pressed = after.normal > 0.0
+        pressed = normal > 0.0
         ux, uy, uz = vx, vy, vz

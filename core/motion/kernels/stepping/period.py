@@ -12,9 +12,10 @@ from core.motion.kernels.stepping.contacts import (
     BodyState,
     Push,
     Touch,
+    Wall,
     corner_step,
+    floor_laws,
     floor_step,
-    laws_of,
     planar_step,
 )
 from core.motion.kernels.stepping.tables import DRIVE, STATE
@@ -91,7 +92,7 @@ def spatial_period(
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
     still, fall, start, peak = 1e-6 * usual, usual * cell.gravity_number_normal, x, 0.0
     leaning, across = wall and state[STATE.leaning] > 0.0, y
-    laws = laws_of(cell, rolling)
+    laws = floor_laws(cell, rolling)
     for k in range(drive.shape[1]):
         h = drive[DRIVE.length, k]
         if drive[DRIVE.jump, k] > 0.0:
@@ -100,23 +101,23 @@ def spatial_period(
             ux, drive[DRIVE.along, k], drive[DRIVE.across, k], drive[DRIVE.normal, k],
             drive[DRIVE.speed, k], cell, absolute,
         )  # fmt: skip
-        body, push = BodyState(y, z, ux, uy, uz, spin), Push(ax, ay, az, h)
-        touch = Touch(spare, pressed, leaning)
+        body, push = BodyState(z, ux, uy, uz, spin), Push(ax, ay, az, h)
+        touch = Touch(spare, pressed)
         if wall:
-            after = corner_step(body, touch, push, laws)
+            beside = Wall(y, leaning, cell.wall_restitution, cell.wall_friction)
+            after, side, failed = corner_step(beside, body, touch, push, laws)
+            leaning = side > 0.0
+            tally[TALLY.at_wall] += leaning
+            tally[TALLY.failed] += failed
         else:
             after = floor_step(body, touch, push, laws)
-        vx, vy, vz, spin, spare = after.vx, after.vy, after.vz, after.spin, after.spare
-        if wall:
-            leaning = after.side > 0.0
-            tally[TALLY.at_wall] += leaning
-            tally[TALLY.failed] += after.failed
+        vx, vy, vz, spin, normal, spare = after
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)
-        count(tally, drive[DRIVE.share, k], after.normal, pressed, vx, uz, z, still, fall)
+        count(tally, drive[DRIVE.share, k], normal, pressed, vx, uz, z, still, fall)
         peak = max(peak, abs(vx) + abs(vy) + abs(vz))
-        pressed = after.normal > 0.0
+        pressed = normal > 0.0
         ux, uy, uz = vx, vy, vz
     state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz] = x, z, ux, uz
     state[STATE.uy], state[STATE.spin] = uy, spin
