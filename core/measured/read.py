@@ -106,14 +106,7 @@ def read_table(source: str | Path) -> RecordingTable:
     text = _text_of(source)
     rows = _rows(text)
     _, header = next(rows, (0, []))
-    if not header:
-        raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
-    if len(header) > MOST_COLUMNS:
-        raise _refused(
-            f"it has {len(header):,} columns", f"Keep the {MOST_COLUMNS} that are used at most"
-        )
-    if all(_is_number(cell) for cell in header):
-        raise _refused("its first row holds numbers", "Put a row with the names of columns on top")
+    _check_header(header)
     names, units = _names(header)
     body = list(islice(rows, MOST_ROWS + 2))
     if body and all(_UNITS_ONLY.fullmatch(cell.strip()) for cell in body[0][1]):
@@ -134,6 +127,18 @@ def read_table(source: str | Path) -> RecordingTable:
         for name, unit, texts in zip(names, units, cells, strict=True)
     }
     return RecordingTable(columns, lines)
+
+
+def _check_header(header: list[str]) -> None:
+    """Raise if the first row of a recording does not name its columns."""
+    if not header:
+        raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
+    if len(header) > MOST_COLUMNS:
+        raise _refused(
+            f"it has {len(header):,} columns", f"Keep the {MOST_COLUMNS} that are used at most"
+        )
+    if all(_is_number(cell) for cell in header):
+        raise _refused("its first row holds numbers", "Put a row with the names of columns on top")
 
 
 def _text_of(source: str | Path) -> str:

@@ -32,6 +32,11 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
         if name in values:
             fix = f"Remove it there, or under parameters.{name}"
             yield Problem(f"variables.{name}", "it is also given as a parameter", fix)
+    yield from _wrong_constraints(study)
+
+
+def _wrong_constraints(study: OptimiseStudy) -> Iterable[Problem]:
+    """Yield what is wrong with each constraint, and with two bounds of one name."""
     seen: set[str] = set()
     for number, one in enumerate(study.constraints):
         place = f"constraints.{number}"

@@ -38,33 +38,18 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     StudyError
         With every problem of scene, criterion, constraints, variables, parameters and method.
     """
-    values = study.values()
-    problems: list[Problem] = []
+    values, intervals = study.values(), study.intervals()
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
-    intervals = study.intervals()
-    given = (*values, *study.bounds(), *intervals)
-    try:
-        named = (*asked, *(one.output for one in study.constraints))
-        chosen = choose_problem_scene(study.scene, study.variant, named, given)
-    except StudyError as error:
-        raise StudyError(placed(one, study) for one in error.problems) from None
-    scene, variant, _ = chosen
-    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
-        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
-        raise StudyError([only_the_plain_sine(fix)])
+    scene, variant, _ = chosen = _chosen(study, asked)
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")
-    problems += misplaced(study, values)
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
-    if not bounds:
-        message = "nothing is left to choose"
-        fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
-        problems.append(Problem("variables", message, fix))
-    if len(bounds) > MOST_VARIABLES:
-        message = f"there are {len(bounds)} of them"
-        problems.append(Problem("variables", message, f"Choose at most {MOST_VARIABLES}"))
-    problems += wrong_intervals(study, intervals, values, bounds)
+    problems = [
+        *misplaced(study, values),
+        *_wrong_count(bounds),
+        *wrong_intervals(study, intervals, values, bounds),
+    ]
     ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
     ends |= {name: tolerance(name, one) for name, one in intervals.items()}
     spans = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
@@ -80,15 +65,45 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     variables = tuple(_variable(name, between) for name, between in bounds.items())
     how = study.robust or "worst"
     unsure = uncertain_of(intervals, how, study.quantile) if intervals else None
-    problem = OptimisationProblem(
-        plan,
-        variables,
-        study.criterion,
-        kept,
-        unsure,
-    )
+    problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(one)) for name, one in intervals.items()}
-    designs = Grid.of({**values, **middles})
+    designs = grid = Grid.of({**values, **middles})
+    method = _method(study, problem, designs)
+    if isinstance(study.criterion, Pareto):
+        shares = Span(0.0, 1.0, study.criterion.points)
+        grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
+    # What is chosen is no parameter of the result.
+    return Optimisation(study, plan, grid, designs, problem, method).check_verification()
+
+
+def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
+    """Return scene and variant of a study; raise for those that it does not have."""
+    named = (*asked, *(one.output for one in study.constraints))
+    given = (*study.values(), *study.bounds(), *study.intervals())
+    try:
+        chosen = choose_problem_scene(study.scene, study.variant, named, given)
+    except StudyError as error:
+        raise StudyError(placed(one, study) for one in error.problems) from None
+    scene = chosen[0]
+    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
+        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
+        raise StudyError([only_the_plain_sine(fix)])
+    return chosen
+
+
+def _wrong_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
+    """Yield what is wrong with the number of variables."""
+    if not bounds:
+        message = "nothing is left to choose"
+        fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
+        yield Problem("variables", message, fix)
+    if len(bounds) > MOST_VARIABLES:
+        message = f"there are {len(bounds)} of them"
+        yield Problem("variables", message, f"Choose at most {MOST_VARIABLES}")
+
+
+def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
+    """Return the method of a study, or the one that suits its problem; raise if it does not."""
     if study.sensitivities and designs.cells > MOST_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
         fix = f"Range over at most {MOST_SENSITIVE:,} designs, or leave sensitivities out"
@@ -97,13 +112,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     why_not = refusal(method, problem)
     if why_not is not None:
         raise StudyError([Problem("method", *why_not)])
-    if isinstance(study.criterion, Pareto):
-        shares = Span(0.0, 1.0, study.criterion.points)
-        grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
-    else:
-        grid = designs
-    # What is chosen is no parameter of the result.
-    return Optimisation(study, plan, grid, designs, problem, method).check_verification()
+    return method
 
 
 def _variable(name: str, between: Between) -> Variable:

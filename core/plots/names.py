@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
+from matplotlib.transforms import BboxBase
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter
 
@@ -47,11 +48,14 @@ def leave_out_what_meets(figure: Figure) -> None:
     for text in sorted(loose, key=lambda text: -text.get_zorder()):
         box = text.get_window_extent(renderer)
         frame = text.axes.get_window_extent() if text.axes else figure.bbox
-        inside = frame.x0 < box.x0 and frame.y0 < box.y0 and box.x1 < frame.x1 and box.y1 < frame.y1
-        if inside and not any(box.padded(AIR).overlaps(other) for other in kept):
+        if _lies_within(box, frame) and not any(box.padded(AIR).overlaps(other) for other in kept):
             kept.append(box)
         else:
             text.set_visible(False)
+
+
+def _lies_within(box: BboxBase, frame: BboxBase) -> bool:
+    return bool(frame.x0 < box.x0 and frame.y0 < box.y0 and box.x1 < frame.x1 and box.y1 < frame.y1)
 
 
 def _cells_at(axis: PlotAxis, edges: NDArray[np.float64], count: int) -> NDArray[np.intp]:

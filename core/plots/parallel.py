@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -128,33 +128,13 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
     """Return the designs of a dataset, and which one is best."""
     study = _study(dataset)
     criterion = study.get("criterion") or {}
-    outputs = [str(name) for name in dataset.data_vars if name != "regime"]
-    if variable is not None and variable not in outputs:
-        raise PlotError("variable", f"'{variable[:40]}' is unknown", suggestion(variable, outputs))
-    asked = [name for name in study.get("outputs") or () if name in outputs]
-    output = variable or str(criterion.get("output") or (asked or outputs)[0])
-    if output not in outputs:
-        output = "objective"
+    output = _output(dataset, study, variable)
     dims = [str(d) for d in dataset.dims if dataset.sizes[d] > 1 and d in dataset.coords]
-    chosen = [name for name in outputs if name.startswith("best_")]
-    against = [name for name in (criterion.get("against"),) if name in outputs]
     axes = [name for name in dims if name != FRONT]
-    names = list(dict.fromkeys([*axes, *chosen, *against, *asked]))
-    names = [name for name in names if name != output and dataset[name].size > 1]
-    names = names[: MOST_COLUMNS - 1]
-    if not names:
-        message = f"{output} has one value, there is one design only"
-        raise PlotError("dataset", message, "Draw a dataset with ranges")
-    shape = tuple(dataset.sizes[name] for name in dims)
+    names = _names(dataset, study, axes, output)
 
     def at_all(name: str) -> NDArray[Any]:
-        array = dataset[name]
-        for extra in array.dims:
-            if extra not in dims:
-                array = array.isel({extra: array.sizes[extra] // 2})
-        wide = [shape[dims.index(d)] if d in array.dims else 1 for d in dims]
-        ordered = array.transpose(*(d for d in dims if d in array.dims)).values.reshape(wide)
-        return np.broadcast_to(ordered, shape).reshape(-1)
+        return _at_all(dataset[name], dims, tuple(dataset.sizes[dim] for dim in dims))
 
     values = np.asarray(at_all(output), dtype=float)
     good = np.isfinite(values) & _valid(dataset, at_all)
@@ -185,6 +165,45 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
         best_is=best_is,
         total=int(good.sum()),
     )
+
+
+def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | None) -> str:
+    """Return the output by which designs are judged: the one asked for, or that of the study."""
+    outputs = _outputs(dataset)
+    if variable is not None and variable not in outputs:
+        raise PlotError("variable", f"'{variable[:40]}' is unknown", suggestion(variable, outputs))
+    criterion = study.get("criterion") or {}
+    asked = [name for name in study.get("outputs") or () if name in outputs]
+    output = variable or str(criterion.get("output") or (asked or outputs)[0])
+    return output if output in outputs else "objective"
+
+
+def _names(
+    dataset: xarray.Dataset, study: Mapping[str, Any], axes: list[str], output: str
+) -> list[str]:
+    """Return what a design has a column for, beside the output: axes, choices, other outputs."""
+    outputs = _outputs(dataset)
+    chosen = [name for name in outputs if name.startswith("best_")]
+    further = [(study.get("criterion") or {}).get("against"), *(study.get("outputs") or ())]
+    names = [*axes, *chosen, *(name for name in further if name in outputs)]
+    names = [n for n in dict.fromkeys(names) if n != output and dataset[n].size > 1]
+    if not names:
+        message = f"{output} has one value, there is one design only"
+        raise PlotError("dataset", message, "Draw a dataset with ranges")
+    return names[: MOST_COLUMNS - 1]
+
+
+def _outputs(dataset: xarray.Dataset) -> list[str]:
+    return [str(name) for name in dataset.data_vars if name != "regime"]
+
+
+def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return the values of all designs in one row, of further dimensions the middle one."""
+    middles = {d: array.sizes[d] // 2 for d in array.dims if d not in dims}
+    array = array.isel(middles)
+    wide = [size if d in array.dims else 1 for d, size in zip(dims, shape, strict=True)]
+    ordered = array.transpose(*(d for d in dims if d in array.dims)).values.reshape(wide)
+    return np.broadcast_to(ordered, shape).reshape(-1)
 
 
 def _column(

@@ -140,23 +140,7 @@ def select(
         If the dataset does not have it.
     """
     units = units or ShownUnits()
-    if kind == "map" and "regime" not in dataset:
-        fix = "Ask for another kind, or leave it out"
-        raise PlotError("kind", "the dataset has no regimes", fix)
-    whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
-    if kind == "map" and variable not in (None, "regime"):
-        named = dataset[_variable(dataset, variable)]
-        whole = named if categories_of(named) else whole  # no part else, but a slip is one
-    names = _axes(whole, axes, 1 if kind == "line" else 2)
-    categories = None if whole.name == "regime" else categories_of(whole)
-    if categories and kind in ("contour", "surface", "levels"):
-        message = f"{whole.name} has names, not heights"
-        raise PlotError("kind", message, "Leave the kind out, or ask for map")
-    if kind != "line" and len(names) == 1:
-        line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
-        fix = "Name two axes" if len(_ranged(whole)) > 1 else line
-        raise PlotError("kind", f"kind {kind} needs two axes, there is one, {names[0]}", fix)
-
+    whole, names, categories = _drawn(dataset, variable, axes, kind)
     regime = _regime(dataset)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     loose = [str(dim) for dim in order if dim not in names]
@@ -189,6 +173,29 @@ def select(
         categories=categories,
         spread=None if spread is None else np.nan_to_num(scaled(spread, shown.factor), posinf=0.0),
     )
+
+
+def _drawn(
+    dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
+) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
+    """Return the array that a kind draws, its axes, and its categories if it has names."""
+    if kind == "map" and "regime" not in dataset:
+        fix = "Ask for another kind, or leave it out"
+        raise PlotError("kind", "the dataset has no regimes", fix)
+    whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
+    if kind == "map" and variable not in (None, "regime"):
+        named = dataset[_variable(dataset, variable)]
+        whole = named if categories_of(named) else whole  # no part else, but a slip is one
+    names = _axes(whole, axes, 1 if kind == "line" else 2)
+    categories = None if whole.name == "regime" else categories_of(whole)
+    if categories and kind in ("contour", "surface", "levels"):
+        message = f"{whole.name} has names, not heights"
+        raise PlotError("kind", message, "Leave the kind out, or ask for map")
+    if kind != "line" and len(names) == 1:
+        line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
+        fix = "Name two axes" if len(_ranged(whole)) > 1 else line
+        raise PlotError("kind", f"kind {kind} needs two axes, there is one, {names[0]}", fix)
+    return whole, names, categories
 
 
 def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:

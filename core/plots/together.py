@@ -44,7 +44,7 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
     PlotError
         If they share no output or no axis, or there are too many.
     """
-    style, units = options.style, options.units
+    style = options.style
     if len(datasets) > MOST:
         message = f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn"
         raise PlotError("dataset", message, "Leave some out")
@@ -52,21 +52,7 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
         if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
             fix = "Draw files that `vibrafeed run` wrote"
             raise PlotError("dataset", f"{_name(dataset)} is not a result of vibrafeed", fix)
-    output = _output(datasets, options.variable)
-    axis = _axis(datasets, output, options.axes)
-    held = _held(datasets, options.at, axis)
-    selections = [
-        select(dataset, output, (axis,), kept, "line", units, nearest=options.nearest)
-        for dataset, kept in zip(datasets, held, strict=True)
-    ]
-    if len({selection.unit for selection in selections}) > 1:
-        largest = max(float(np.nanmax(np.abs(s.variable))) for s in selections)
-        raw = str(selections[0].variable.attrs.get("units", "1"))
-        units = ShownUnits(units.system, {**units.wanted, raw: units.of(raw, largest)})
-        selections = [
-            select(dataset, output, (axis,), kept, "line", units, nearest=options.nearest)
-            for dataset, kept in zip(datasets, held, strict=True)
-        ]
+    selections, units = _selections(datasets, options)
     labels, common = _labels(datasets, selections, units)
     figure = style.sheet()
     sheet = figure.add_subplot()
@@ -92,6 +78,30 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
         figure, sheet, style, name=options.title or long_name(first.variable), facts=common,
         source=_source(datasets), entries=entries, note=BEYOND if beyond else "",
     )  # fmt: skip
+
+
+def _selections(
+    datasets: Sequence[xarray.Dataset], options: Options
+) -> tuple[list[Selection], ShownUnits]:
+    """Return the line of each dataset, all in one unit, and the units."""
+    output = _output(datasets, options.variable)
+    axis = _axis(datasets, output, options.axes)
+    held = _held(datasets, options.at, axis)
+
+    def selected(units: ShownUnits) -> list[Selection]:
+        return [
+            select(dataset, output, (axis,), kept, "line", units, nearest=options.nearest)
+            for dataset, kept in zip(datasets, held, strict=True)
+        ]
+
+    units = options.units
+    selections = selected(units)
+    if len({selection.unit for selection in selections}) > 1:
+        largest = max(float(np.nanmax(np.abs(s.variable))) for s in selections)
+        raw = str(selections[0].variable.attrs.get("units", "1"))
+        units = ShownUnits(units.system, {**units.wanted, raw: units.of(raw, largest)})
+        selections = selected(units)
+    return selections, units
 
 
 def _add_lines(
@@ -180,13 +190,17 @@ def _labels(
             told = [
                 [value, *own] if value else own for value, own in zip(values, told, strict=True)
             ]
-    labels = [", ".join(own) for own in told]
+    return _distinct([", ".join(own) for own in told], datasets), common
+
+
+def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
+    """Return labels with names of files, or numbers, where they do not tell datasets apart."""
     if len(set(labels)) < len(labels) or not all(labels):
         names = [_name(dataset) for dataset in datasets]
         labels = [": ".join(filter(None, pair)) for pair in zip(names, labels, strict=True)]
     if len(set(labels)) < len(labels):
         labels = [f"{label} ({i})" for i, label in enumerate(labels, 1)]
-    return labels, common
+    return labels
 
 
 def _source(datasets: Sequence[xarray.Dataset]) -> str:

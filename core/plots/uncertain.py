@@ -168,20 +168,8 @@ def _told(
     *,
     nearest: bool,
 ) -> UncertainOutput:
-    names = [str(name) for name in dataset.data_vars]
-    outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
-    if not outputs or "uncertain_parameters" not in dataset.attrs:
-        fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
-        raise PlotError("dataset", "it has no uncertain parameters", fix)
-    output = variable or outputs[0]
-    if output not in outputs:
-        raise PlotError(
-            "variable", f"'{output[:60]}' is not an output", suggestion(output, outputs)
-        )
-    whole = f"{output}_{NEEDED[kind]}"
-    if whole not in dataset:
-        fix = f'Add "{ANALYSIS[kind]}" to the analyses of the study'
-        raise PlotError("dataset", f"it holds no {words(whole)}", fix)
+    """Return the output that a kind draws, at the design that is asked for."""
+    output = _output(kind, dataset, variable)
     loose = [str(d) for d in dataset.dims if d not in (UNCERTAIN, QUANTILE, LEVEL)]
     positions = fixed_positions(dataset, at, loose, (), nearest=nearest)
     facts = [held_at(dataset[name], units, position) for name, position in positions.items()]
@@ -201,6 +189,25 @@ def _told(
         message = f"no point of {words(output)} has a valid value here"
         raise PlotError("dataset", message, "Draw another design, with at, or another output")
     return told
+
+
+def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
+    """Return the output to draw; raise if the dataset does not have what the kind needs of it."""
+    names = [str(name) for name in dataset.data_vars]
+    outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
+    if not outputs or "uncertain_parameters" not in dataset.attrs:
+        fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
+        raise PlotError("dataset", "it has no uncertain parameters", fix)
+    output = variable or outputs[0]
+    if output not in outputs:
+        raise PlotError(
+            "variable", f"'{output[:60]}' is not an output", suggestion(output, outputs)
+        )
+    whole = f"{output}_{NEEDED[kind]}"
+    if whole not in dataset:
+        fix = f'Add "{ANALYSIS[kind]}" to the analyses of the study'
+        raise PlotError("dataset", f"it holds no {words(whole)}", fix)
+    return output
 
 
 Drawn = tuple[str, Sequence[Artist], str]

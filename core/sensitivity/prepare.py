@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,7 +26,7 @@ from core.sensitivity.indices import MOST_INPUTS
 from core.sensitivity.statistics import LEVELS
 from core.study.distributions import Distribution, nominal, tolerance
 from core.study.drive import only_the_plain_sine
-from core.study.sensitivity_study import SensitivityStudy
+from core.study.sensitivity_study import Demand, SensitivityStudy
 from core.study.values import Fixed, Span, Values
 from core.suggestions import suggestion
 
@@ -224,24 +224,17 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
     if study.verify is not None:
         message = "statistics of sampled points have errors, which the result states"
         yield Problem("verify", message, "Leave it out, or verify a simulation or a sweep")
+    yield from _wrong_demands(study.demands)
+
+
+def _wrong_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
+    """Yield what is wrong with each demand, and with two of one name."""
     seen: set[str] = set()
-    for number, demand in enumerate(study.demands):
+    for number, demand in enumerate(demands):
         place = f"demands.{number}"
-        if (demand.output is None) == (demand.regime is None):
-            yield Problem(place, "it names neither or both", "Name an output, or a regime")
-        elif demand.output is not None and demand.at_least is None and demand.at_most is None:
-            yield Problem(place, "it asks for nothing", "Give at_least, at_most or both")
-        elif demand.regime is not None and (
-            demand.at_least is not None or demand.at_most is not None
-        ):
-            fix = "Remove the bounds: the result is the probability of the regime"
-            yield Problem(place, "a regime has no bounds", fix)
-        elif (
-            demand.at_least is not None
-            and demand.at_most is not None
-            and demand.at_least > demand.at_most
-        ):
-            yield Problem(place, "at_least is above at_most", "Swap them")
+        wrong = _unclear(demand)
+        if wrong is not None:
+            yield Problem(place, *wrong)
         if demand.output in FLAGS:
             fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(f"{place}.output", f"{demand.output} is a name and not a number", fix)
@@ -249,6 +242,21 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
             fix = "Remove one of them; quantiles take any number of bounds"
             yield Problem(place, f"there is such a demand of {demand.output or demand.regime}", fix)
         seen.add(demand.name)
+
+
+def _unclear(demand: Demand) -> tuple[str, str] | None:
+    """Return why a demand asks for nothing definite, and what would; None if it does."""
+    is_bounded = demand.at_least is not None or demand.at_most is not None
+    if (demand.output is None) == (demand.regime is None):
+        return "it names neither or both", "Name an output, or a regime"
+    if demand.regime is not None:
+        fix = "Remove the bounds: the result is the probability of the regime"
+        return ("a regime has no bounds", fix) if is_bounded else None
+    if not is_bounded:
+        return "it asks for nothing", "Give at_least, at_most or both"
+    if demand.at_least is None or demand.at_most is None or demand.at_least <= demand.at_most:
+        return None
+    return "at_least is above at_most", "Swap them"
 
 
 def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:

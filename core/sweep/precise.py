@@ -237,6 +237,7 @@ _AS_GIVEN = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)
 def _outputs(
     plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
 ) -> dict[str, NDArray[np.object_]]:
+    """Return the outputs at columns of numbers, piece by piece; raise for what rounds."""
     rounds: dict[str, str] = {}
     found = {name: np.empty(size, dtype=object) for name in plan.outputs}
     for start in range(0, size, PIECE):
@@ -248,17 +249,7 @@ def _outputs(
             for name, value in plan.defaults.items()
         }
         known |= {name: _labelled(columns[name][piece]) for name in plan.parameters}
-        for equation in plan.equations:
-            lost = [name for name in equation.inputs if name in rounds]
-            if lost:
-                rounds[equation.gives] = rounds[lost[0]]
-                continue
-            inputs = {name: known[name] for name in equation.inputs}
-            try:
-                with np.errstate(all="ignore"):  # of NaN on its way into a number
-                    known[equation.gives] = _labelled(equation.function(**inputs))
-            except TypeError as error:
-                rounds[equation.gives] = f"{equation.gives} of {plan.scene.name}: {error}"
+        _run(plan, known, rounds)
         for name in plan.outputs:
             if name not in rounds:
                 with np.errstate(all="ignore"):
@@ -270,6 +261,21 @@ def _outputs(
             raise NotPreciseError(rounds[name])
         found.pop(name, None)
     return found
+
+
+def _run(plan: Plan, known: dict[str, Any], rounds: dict[str, str]) -> None:
+    """Add what equations give to `known`, and to `rounds` what cannot be known, with the reason."""
+    for equation in plan.equations:
+        lost = [name for name in equation.inputs if name in rounds]
+        if lost:
+            rounds[equation.gives] = rounds[lost[0]]
+            continue
+        inputs = {name: known[name] for name in equation.inputs}
+        try:
+            with np.errstate(all="ignore"):  # of NaN on its way into a number
+                known[equation.gives] = _labelled(equation.function(**inputs))
+        except TypeError as error:
+            rounds[equation.gives] = f"{equation.gives} of {plan.scene.name}: {error}"
 
 
 @dataclass(frozen=True)
