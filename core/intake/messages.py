@@ -46,20 +46,12 @@ def problems_of(
     suggest = Suggestions()
     problems = []
     if outside:
-        listed = ", ".join(outside[:OUTSIDE]) + (", ..." if len(outside) > OUTSIDE else "")
-        message = f"{listed} {'stands' if len(outside) == 1 else 'stand'} outside"
-        fix = "Write them below the line [parameters], in JSON within that object"
-        problems.append(Problem("parameters", message, fix))
+        problems.append(_outside(outside))
         faults = [
             fault for fault in faults if not _is_outside(fault) and fault["loc"] != ("parameters",)
         ]
     for fault in faults[:MOST_PROBLEMS]:
-        path, tag = [within, *fault["loc"]] if within else [*fault["loc"]], ""
-        section = sections.get(str(path[0]), Section()) if path else Section()
-        if len(path) > 1 and path[1] in section.tags:
-            tag = str(path.pop(1))  # which alternative it is, and no key
-        if path and path[-1] == "[key]":
-            del path[-1]  # it is the name that is wrong, and stands before
+        path, tag, section = _path_of(fault, within, sections)
         if fault["type"] == "extra_forbidden":
             says = section.unknown if len(path) > 1 else unknown
             place = section.place(path)
@@ -70,6 +62,27 @@ def problems_of(
         more = f"{len(faults) - MOST_PROBLEMS:,} further problems are not listed"
         problems.append(Problem("study", more, "Fix these first"))
     return problems
+
+
+def _path_of(
+    error: ErrorDetails, within: str, sections: Mapping[str, Section]
+) -> tuple[list[Any], str, Section]:
+    """Return where an error is, which alternative of its section was tried, and that section."""
+    path, tag = [within, *error["loc"]] if within else [*error["loc"]], ""
+    section = sections.get(str(path[0]), Section()) if path else Section()
+    if len(path) > 1 and path[1] in section.tags:
+        tag = str(path.pop(1))  # which alternative it is, and no key
+    if path and path[-1] == "[key]":
+        del path[-1]  # it is the name that is wrong, and stands before
+    return path, tag, section
+
+
+def _outside(names: list[str]) -> Problem:
+    """Return what is wrong with parameters that stand among the keys of a study."""
+    listed = ", ".join(names[:OUTSIDE]) + (", ..." if len(names) > OUTSIDE else "")
+    message = f"{listed} {'stands' if len(names) == 1 else 'stand'} outside"
+    fix = "Write them below the line [parameters], in JSON within that object"
+    return Problem("parameters", message, fix)
 
 
 def _is_outside(error: ErrorDetails) -> bool:

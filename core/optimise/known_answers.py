@@ -75,25 +75,27 @@ def answered(problem: OptimisationProblem) -> Answered | None:
     plan, criterion = problem.plan, problem.criterion
     family = FAMILIES.get((plan.scene.name, plan.variant, criterion.output))
     names = {kept.name for kept in problem.kept}
+    floor, wall = "floor_contact" in names, "wall_contact" in names
+    if family is None or problem.uncertain is not None or problem.sign < 0:
+        return None
+    if not names <= {LIMIT, "floor_contact", "wall_contact"} or not _has_answer(problem, family):
+        return None
+    if (family.endswith("physical") and not floor) or (family == "track_physical" and not wall):
+        return None
+    return Answered(family, floor, wall)
+
+
+def _has_answer(problem: OptimisationProblem, family: Family) -> bool:
+    """True if a family has an answer for the variables, the limit and the track of a problem."""
+    plan, against = problem.plan, problem.against
     at_rest = "speed" not in plan.parameters and (
         plan.scene.name != "rectangle-on-track" or "centripetal_acceleration" in plan.defaults
     )
-    floor, wall = "floor_contact" in names, "wall_contact" in names
-    if (
-        family is None
-        or problem.uncertain is not None
-        or problem.sign < 0
-        or not set(problem.names) <= set(ANGLES)
-        or not _within_reach(problem)
-        or not names <= {LIMIT, "floor_contact", "wall_contact"}
-        or problem.against not in (None, "acceleration_y")
-        or (problem.against is not None and family.startswith("track"))
-        or (family.endswith("physical") and not floor)
-        or (family == "track_physical" and not wall)
-        or not at_rest
-    ):
-        return None
-    return Answered(family, floor, wall)
+    is_limited_so = against is None or (
+        against == "acceleration_y" and not family.startswith("track")
+    )
+    chooses = set(problem.names) <= set(ANGLES) and _within_reach(problem)
+    return at_rest and is_limited_so and chooses
 
 
 def _within_reach(problem: OptimisationProblem) -> bool:

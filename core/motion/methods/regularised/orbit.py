@@ -136,11 +136,8 @@ class RegularisedRun:
         def rate(since: float, state: Array) -> list[float]:
             return self.rate(cell, phase + since, state)
 
-        from core.motion.methods.regularised.linear import INTEGRATORS  # scipy's, which load slowly
-
-        integrator = INTEGRATORS[self.solver]
         return scipy.integrate.solve_ivp(
-            rate, (0.0, end - phase), start, method=integrator, **self.options
+            rate, (0.0, end - phase), start, method=self.solver, **self.options
         )
 
 
