@@ -20,7 +20,6 @@ import os
 import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -30,6 +29,7 @@ import xarray
 from numpy.typing import NDArray
 
 from benchmarks.options import options
+from benchmarks.timing import timed
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.plan.blocks import evaluate_in_blocks
@@ -134,13 +134,6 @@ def before(folder: str, content: Mapping[str, Any]) -> float:
     return float(done.stdout)
 
 
-def timed(run: Callable[[], object]) -> float:
-    """Return the seconds that a call takes."""
-    started = time.perf_counter()
-    run()
-    return time.perf_counter() - started
-
-
 def compiled(prepared: Prepared) -> Fused:
     """Return the compiled way of a study."""
     graph = traced(prepared.plan, prepared.grid.axes)
@@ -168,7 +161,7 @@ def times(cells: float, runs: int, other: str | None) -> None:
                 run()
             for turn in range(runs):
                 for name, run in (ways if turn % 3 else {**ways, **seldom}).items():
-                    took[name].append(timed(run))
+                    took[name].append(timed(run)[1])
                 if other and turn % 3 == 0:
                     took["before"].append(before(other, content))
             print(f"{scene}, {variant}, {output}: {grid.cells:,} cells of {len(grid.axes)} axes")
@@ -271,7 +264,7 @@ def sizes(runs: int) -> None:
         prepared = prepare_content(study(*CASES[0], cells=10**power))
         arrays, fused = empty_results(prepared.plan, prepared.grid), compiled(prepared)
         fused.run(arrays)
-        seconds = statistics.median(timed(lambda f=fused, a=arrays: f.run(a)) for _ in range(runs))
+        seconds = statistics.median(timed(fused.run, arrays)[1] for _ in range(runs))
         cells = prepared.grid.cells
         print(f"{cells:13,} cells {seconds / cells * 1e9:8.2f} ns a cell, {seconds:.4f} s")
 

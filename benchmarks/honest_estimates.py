@@ -23,6 +23,7 @@ from benchmarks.motions import (
     regularised_motion,
     stepped_motion,
 )
+from benchmarks.timing import timed
 from core.intake import parse_study
 from core.motion.result import STATUS, Motion
 from core.optimise.codes import STATUS as OPTIMUM
@@ -171,12 +172,10 @@ def stepping_against_events(count: int) -> list[Measured]:
     groups = random_groups(count, 1)
     pieces = _pieces(groups, len(STEPS))
     exact = _joined([by_events(piece) for piece in pieces])
-    started = time.perf_counter()
-    found = _joined([
+    found, took = timed(lambda: _joined([
         planar_stepped_motion(**piece, steps_per_period=steps)
         for piece, steps in zip(pieces, STEPS, strict=True)
-    ])  # fmt: skip
-    took = time.perf_counter() - started
+    ]))  # fmt: skip
     both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
     either = np.isin(exact.status, (*REPEATS, STATUS["aperiodic"]))
     return _same_and_all("time stepping", found, exact, both, either, took)
@@ -229,9 +228,7 @@ def events_against_closed_form(count: int) -> list[Measured]:
     groups["drive_number_along"] = drive / np.tan(beta)
     groups["restitution"] = restitution
     groups["friction_kinetic"] = groups["friction_static"] = random.uniform(0.5, 3, count)
-    started = time.perf_counter()
-    found = by_events(groups)
-    took = time.perf_counter() - started
+    found, took = timed(by_events, groups)
     value = np.pi * hops * (loss * gn / np.tan(beta) - groups["gravity_number_along"])
     one = (found.multiple == hops) & (found.impacts * hops == 1) & (found.flight > 1 - 1e-9)
     rounding = 8 * 2.0**-52 * np.pi * hops * (gn / np.tan(beta) + 1)
@@ -241,9 +238,7 @@ def events_against_closed_form(count: int) -> list[Measured]:
 def chaos_against_longer(count: int) -> list[Measured]:
     """Return the events' estimate of motions that do not repeat, against 10 times the periods."""
     groups = random_groups(4 * count, 6, throw=(1.5, 6.0))
-    started = time.perf_counter()
-    found = by_events(groups)
-    took = time.perf_counter() - started
+    found, took = timed(by_events, groups)
     chaotic = np.flatnonzero(found.status == STATUS["aperiodic"])[:count]
     found = Motion._make([field[chaotic] for field in found])
     longer = by_events({name: values[chaotic] for name, values in groups.items()}, 10_000.0)
@@ -261,9 +256,7 @@ def events_against_reference(count: int) -> list[Measured]:
     groups = random_groups(4 * count, 8)
     some = np.flatnonzero(np.isin(by_events(groups).status, REPEATS))[:count]
     groups = {name: values[some] for name, values in groups.items()}
-    started = time.perf_counter()
-    found = by_events(groups)
-    took = time.perf_counter() - started
+    found, took = timed(by_events, groups)
     exact = follow("reference", **groups, most_periods=np.array(100.0))
     both = np.isin(exact.status, REPEATS) & (exact.multiple == found.multiple)
     several = found.impacts * found.multiple > 1.5
@@ -289,15 +282,15 @@ def wall_against_reference(count: int) -> list[Measured]:
         "wall_friction": groups["friction_kinetic"],
         "wall_restitution": groups["restitution"],
     }
-    started = time.perf_counter()
-    found = follow(
-        "time-stepping",
-        **groups,
-        wall=True,
-        steps_per_period=np.array(200.0),
-        most_periods=np.array(200.0),
+    found, took = timed(
+        lambda: follow(
+            "time-stepping",
+            **groups,
+            wall=True,
+            steps_per_period=np.array(200.0),
+            most_periods=np.array(200.0),
+        )
     )
-    took = time.perf_counter() - started
     repeats = np.isin(found.status, REPEATS)
     groups = {name: values[repeats] for name, values in groups.items()}
     found = Motion._make([field[repeats] for field in found])
@@ -314,12 +307,10 @@ def regularised_against_events(count: int) -> list[Measured]:
     some = np.flatnonzero(np.isin(by_events(groups).status, REPEATS))[:count]
     groups = {name: values[some] for name, values in groups.items()}
     exact = by_events(groups)
-    started = time.perf_counter()
-    found = regularised_motion(
+    found, took = timed(lambda: regularised_motion(
         **groups, drive_number_across=0.0, gravity_number_across=0.0, slip_speed=1e-4,
         contact_stiffness=1e8, tolerance=1e-7, most_periods=100, solver="Radau", planar=True,
-    )  # fmt: skip
-    took = time.perf_counter() - started
+    ))  # fmt: skip
     both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
     return [judge("regularised", found, exact.velocity, exact.error, both, took)]
 
@@ -368,9 +359,8 @@ def optimum_against_finer(count: int) -> list[Measured]:
     rows = []
     for name, prepared in problems.items():
         problem = prepared.problem
-        started = time.perf_counter()
-        found = compute(prepared, Watch()).arrays
-        took = time.perf_counter() - started
+        computed, took = timed(compute, prepared, Watch())
+        found = computed.arrays
         design = designs_of(problem, prepared.designs)
         scales = problem.scales(design)
         longer = one_by_one(partial(search, budget=FINER * SEARCH_BUDGET), 0.0)

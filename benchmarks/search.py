@@ -20,6 +20,7 @@ import numpy as np
 from scipy import optimize
 
 from benchmarks.motions import planar_motion
+from benchmarks.timing import timed
 from core.mechanics.arrays import Array
 from core.optimise.scipy_methods import SEARCH_BUDGET
 from core.optimise.search import search_maximum
@@ -182,9 +183,9 @@ def longer(design: Design, beta: float, varied: float) -> tuple[float, float]:
 def compare(number: int, design: Design, size: int, cache: Path | None) -> float:
     """Print one line of the table; return by how much the search falls short of the grid."""
     grid = cached_grid(number, design, size, cache)
-    start = time.perf_counter()
-    found = search_maximum(design.velocity, design.lower, design.upper, budget=SEARCH_BUDGET)
-    seconds = time.perf_counter() - start
+    found, seconds = timed(
+        search_maximum, design.velocity, design.lower, design.upper, budget=SEARCH_BUDGET
+    )
     lost = Counted(design)
     start = time.perf_counter()
     by_direct(lost)

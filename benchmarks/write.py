@@ -26,6 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.timing import timed
 from core.dataset.files import Behind, sync
 from core.dataset.growing import SYNC_BYTES
 from core.intake import prepare_content
@@ -57,13 +58,6 @@ def study(cells: float) -> dict[str, object]:
             "distance": 2e-4,
         },
     }
-
-
-def timed(work: Callable[[], None]) -> float:
-    """Return the seconds that something takes."""
-    started = time.perf_counter()
-    work()
-    return time.perf_counter() - started
 
 
 def raw(path: Path, size: int, behind: Behind | None = None) -> None:
@@ -140,7 +134,7 @@ def write(folder: Path, gigabytes: float, count: int) -> None:
         # A disk may be slow after one that wrote much: none comes always after the same.
         for name, way in chance.sample(list(ways.items()), len(ways)):
             path = folder / ("out.zarr" if "Zarr" in name else "out.nc")
-            seconds = timed(lambda way=way, path=path: way(path))
+            seconds = timed(way, path)[1]
             runs[name].append(seconds * (scale if way is peer else 1.0))
             stored = sum(p.stat().st_size for p in [path, *path.rglob("*")] if p.is_file())
             print(f"  {name}: {runs[name][-1]:.2f} s, {stored / 1e9:.3f} GB", flush=True)
@@ -159,7 +153,7 @@ def long(folder: Path, gigabytes: float) -> None:
     path = folder / "long.json"
     path.write_text(json.dumps(study(gigabytes * 1e9 / 9)))
     command = [sys.executable, "-m", "vibrafeed", "run", str(path), "--plain", "-o"]
-    seconds = timed(lambda: subprocess.run([*command, str(folder / "one.nc")], check=True))
+    seconds = timed(subprocess.run, [*command, str(folder / "one.nc")], check=True)[1]
     memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e6
     size = (folder / "one.nc").stat().st_size
     print(f"{size / 1e9:.1f} GB in {seconds:.0f} s; largest resident memory {memory:.2f} GB")
