@@ -56,21 +56,33 @@ def disc_acceleration(
     return np.where(required_friction <= friction_static, rolling_share * net_push, slipping)
 
 
+def disc_floor_friction(
+    *, mass: Array, net_push: Array, required_friction: Array, friction_static: Array,
+    friction_kinetic: Array, rolling_factor: Array, floor_acceleration: Array,
+) -> Array:  # fmt: skip
+    """Return the floor's friction force that turns the disc, F, positive along -x [N].
+
+    m (D - w)/(1 + kap) where it rolls, else mu_k m n.
+    """
+    slipping = np.minimum(np.abs(net_push), friction_kinetic * floor_acceleration)
+    slipping = np.where(net_push < 0, -slipping, slipping)
+    rolling = net_push / (1 + rolling_factor)
+    return mass * np.where(required_friction <= friction_static, rolling, slipping)
+
+
 def disc_spin(
-    *, net_push: Array, acceleration_x: Array, rolling_factor: Array, diameter: Array
+    *, rolling_friction: Array, mass: Array, rolling_factor: Array, diameter: Array
 ) -> Array:
     """Return the angular acceleration about the disc's axis, kap F/(m r) [rad s-2]."""
-    return rolling_factor * (net_push - acceleration_x) / (diameter / 2)
+    return rolling_factor * rolling_friction / (mass * diameter / 2)
 
 
-def disc_floor_friction(*, mass: Array, net_push: Array, acceleration_x: Array) -> Array:
-    """Return the floor's friction force that turns the disc, F, positive along -x [N]."""
-    return mass * (net_push - acceleration_x)
-
-
-def wall_drag(*, mass: Array, in_plane_drive_x: Array, net_push: Array) -> Array:
-    """Return the friction force of the wall, positive along -x [N]."""
-    return mass * (in_plane_drive_x - net_push)
+def wall_drag(
+    *, mass: Array, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array
+) -> Array:
+    """Return the friction force of the wall, m w, positive along -x; m D if that holds [N]."""
+    held = np.minimum(np.abs(in_plane_drive_x), wall_friction * wall_acceleration)
+    return mass * np.where(in_plane_drive_x < 0, -held, held)
 
 
 def disc_floor_wrench(*, floor_force: Array, rolling_friction: Array, diameter: Array) -> Wrench:

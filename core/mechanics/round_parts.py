@@ -93,13 +93,18 @@ def fraction_y(*, in_plane_drive_y: Array, moved_fraction: Array) -> Array:
 
 
 def ball_spin(
-    *, in_plane_drive: Array, moved_fraction: Array, rolling_factor: Array, diameter: Array
-) -> Array:
-    """Return the angular acceleration of a ball, kap (|D| - |a|)/r [rad s-2].
+    *, in_plane_drive: Array, required_friction: Array, friction_static: Array,
+    friction_kinetic: Array, rolling_factor: Array, rolling_share: Array,
+    floor_acceleration: Array, diameter: Array,
+) -> Array:  # fmt: skip
+    """Return the angular acceleration of a ball, |a|/r where it rolls [rad s-2].
 
-    |a|/r where it rolls, kap mu_k n/r where it slips, 0 in flight.
+    kap mu_k n/r where it slips, 0 in flight.
     """
-    return rolling_factor * in_plane_drive * (1 - moved_fraction) / (diameter / 2)
+    slipping = rolling_factor * friction_kinetic * floor_acceleration
+    rolling_rim = rolling_share * in_plane_drive
+    rim = np.where(required_friction <= friction_static, rolling_rim, slipping)
+    return rim / (diameter / 2)
 
 
 # --- a roller, tube or ring: rolls across its axis, slides along it
@@ -172,10 +177,19 @@ def roller_y(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw
 
 
 def roller_spin(
-    *, push_across_axis: Array, rolling_acceleration: Array, rolling_factor: Array, diameter: Array
-) -> Array:
-    """Return the angular acceleration about the axis, kap (D_e - a_e)/r [rad s-2]."""
-    return rolling_factor * (push_across_axis - rolling_acceleration) / (diameter / 2)
+    *, push_across_axis: Array, roll_root: Array, rolling_factor: Array, rolling_share: Array,
+    friction_kinetic: Array, floor_acceleration: Array, diameter: Array,
+) -> Array:  # fmt: skip
+    """Return the angular acceleration about the axis, a_e/r where it rolls [rad s-2].
+
+    kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight.
+    """
+    q = friction_kinetic * floor_acceleration
+    slipping = (
+        rolling_factor * q * ratio(push_across_axis, roll_root + (1 + rolling_factor) * q, 0.0)
+    )
+    rim = np.where(roll_root == 0, rolling_share * push_across_axis, slipping)
+    return rim / (diameter / 2)
 
 
 # --- a truncated cone on its side: rolls about the vertical through its apex

@@ -46,5 +46,4 @@ SCENE = Scene(
     default_variant="physical",
     conditions={"physical": CONDITIONS},
     defaults={**PLANE_DEFAULTS, "axis_yaw": np.pi / 2},
-    rounding_bound=8,
 )

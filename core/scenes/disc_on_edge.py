@@ -67,5 +67,4 @@ SCENE = Scene(
         "inner_diameter": 0.0,
         "rolling_factor": 2.0,
     },
-    rounding_bound=8,
 )

@@ -51,5 +51,4 @@ SCENE = Scene(
         **PLANE_DEFAULTS, "yaw": 0.0, "axis_yaw": np.pi / 2, "inner_diameter": 0.0,
         "rolling_factor": 2.0,
     },
-    rounding_bound=8,
 )  # fmt: skip

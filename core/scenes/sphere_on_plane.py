@@ -37,5 +37,4 @@ SCENE = Scene(
     default_variant="physical",
     conditions={"physical": CONDITIONS},
     defaults={**PLANE_DEFAULTS, "yaw": 0.0, "inner_diameter": 0.0, "rolling_factor": 2.5},
-    rounding_bound=8,
 )
