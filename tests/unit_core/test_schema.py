@@ -12,7 +12,7 @@ from core.quantities import QUANTITIES
 from core.schema import by_reference, study_schema
 from schemas import expanded
 
-MOST = 300_000  # bytes as `vibrafeed schema` prints it; it was 4.8 million
+MOST = 320_000  # bytes as `vibrafeed schema` prints it; it was 4.8 million
 NAMED = ("scene", "outputs", "variant", "method")
 """Keys whose values are names that the models do not list."""
 
