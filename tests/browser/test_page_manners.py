@@ -103,8 +103,9 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
     shown(page)
     expect(lines.first).to_contain_text("something else is looked at")
     expect(page.locator("#notice")).to_be_empty()
-    states = {job["status"] for job in asked(service, "/jobs")["jobs"]}
-    assert states == {"dismissed"}
+    # The motion at the one point is another matter: it is computed to its end.
+    maps = [job for job in asked(service, "/jobs")["jobs"] if job["cells"] > 1]
+    assert {job["status"] for job in maps} == {"dismissed"}
 
 
 def test_a_service_that_starts_again_is_waited_for(page, service, browser):
