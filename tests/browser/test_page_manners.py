@@ -47,7 +47,7 @@ def entered(page, service, link=""):
 
 def shown(page):
     expect(page.locator("#progress")).to_have_text(re.compile("^Shown"), timeout=100_000)
-    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=20_000)
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=100_000)
 
 
 def asked(service, path, study=None, method=None):
@@ -93,7 +93,7 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
     page.get_by_role("button", name="Cancel").click()
     expect(lines.first).to_contain_text("dismissed")
     expect(page.locator("#notice p")).to_contain_text("dismissed")
-    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=20_000)
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=100_000)
     expect(page.locator("#progress")).to_be_empty()
     # The same again, but now something else is looked at.
     page.locator("#value-friction").fill("0.5")
