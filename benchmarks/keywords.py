@@ -17,6 +17,7 @@ from pathlib import Path
 from core.catalogue import scene_parameters
 from core.kinds import KINDS
 from core.motion.drive_units import GIVEN
+from core.motion.row_parts import CHOOSING
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
 from core.quantities.drive import DRIVE
@@ -151,7 +152,7 @@ def parameters(kinds: Iterable[str]) -> list[str]:
         for name in scene_parameters(scene, variant)
     }
     if any(KINDS[kind].scenes[-1] is SYSTEMS for kind in kinds):
-        taken |= GIVEN  # a part in time may stand on a drive unit
+        taken |= {*GIVEN, *CHOOSING}  # a part in time may stand on a drive unit, a row at a stop
     return [name for name in QUANTITIES if name in taken and name not in numbered()]
 
 

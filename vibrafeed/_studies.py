@@ -216,6 +216,10 @@ def study(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    friction_spread: Values | None = None,
+    friction_seed: Values | None = None,
+    track_stop_gap: Values | None = None,
+    fixed_stop_gap: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -229,6 +233,7 @@ def study(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    front_velocity: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     restitution_speed: Values | None = None,
@@ -468,6 +473,7 @@ def sweep(
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
     lap_time: Values | None = None,
+    parts: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -481,6 +487,7 @@ def sweep(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    front_velocity: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     restitution_speed: Values | None = None,
@@ -913,6 +920,8 @@ def sweep(
         From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
     lap_time : values, optional
         Time from the bowl to the first device and back. In s, above 0, for example "40 s".
+    parts : values, optional
+        Parts of the row. From 2 to 64, for example 8.
     row_velocity : values, optional
         Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
         s-1, above 0, for example "80 mm/s".
@@ -943,6 +952,8 @@ def sweep(
         m/s^2".
     row_mass : values, optional
         Mass of all parts of the row. In kg, above 0, for example "100 g".
+    front_velocity : values, optional
+        Mean velocity of the parts in front. In m s-1, 0 or more, for example "60 mm/s".
     inner_diameter : values, optional
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
@@ -1080,6 +1091,10 @@ def simulate(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    friction_spread: Values | None = None,
+    friction_seed: Values | None = None,
+    track_stop_gap: Values | None = None,
+    fixed_stop_gap: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     rolling_resistance: Values | None = None,
@@ -1267,6 +1282,17 @@ def simulate(
     part_restitution : values, optional
         Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
         example 0.3.
+    friction_spread : values, optional
+        Standard deviation of the friction of the parts, drawn within three of it. 0 or more, for
+        example 0.03.
+    friction_seed : values, optional
+        Whole number: each draws another row. From 0 to 1e+09, for example 1.
+    track_stop_gap : values, optional
+        Gap between the front part and a stop that moves with the track, at the start. In m, 0 or
+        more, for example "0 mm".
+    fixed_stop_gap : values, optional
+        Gap between the front part and a stop at rest beside the track, at the start. In m, 0 or
+        more, for example "0 mm".
     inner_diameter : values, optional
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
@@ -1557,6 +1583,10 @@ def optimise(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    friction_spread: Values | None = None,
+    friction_seed: Values | None = None,
+    track_stop_gap: Values | None = None,
+    fixed_stop_gap: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -1570,6 +1600,7 @@ def optimise(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    front_velocity: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     restitution_speed: Values | None = None,
@@ -2046,6 +2077,17 @@ def optimise(
     part_restitution : values, optional
         Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
         example 0.3.
+    friction_spread : values, optional
+        Standard deviation of the friction of the parts, drawn within three of it. 0 or more, for
+        example 0.03.
+    friction_seed : values, optional
+        Whole number: each draws another row. From 0 to 1e+09, for example 1.
+    track_stop_gap : values, optional
+        Gap between the front part and a stop that moves with the track, at the start. In m, 0 or
+        more, for example "0 mm".
+    fixed_stop_gap : values, optional
+        Gap between the front part and a stop at rest beside the track, at the start. In m, 0 or
+        more, for example "0 mm".
     row_velocity : values, optional
         Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
         s-1, above 0, for example "80 mm/s".
@@ -2076,6 +2118,8 @@ def optimise(
         m/s^2".
     row_mass : values, optional
         Mass of all parts of the row. In kg, above 0, for example "100 g".
+    front_velocity : values, optional
+        Mean velocity of the parts in front. In m s-1, 0 or more, for example "60 mm/s".
     inner_diameter : values, optional
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
@@ -2377,6 +2421,10 @@ def sensitivity(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    friction_spread: Values | None = None,
+    friction_seed: Values | None = None,
+    track_stop_gap: Values | None = None,
+    fixed_stop_gap: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -2390,6 +2438,7 @@ def sensitivity(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    front_velocity: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     restitution_speed: Values | None = None,
@@ -2858,6 +2907,17 @@ def sensitivity(
     part_restitution : values, optional
         Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
         example 0.3.
+    friction_spread : values, optional
+        Standard deviation of the friction of the parts, drawn within three of it. 0 or more, for
+        example 0.03.
+    friction_seed : values, optional
+        Whole number: each draws another row. From 0 to 1e+09, for example 1.
+    track_stop_gap : values, optional
+        Gap between the front part and a stop that moves with the track, at the start. In m, 0 or
+        more, for example "0 mm".
+    fixed_stop_gap : values, optional
+        Gap between the front part and a stop at rest beside the track, at the start. In m, 0 or
+        more, for example "0 mm".
     row_velocity : values, optional
         Mean velocity of the parts on the free lane: measured, or of a study of their motion. In m
         s-1, above 0, for example "80 mm/s".
@@ -2888,6 +2948,8 @@ def sensitivity(
         m/s^2".
     row_mass : values, optional
         Mass of all parts of the row. In kg, above 0, for example "100 g".
+    front_velocity : values, optional
+        Mean velocity of the parts in front. In m s-1, 0 or more, for example "60 mm/s".
     inner_diameter : values, optional
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
@@ -3085,6 +3147,10 @@ def calibrate(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    friction_spread: Values | None = None,
+    friction_seed: Values | None = None,
+    track_stop_gap: Values | None = None,
+    fixed_stop_gap: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     rolling_resistance: Values | None = None,
@@ -3282,6 +3348,17 @@ def calibrate(
     part_restitution : values, optional
         Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
         example 0.3.
+    friction_spread : values, optional
+        Standard deviation of the friction of the parts, drawn within three of it. 0 or more, for
+        example 0.03.
+    friction_seed : values, optional
+        Whole number: each draws another row. From 0 to 1e+09, for example 1.
+    track_stop_gap : values, optional
+        Gap between the front part and a stop that moves with the track, at the start. In m, 0 or
+        more, for example "0 mm".
+    fixed_stop_gap : values, optional
+        Gap between the front part and a stop at rest beside the track, at the start. In m, 0 or
+        more, for example "0 mm".
     inner_diameter : values, optional
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
@@ -3571,6 +3648,7 @@ def open_lazily(
     turned_share_6: Values | None = None,
     turn_6: Values | None = None,
     lap_time: Values | None = None,
+    parts: Values | None = None,
     row_velocity: Values | None = None,
     inflow: Values | None = None,
     lane_length: Values | None = None,
@@ -3584,6 +3662,7 @@ def open_lazily(
     forward_acceleration: Values | None = None,
     return_acceleration: Values | None = None,
     row_mass: Values | None = None,
+    front_velocity: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     restitution_speed: Values | None = None,
@@ -3711,6 +3790,10 @@ def drive_error(
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
+    friction_spread: Values | None = None,
+    friction_seed: Values | None = None,
+    track_stop_gap: Values | None = None,
+    fixed_stop_gap: Values | None = None,
     inner_diameter: Values | None = None,
     rolling_factor: Values | None = None,
     rolling_resistance: Values | None = None,

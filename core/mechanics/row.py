@@ -12,6 +12,8 @@ from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
 
 MINUTE = 60.0
+MOST_PARTS = 64
+"""Parts of the longest row."""
 HELD_FROM = 1.7048313528
 """The throw number from which every contact with the floor happens while the track runs forward:
 the root of asin(1/G) + D(G) = 3 pi/2, D the flight of a part that lifts off by itself."""
@@ -70,6 +72,39 @@ def escapement_rate(
 ) -> Array:
     """Return the parts a minute of an escapement, 60/(t_c + max(t_o, l/v)): one a stroke."""
     return MINUTE / (closed_time + np.maximum(open_time, lane_pitch / row_velocity))
+
+
+# --- platoons
+
+
+def mean_platoons(*, parts: Array) -> Array:
+    """Return the mean number of platoons of parts of random friction, 1 + 1/2 + ... + 1/n [1].
+
+    Where parts slip one way only, whatever the distribution: the faces of the convex minorant of a
+    random walk (Sparre Andersen).
+    """
+    total = np.zeros_like(parts)
+    for k in range(1, MOST_PARTS + 1):
+        total = total + np.where(parts >= k, 1.0 / k, 0.0)
+    return total
+
+
+def closing_time(*, part_gap: Array, row_velocity: Array, front_velocity: Array) -> Array:
+    """Return the time until a gap to a slower row in front closes, g/(v - v_f) [s]."""
+    gains = row_velocity - front_velocity
+    return np.where(gains > 0, ratio(part_gap, gains, np.inf), np.inf)
+
+
+def pair_force(
+    *, part_mass_1: Array, part_mass_2: Array, part_friction_1: Array, part_friction_2: Array,
+    gravity: Array,
+) -> Array:  # fmt: skip
+    """Return the force between two parts that slide forward, m (mu_2 - mu_1) g, m reduced [N].
+
+    Part 1 is behind; 0 where it has the larger friction, and stays back.
+    """
+    reduced = part_mass_1 * (part_mass_2 / (part_mass_1 + part_mass_2))
+    return reduced * np.maximum(part_friction_2 - part_friction_1, 0.0) * gravity
 
 
 # --- bend
@@ -226,6 +261,77 @@ def least_held_force(
     from_on = np.arcsin(share)
     mean = (gain * np.cos(from_on) - drag * (np.pi / 2 - from_on)) / np.pi
     return row_weight / gravity * np.where(gain > drag, mean, 0.0)
+
+
+def locked_held_force(
+    *,
+    row_weight: Array,
+    friction_static: Array,
+    gravity: Array,
+    gamma: Array,
+    vibration_acceleration: Array,
+    beta: Array,
+) -> Array:
+    """Return the mean force on a stop of the track that friction locks in [N].
+
+    Stiff elastic parts keep a force until friction is overcome: F/M follows max(L, min(U, F)), at
+    least 0, with L = D - mu n = C sin(tau) - k and U = D + mu n = C' sin(tau) - k'. It is largest,
+    F_1, where L is, stays until U falls to it, follows U to F_2, and stays until L rises to it.
+    """
+    level, climb = cosine(gamma), sine(gamma)
+    gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
+    drag = gravity * (climb + friction_static * level)
+    upper = vibration_acceleration * (cosine(beta) - friction_static * sine(beta))
+    pull = gravity * (climb - friction_static * level)
+    most = np.maximum(gain - drag, 0.0)
+    least = np.maximum(np.minimum(most, -np.abs(upper) - pull), 0.0)
+    falls, ends = _angle(most + pull, upper), _angle(least + pull, upper)
+    rises = _angle(least + drag, gain)
+    half = np.pi / 2
+    total = (
+        most * (half - falls)
+        + upper * (np.cos(ends) - np.cos(falls))
+        - pull * (falls - ends)
+        + least * (half + ends)
+        + least * (half + rises)
+        + gain * np.cos(rises)
+        - drag * (half - rises)
+    )
+    return row_weight / gravity * np.where(most > 0.0, total / (2 * np.pi), 0.0)
+
+
+def _angle(value: Array, gain: Array) -> Array:
+    """Return asin(value/gain), the ends of its range where there is none."""
+    return np.arcsin(np.maximum(np.minimum(ratio(value, gain, 1.0), 1.0), -1.0))
+
+
+def least_two_level_force(
+    *,
+    row_weight: Array,
+    friction_static: Array,
+    gravity: Array,
+    forward_acceleration: Array,
+    return_acceleration: Array,
+) -> Array:
+    """Return the mean of the least force on a stop of a track in two levels [N].
+
+    M (a_m - mu g) a_s/(a_s + a_m): it presses while the track runs back; 0 where friction holds.
+    """
+    excess = np.maximum(return_acceleration - friction_static * gravity, 0.0)
+    share = forward_acceleration / (forward_acceleration + return_acceleration)
+    return row_weight / gravity * excess * share
+
+
+def slips_back_in_steps(
+    *, friction_static: Array, gravity: Array, forward_acceleration: Array
+) -> Mask:
+    """True where the row leaves its stop as the track creeps forward: a_s > mu g."""
+    return forward_acceleration > friction_static * gravity
+
+
+def never_closes(*, row_velocity: Array, front_velocity: Array) -> Mask:
+    """True where the parts in front are as fast, or faster."""
+    return row_velocity <= front_velocity
 
 
 def slips_back(

@@ -92,7 +92,7 @@ KIND: Final = Kind(
                 {**_PIN, "method": "events", "trajectory": 10},
                 {**_PIN, "method": "time-stepping"},
             ),
-            "motion-rows": ({**_ROW, "trajectory": 10}, _ROW),
+            "motion-rows": ({**_ROW, "trajectory": 10}, _ROW, {**_ROW, "method": "time-stepping"}),
             "motion-stepping": tuple(
                 study
                 for scene in (_PLANE, _TRACK, _ROLLING)

@@ -14,7 +14,7 @@ from core.motion.groups import Contacts
 from core.motion.method import Method
 from core.motion.part_load import price_of_load
 from core.motion.price import seconds_of, some_cells
-from core.motion.row_scene import ROW, choose_row
+from core.motion.row_scene import ROW, choose_row, of_unit
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.derived import Asked, asked_of
 from core.plan.grid import Grid
@@ -130,17 +130,20 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(given)
     if name == ROW:
-        scene, wrong = choose_row(scene, names)
+        scene, wrong = choose_row(scene, method, names)
         if wrong:
             raise StudyError([*problems, *wrong])
-    if name not in CONTACTS:
+    if name not in CONTACTS and name != ROW:
         return scene, method, problems
     unit, wrong = unit_of(names)
-    shape, more = shape_of(names) if unit is None else (None, [])
+    if name == ROW:
+        shape, more = None, of_unit(unit, method, names)  # its drive is in place
+    else:
+        shape, more = shape_of(names) if unit is None else (None, [])
     if wrong or more:  # of which drive the others are missing, or too many, nobody knows
         raise StudyError([*problems, *wrong, *more])
     if unit is not None:
-        return on_unit(scene, unit, CONTACTS[name]), method, problems
+        return on_unit(scene, unit, CONTACTS.get(name, Contacts())), method, problems
     return (driven(scene, shape) if shape else scene), method, problems
 
 

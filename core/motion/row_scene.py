@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import inspect
-import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from core.errors import Problem
 from core.mechanics.angles import cosine
-from core.mechanics.arrays import Array, Mask
+from core.mechanics.arrays import Array, Mask, ratio
 from core.motion import limits, scales
+from core.motion.drive_units import ChosenUnit
 from core.motion.driven import driven
 from core.motion.drives import Harmonics, Shape, Steps, shape_of
 from core.motion.feeding import DEFAULTS, feed_rate, occupancy
 from core.motion.groups import BLOCK_ON_FLOOR, row_groups
 from core.motion.methods import METHODS
-from core.motion.methods.rows import RowMotion, RowParts
+from core.motion.methods.rows import RowMotion
 from core.motion.result import STATUS
-from core.quantities.row import NUMBERS
+from core.motion.row_parts import NumberedParts, contradictions, numbered
+from core.quantities.row import MOST_NUMBERED
 from core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -36,84 +35,6 @@ ROW = "row-on-plane"
 SOURCE = "theory 17"
 IN_TURN = 3.7241
 """The throw number above which hops take two periods: parts that start apart may hop in turn."""
-_NUMBERED = re.compile(rf"({'|'.join(NUMBERS)})_(\d+)")
-
-
-@dataclass(frozen=True)
-class NumberedParts:
-    """The function of the equation that gives the parts of a row.
-
-    Attributes
-    ----------
-    numbers : mapping of str to tuple of int
-        Which parts have a friction, a mass, a gap of their own.
-    count : int
-        Parts that these numbers tell of; 0 if there are none.
-    counted : bool
-        Whether the study gives the number of parts, too.
-    """
-
-    numbers: Mapping[str, tuple[int, ...]]
-    count: int
-    counted: bool
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return the parts of the row, from the rear on.")
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the parts need."""
-        numbered = [f"{stem}_{n}" for stem, which in self.numbers.items() for n in which]
-        common = ["mass"] if 0 < len(self.numbers["part_mass"]) < self.count or self._more else []
-        counted = ["parts"] if self.counted or not self.count else []
-        return (*counted, *numbered, *common, "part_restitution", "length_scale")
-
-    @property
-    def _more(self) -> bool:
-        """Whether there may be parts without numbers, behind some that have a mass."""
-        return self.counted and bool(self.numbers["part_mass"])
-
-    @property
-    def has_all_frictions(self) -> bool:
-        """Whether no part needs a common friction."""
-        return not self.counted and 0 < len(self.numbers["part_friction"]) == self.count
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """One argument a quantity."""
-        keyword = inspect.Parameter.KEYWORD_ONLY
-        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.inputs])
-
-    def __call__(self, **given: Any) -> RowParts:
-        """Return the parts; of a mean number of parts, as in a search, the next whole one."""
-        count = np.ceil(np.asarray(given.get("parts", float(self.count)), dtype=float))
-        most = max(self.count, int(count.max()))
-        places = range(1, most + 1)
-        scale = given["length_scale"]
-        common = given.get("mass", np.ones(()))
-        return RowParts(
-            number=np.maximum(count, self.count),
-            friction=tuple(given.get(f"part_friction_{n}", np.full((), np.nan)) for n in places),
-            mass=tuple(given.get(f"part_mass_{n}", common) for n in places),
-            gap=tuple(given.get(f"part_gap_{n}", np.zeros(())) / scale for n in places),
-            restitution=given["part_restitution"],
-        )
-
-
-def numbered(names: Iterable[str]) -> NumberedParts:
-    """Return the parts that the names of a study's parameters tell of."""
-    names = tuple(names)
-    found = [match for match in map(_NUMBERED.fullmatch, names) if match]
-    numbers = {
-        stem: tuple(sorted(int(match[2]) for match in found if match[1] == stem))
-        for stem in NUMBERS
-    }
-    behind = max(
-        (n + (stem == "part_gap") for stem, which in numbers.items() for n in which), default=0
-    )
-    return NumberedParts(numbers, behind, "parts" in names)
-
-
 # --- equations
 
 
@@ -135,6 +56,46 @@ def slowest_velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
 def fastest_part_velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
     """Return the mean velocity of the fastest part [m s-1]."""
     return motion.fastest * velocity_scale
+
+
+def mean_gap(*, motion: RowMotion, length_scale: Array) -> Array:
+    """Return the mean gap between neighbours of one platoon, NaN if all are apart [m]."""
+    return motion.gap * length_scale
+
+
+def common_mass(*, mass: Array) -> Array:
+    """Return what the masses of a row of equal parts are counted in [kg]."""
+    return mass
+
+
+def own_masses(*, motion: RowMotion) -> Array:
+    """Return 1, in which the parts' own masses are counted [kg]."""
+    return np.where(np.isnan(motion.velocity), np.nan, 1.0)
+
+
+def impact_energy(*, motion: RowMotion, mass_scale: Array, velocity_scale: Array) -> Array:
+    """Return the energy that collisions of parts take in a period of the drive [J]."""
+    return motion.impact * mass_scale * np.square(velocity_scale)
+
+
+def stop_force(*, motion: RowMotion, mass_scale: Array, acceleration_scale: Array) -> Array:
+    """Return the mean force on the stop, strokes included; the least on one of the track [N]."""
+    return motion.stop_force * mass_scale * acceleration_scale
+
+
+def stop_force_peak(*, motion: RowMotion, mass_scale: Array, acceleration_scale: Array) -> Array:
+    """Return the largest force on the stop between strokes [N]."""
+    return motion.stop_peak * mass_scale * acceleration_scale
+
+
+def stop_impulse(*, motion: RowMotion, mass_scale: Array, velocity_scale: Array) -> Array:
+    """Return the impulse of all strokes against the stop in a period of the drive [N s]."""
+    return motion.stop_impulse * mass_scale * velocity_scale
+
+
+def is_blocked(*, motion: RowMotion) -> Mask:
+    """True where a stop at rest in space holds the row."""
+    return motion.stop_contact > 0.0
 
 
 def is_unresolved(*, motion: RowMotion) -> Mask:
@@ -187,6 +148,10 @@ RESULTS = (
     *fields(
         "motion",
         SOURCE,
+        stop_contact_fraction=(
+            "stop_contact",
+            "the share of the time in which the row touches its stop [1]",
+        ),
         platoons=("platoons", "the groups of parts that have left each other for ever [1]"),
         contact_fraction=("contact", "the share of the time in which neighbours touch [1]"),
         collisions_per_period=("collisions", "the collisions in a period of the drive [1]"),
@@ -200,6 +165,36 @@ RESULTS = (
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, "theory 13.12"),
 )
+
+
+def _of_platoon(number: int) -> tuple[Equation, Equation]:
+    """Return the equations of size and velocity of a platoon, 1 at the rear."""
+
+    def size(*, motion: RowMotion) -> Array:
+        return (motion.part_platoon == number).sum(axis=0).astype(float)
+
+    def velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
+        inside = motion.part_platoon == number
+        total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
+        return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale
+
+    size.__doc__ = f"Return the parts of platoon {number} from the rear; 0 if there is none [1]."
+    velocity.__doc__ = "Return its mean velocity, NaN if there is none [m s-1]."
+    return (
+        Equation(f"platoon_size_{number}", size, SOURCE),
+        Equation(f"platoon_velocity_{number}", velocity, SOURCE),
+    )
+
+
+RESULTS = (
+    *RESULTS,
+    *(one for n in range(1, MOST_NUMBERED + 1) for one in _of_platoon(n)),
+    Equation("mean_gap", mean_gap, SOURCE),
+    *(
+        Equation(one.__name__, one, SOURCE)
+        for one in (impact_energy, stop_force, stop_force_peak, stop_impulse)
+    ),
+)
 ANY_RESULT = frozenset(one.gives for one in RESULTS if one.gives != "occupancy") | {"regime"}
 CONDITIONS = (
     Condition("unresolved", is_unresolved, ANY_RESULT, otherwise="slip"),
@@ -211,6 +206,13 @@ CONDITIONS = (
     Condition("hopping", hops, ANY_RESULT),
     Condition("stick", rests, ANY_RESULT),
 )
+
+
+HELD: dict[str, Condition] = {
+    "track_stop_gap": Condition("indeterminate_force", is_blocked, ANY_RESULT),
+    "fixed_stop_gap": Condition("blocked", is_blocked, ANY_RESULT),
+}
+"""What is said where a row touches its stop, by the parameter that gives one."""
 
 
 def drive_number_along(*, drive_number: Array, beta: Array) -> Array:
@@ -232,7 +234,9 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
         source=SOURCE,
         validity="Equal faces, smooth and normal to the track; parts start at rest, and do not "
         "rebound from the floor, so that all hop at once. Mean values are those of the motion that "
-        "the row falls into.",
+        "the row falls into. Parts may have numbers of their own (part_friction_1, ...); "
+        "fixed_stop_gap or track_stop_gap put a stop in front of the row, friction_spread draws "
+        "the frictions of its parts.",
         variants={
             name: (*in_space, *_given_by(numbered(())), *_followed(method))
             for name, method in METHODS["row"].items()
@@ -244,9 +248,14 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
             "gravity": STANDARD_GRAVITY,
             "hold_down_number": 0.0,
             "part_restitution": 0.0,
+            "friction_seed": 0.0,
             **DEFAULTS,
         },
-        constraints=(STATIC_ABOVE_KINETIC, driven_within),
+        constraints=(
+            STATIC_ABOVE_KINETIC,
+            driven_within,
+            *(refusal for method in METHODS["row"].values() for refusal in method.refuses),
+        ),
         choice="method",
         variant_defaults={name: method.defaults for name, method in METHODS["row"].items()},
     )
@@ -261,41 +270,67 @@ def _given_by(parts: NumberedParts) -> tuple[Equation, ...]:
         Equation("friction_static", own_static, SOURCE),
         Equation("friction_kinetic", own_kinetic, SOURCE),
     )
-    return (*(own if parts.has_all_frictions else ()), Equation("row", parts, SOURCE))
+    return (
+        *(own if parts.has_all_frictions else ()),
+        Equation("row", parts, SOURCE),
+        Equation("mass_scale", own_masses if parts.has_own_masses else common_mass, SOURCE),
+    )
 
 
-def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
+def choose_row(system: Scene, method: str, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
     """Return the system of the row that the names of a study's parameters tell of.
 
-    The second is what is wrong with its drive.
+    The second is what is wrong with them, and with the drive of a row by this method.
     """
-    parts = numbered(names)
+    parts, problems = numbered(names), contradictions(names)
     known = {
         name: tuple(
             one
             for equation in equations
+            if equation.gives != "mass_scale"
             for one in (_given_by(parts) if equation.gives == "row" else (equation,))
         )
         for name, equations in system.variants.items()
     }
     system = replace(system, variants=known)
-    shape, problems = shape_of(names)
+    if parts.stop_gap:
+        held = (*CONDITIONS[:2], HELD[parts.stop_gap], *CONDITIONS[2:])
+        system = replace(system, conditions=dict.fromkeys(system.conditions, held))
+    shape, wrong = shape_of(names)
     if shape is not None:
-        problems = _beside_the_row(shape)
+        wrong = [*wrong, *(_beside_events(shape) if method == "events" else [])]
         system = driven(system, shape)
-    return system, problems
+    return system, [*problems, *wrong]
 
 
-def _beside_the_row(shape: Shape) -> list[Problem]:
-    """Return why a drive moves no row that is known."""
-    fix = "Give amplitude and beta of a sine, or steps along the track"
+def of_unit(unit: ChosenUnit | None, method: str, names: tuple[str, ...]) -> list[Problem]:
+    """Return why a drive unit cannot move the row that the names of parameters tell of."""
+    if unit is None:
+        return []
+    problems, parts = [], numbered(names)
+    if unit.loaded and (parts.drawn or parts.stop_gap or parts.numbers["part_friction"]):
+        message = "what a row does to its drive unit is known of free parts of one friction"
+        fix = "Give load_mass in its place, or one friction and no stop"
+        problems.append(Problem("parameters.conveyed_mass", message, fix))
+    if unit.shape is not None and method == "events":
+        problems += [
+            replace(one, place="parameters.force_harmonic")
+            for one in _beside_events(Harmonics((("along", 2),)))
+        ]
+    return problems
+
+
+def _beside_events(shape: Shape) -> list[Problem]:
+    """Return why a row under a drive cannot be followed from event to event."""
+    fix = "Set method = 'time-stepping', or give amplitude and beta of a sine, or steps along"
     if isinstance(shape, Harmonics):
         axis, order = shape.terms[0]
-        message = "a row is known under a plain sine and under steps along the track"
+        message = "the method events follows rows under a plain sine and steps along the track"
         return [Problem(f"parameters.amplitude_{axis}_{order}", message, fix)]
     assert isinstance(shape, Steps)
+    message = "the method events follows rows under steps along the track only"
     return [
-        Problem(f"parameters.acceleration_{axis}_{n}", "a row is known under steps along", fix)
+        Problem(f"parameters.acceleration_{axis}_{n}", message, fix)
         for axis, n in shape.levels
         if axis != "along"
     ]

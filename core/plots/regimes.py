@@ -89,6 +89,7 @@ LOOKS = {
         ("indeterminate_force", "x", 1.8),
         ("out_of_phase_possible", "\\", 1.8),
         ("separating", "..", 0.9),
+        ("blocked", "", 1.8),
         # --- round parts
         ("neutral", "", 1.8),
         ("rolls_and_slips", "///", 1.3),

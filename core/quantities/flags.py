@@ -96,7 +96,7 @@ REGIMES: dict[str, Flag] = {
     # --- rows of parts
     "crowded": Flag(49, "more parts come than the lane can take: the rest is turned away"),
     "indeterminate_force": Flag(
-        50, "the force on the stop lies between bounds: at least what is given"
+        50, "the force on the stop is not unique, or known as a bound only"
     ),
     "out_of_phase_possible": Flag(
         51, "above a throw number of 3.724 parts may hop in turn; here all hop at once"
@@ -111,6 +111,8 @@ REGIMES: dict[str, Flag] = {
     "soft_contact": Flag(
         55, "the lining is too soft for a rigid model: follow the motion by regularised"
     ),
+    # --- rows of parts
+    "blocked": Flag(56, "the stop holds the row"),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -59,6 +59,7 @@ INKS = {
     "indeterminate_force": "#4a4a4a",
     "out_of_phase_possible": "#5a4580",
     "separating": "#01665e",
+    "blocked": "#54278f",
     "neutral": "#777777",
     "rolls_and_slips": "#8a7a1f",
     "soft_contact": "#b3560f",
@@ -105,6 +106,7 @@ FILLS = {
     "indeterminate_force": "#d6d6d6",
     "out_of_phase_possible": "#c66a2c",
     "separating": "#3f8a70",
+    "blocked": "#ffffff",
     "neutral": "#d6d6d6",
     "soft_contact": "#c66a2c",
 }

@@ -43,6 +43,25 @@ def _position(n: int) -> Quantity:
     )  # fmt: skip
 
 
+def _platoon(n: int) -> dict[str, Quantity]:
+    which = f"platoon {n}" + (", the rearmost" if n == 1 else "")
+    return {
+        f"platoon_size_{n}": Quantity(
+            "1", "", f"Size, platoon {n}", f"Parts of {which}; 0 if there is none.", count=True
+        ),
+        f"platoon_velocity_{n}": velocity(
+            "", f"Velocity, platoon {n}", f"Mean velocity of {which}; NaN if there is none."
+        ),
+    }
+
+
+def _stop_gap(symbol: str, label: str, says: str) -> Quantity:
+    return Quantity(
+        "m", symbol, label, f"Gap between the front part and a stop {says}, at the start.", 0.0,
+        parameter=True, examples=("0 mm",),
+    )  # fmt: skip
+
+
 def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
     return Quantity(
         "s", symbol, label, says, 0.0, parameter=bool(example),
@@ -82,6 +101,32 @@ ROW: dict[str, Quantity] = {
         "Velocity of parting over that of meeting where two parts strike each other.", 0.0, 1.0,
         parameter=True, examples=("0.3",),
     ),
+    "friction_spread": Quantity(
+        "1", "sigma_mu", "Spread of friction",
+        "Standard deviation of the friction of the parts, drawn within three of it.", 0.0,
+        parameter=True, examples=("0.03",), usual=(1e-4, 0.5),
+    ),
+    "friction_seed": Quantity(
+        "1", "", "Seed of the friction", "Whole number: each draws another row.", 0.0, 1e9,
+        parameter=True, examples=("1",), count=True,
+    ),
+    "track_stop_gap": _stop_gap("g_t", "Gap to a stop of the track", "that moves with the track"),
+    "fixed_stop_gap": _stop_gap("g_f", "Gap to a fixed stop", "at rest beside the track"),
+    "mass_scale": Quantity("kg", "", "Mass scale", "What the masses of a row are counted in."),
+    "mean_gap": Quantity(
+        "m", "g", "Mean gap", "Mean gap between neighbours of one platoon, over time."
+    ),
+    "impact_energy": Quantity(
+        "J", "", "Energy of collisions", "What collisions of the parts take in a period."
+    ),
+    "stop_force_peak": Quantity(
+        "N", "F_max", "Largest force on the stop", "Largest force on the stop between strokes."
+    ),
+    "stop_impulse": Quantity(
+        "N s", "", "Strokes against the stop",
+        "Impulse of all strokes against the stop in a period of the drive.",
+    ),
+    **{name: one for n in range(1, MOST_NUMBERED + 1) for name, one in _platoon(n).items()},
     "row": Quantity("1", "", "Row", "The parts of a row, from the rear on.", bundle=True),
     "platoons": Quantity(
         "1", "", "Platoons", "Groups of parts that have left each other for ever.", count=True
@@ -156,6 +201,22 @@ ROW: dict[str, Quantity] = {
         "N", "F", "Least force on the stop",
         "Mean of the least force of the row on a stop that moves with the track; more may be "
         "locked in.",
+    ),
+    "locked_stop_force": Quantity(
+        "N", "F", "Locked force on the stop",
+        "Mean force on a stop that moves with the track, as stiff elastic parts keep it.",
+    ),
+    "mean_platoons": number(
+        "", "Mean number of platoons",
+        "Of parts of random friction that slip one way only: 1 + 1/2 + ... + 1/n.",
+    ),
+    "front_velocity": Quantity(
+        "m s-1", "v_f", "Velocity in front", "Mean velocity of the parts in front.", 0.0,
+        parameter=True, examples=("60 mm/s",),
+    ),
+    "closing_time": _time("", "Closing time", "Time until a gap to slower parts in front closes."),
+    "pair_force": Quantity(
+        "N", "c", "Force between two parts", "Between two parts that slide forward."
     ),
     "stop_contact_fraction": number(
         "", "Contact with the stop", "Share of the time in which the row touches its stop."

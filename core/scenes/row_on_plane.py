@@ -41,10 +41,20 @@ TRACK_STOP = (
     Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
     WEIGHT,
     Equation("least_stop_force", row.least_held_force, SOURCE),
+    Equation("locked_stop_force", row.locked_held_force, SOURCE),
+)
+STEPPED_TRACK_STOP = (
+    WEIGHT,
+    Equation("least_stop_force", row.least_two_level_force, SOURCE),
+)
+PLATOONS = (
+    Equation("mean_platoons", row.mean_platoons, SOURCE),
+    Equation("closing_time", row.closing_time, SOURCE),
+    Equation("pair_force", row.pair_force, SOURCE),
 )
 OF_FLOW = frozenset(("throughput", "part_spacing", "queue_velocity"))
 OF_STEPS = frozenset(("stop_force", "stop_contact_fraction", "stop_impact_share"))
-OF_TRACK = frozenset(("least_stop_force",))
+OF_TRACK = frozenset(("least_stop_force", "locked_stop_force"))
 
 SCENE = Scene(
     name="row-on-plane",
@@ -52,14 +62,16 @@ SCENE = Scene(
     source="",
     validity="Equal parts with smooth faces that move as one part does, and neither tip nor wedge. "
     "A stop at rest in space under a sine (fixed_stop) is on a level lane; its force is exact from "
-    "a throw number of 1.705 on. On a stop of the track (track_stop) more force than the least may "
-    "be locked in.",
+    "a throw number of 1.705 on. On a stop of the track (track_stop) rigid parts press with "
+    "least_stop_force or more; stiff elastic ones keep locked_stop_force.",
     variants={
         "lane": LANE,
         "bend": BEND,
         "fixed_stop": FIXED_STOP,
         "stepped_stop": STEPPED_STOP,
         "track_stop": TRACK_STOP,
+        "stepped_track_stop": STEPPED_TRACK_STOP,
+        "platoons": PLATOONS,
     },
     default_variant="lane",
     conditions={
@@ -84,6 +96,19 @@ SCENE = Scene(
         "track_stop": (
             Condition("flight", row.leaves_floor, OF_TRACK, otherwise="contact"),
             Condition("indeterminate_force", row.slips_back, OF_TRACK),
+        ),
+        "stepped_track_stop": (
+            Condition(
+                "indeterminate_force",
+                row.slips_back_in_steps,
+                frozenset(("least_stop_force",)),
+                otherwise="contact",
+            ),
+        ),
+        "platoons": (
+            Condition(
+                "separating", row.never_closes, frozenset(("closing_time",)), otherwise="contact"
+            ),
         ),
     },
     defaults={"part_gap": 0.0, "gravity": STANDARD_GRAVITY},

@@ -21,7 +21,7 @@ METHODS: dict[str, dict[str, Method]] = {
         "events": tumbling.EVENTS,
         "time-stepping": tumbling.TIME_STEPPING,
     },
-    "row": {"events": rows.EVENTS},
+    "row": {"events": rows.EVENTS, "time-stepping": rows.TIME_STEPPING},
     "rolling": rolled({"events": EVENTS, "time-stepping": TIME_STEPPING, "reference": REFERENCE}),
 }
 """The methods by what they follow: a conveyed part, one that tumbles, a row, a round part."""

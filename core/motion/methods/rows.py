@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion import compiled
-from core.motion.cells import run_cells
+from core.motion.cells import Kernel, run_cells
 from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from core.motion.method import Follow, FollowCourse, Method
@@ -23,6 +23,7 @@ from core.motion.methods.events import motion_by_events
 from core.motion.price import Price, Priced
 from core.motion.result import ANSWERED, STATUS
 from core.quantities.row import MOST_NUMBERED
+from core.scenes import Constraint
 from core.watch import Watch
 
 PERIODS = 400.0
@@ -34,6 +35,10 @@ SHOWN = 10
 
 EVENT_SECONDS = 1.2e-6
 """Of one event of one part on one core; a period has some two of each part, and collisions."""
+
+
+STEP_SECONDS = 2.5e-8
+"""Of one time step of one part on one core."""
 
 
 class RowParts(NamedTuple):
@@ -50,7 +55,13 @@ class RowParts(NamedTuple):
     gap : tuple of ndarray
         Gaps in front of each part at the start, in g/w^2.
     restitution : ndarray
-        Between parts.
+        Between parts, and of the front part against the stop.
+    shift : tuple of ndarray
+        What is added to the friction of each part, drawn at random; empty if none is.
+    stop : str
+        "none", "track" of a stop that moves with the track, "space" of one at rest beside it.
+    stop_gap : ndarray
+        Gap between the front part and the stop at the start, in g/w^2.
     """
 
     number: Array
@@ -58,6 +69,13 @@ class RowParts(NamedTuple):
     mass: tuple[Array, ...]
     gap: tuple[Array, ...]
     restitution: Array
+    shift: tuple[Array, ...] = ()
+    stop: str = "none"
+    stop_gap: Array | float = 0.0
+
+
+STOPS = ("none", "track", "space")
+"""What may stand in front of a row, in the order of the kernel's numbers."""
 
 
 class RowMotion(NamedTuple):
@@ -81,6 +99,19 @@ class RowMotion(NamedTuple):
         Share of the period in the air.
     multiple : ndarray
         Periods after which the motion repeats; 0 where it does not.
+    gap : ndarray
+        Mean gap between neighbours of one platoon, in g/w^2; NaN where each part is by itself.
+    stop_force, stop_peak : ndarray
+        Mean force on the stop, strokes included, and the largest force between strokes, in units of
+        a mass and g. Of a stop of the track it is the least that friction leaves to it.
+    stop_impulse : ndarray
+        Of the strokes against the stop in a period, in units of a mass and g/w.
+    stop_contact : ndarray
+        Share of the time in which the row touches the stop.
+    part_velocity : ndarray, shape (parts, ...)
+        Mean velocity of each part, NaN behind the last.
+    part_platoon : ndarray, shape (parts, ...)
+        Number of the platoon of each part, 1 at the rear.
     status : ndarray of int8
         Value of a `MOTION_STATUSES` entry.
     """
@@ -96,65 +127,127 @@ class RowMotion(NamedTuple):
     impact: Array
     flight: Array
     multiple: Array
+    gap: Array
+    stop_force: Array
+    stop_peak: Array
+    stop_impulse: Array
+    stop_contact: Array
+    part_velocity: Array
+    part_platoon: Array
     status: NDArray[np.int8]
 
 
 def row_motion(
-    groups: Groups, parts: RowParts, most_periods: Array, watch: Watch | None = None
-) -> RowMotion:
+    groups: Groups, parts: RowParts, most_periods: Array, watch: Watch | None = None,
+    *, steps: int | None = None,
+) -> RowMotion:  # fmt: skip
     """Return the motion of rows that start at rest on the track.
 
-    A wave may have steps along the track; harmonics, or steps off the floor, are refused before.
+    From event to event a wave may have steps along the track; harmonics, or steps off the floor,
+    are refused before. With `steps` it is followed by so many time steps of a period, as are rows
+    of one friction then.
     """
     rows, shape = _cells(groups, parts, most_periods)
-    room = len(parts.friction)
-    counts = rows[:, _head("parts")].astype(int)
-    static, kinetic = (rows[:, _HEAD + k * room : _HEAD + (k + 1) * room] for k in (0, 1))
-    inside = np.arange(room) < counts[:, np.newaxis]
-    alike = np.ones(len(rows), dtype=bool)
-    for part in (static, kinetic):
-        alike &= ((part == part[:, :1]) | ~inside).all(axis=1)
-    table_ = np.full((len(rows), compiled.rows.ROW_COLUMNS), np.nan)
+    room, columns = len(parts.friction), len(compiled.rows.RowColumns._fields)
+    width = columns + 2 * room
+    alike = _alike(rows, room)
+    table_ = np.full((len(rows), width), np.nan)
     status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
-    if (~alike).any():
-        table_[~alike], status[~alike] = run_cells(
-            compiled.rows.row_cells,
-            rows[~alike],
-            columns=compiled.rows.ROW_COLUMNS,
-            piece=16,
-            watch=watch,
-        )
-    if alike.any():
-        table_[alike], status[alike] = _as_one(groups, shape, static, kinetic, alike, watch)
-    columns = [np.ascontiguousarray(column).reshape(shape) for column in table_.T]
-    return RowMotion._make([*columns, status.reshape(shape)])
+    as_one = alike & (parts.stop == "none" and steps is None)
+    rest = ~as_one
+    if rest.any():
+        held = _merged(rows[rest], alike[rest], room)
+        kernel = compiled.rows.row_cells if steps is None else _stepped(steps)
+        table_[rest], status[rest] = run_cells(kernel, held, columns=width, piece=16, watch=watch)
+        _spread(table_, rows, alike & rest, room, columns)
+    if as_one.any():
+        table_[as_one], status[as_one] = _as_one(groups, rows, shape, as_one, room, watch)
+    means = [np.ascontiguousarray(column).reshape(shape) for column in table_.T]
+    each = [np.reshape(means[start : start + room], (room, *shape))
+            for start in (columns, columns + room)]  # fmt: skip
+    return RowMotion._make([*means[:columns], *each, status.reshape(shape)])
+
+
+def _stepped(steps: int) -> Kernel:
+    def kernel(
+        cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
+    ) -> None:
+        compiled.rows.stepped_rows(steps, cells, table_, status, stop)
+
+    return kernel
+
+
+def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
+    """Return which rows have parts of one friction."""
+    inside = _inside(rows, room)
+    alike = np.ones(len(rows), dtype=bool)
+    for k in (0, 1):
+        part = rows[:, _HEAD + k * room : _HEAD + (k + 1) * room]
+        alike &= ((part == part[:, :1]) | ~inside).all(axis=1)
+    return alike
+
+
+def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
+    counts = rows[:, _head("parts")].astype(int)
+    return np.arange(room) < counts[:, np.newaxis]
+
+
+def _merged(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
+    """Return rows in which touching parts of one friction are one part of their mass."""
+    masses, gaps = (rows[:, _HEAD + k * room : _HEAD + (k + 1) * room] for k in (2, 3))
+    inside = _inside(rows, room)
+    closed = (gaps[:, :-1] == 0.0) | ~inside[:, 1:]
+    whole = alike & closed.all(axis=1)
+    merged = rows.copy()
+    merged[whole, _HEAD + 2 * room] = np.where(inside, masses, 0.0).sum(axis=1)[whole]
+    merged[whole, _head("parts")] = 1.0
+    return merged
+
+
+def _spread(table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, columns: int) -> None:
+    """Fill what the parts of a row that was followed as one have: its velocity, and no gap."""
+    as_one = alike & np.isnan(table_[:, columns + 1]) & ~np.isnan(table_[:, columns])
+    inside = _inside(rows, room)[as_one]
+    for start, value in ((columns, table_[as_one, columns]), (columns + room, 1.0)):
+        own = np.where(inside, np.reshape(value, (-1, 1)), np.nan)
+        table_[as_one, start : start + room] = own
+    for name, nothing in (("contact", 1.0), ("gap", 0.0)):
+        table_[as_one, RowMotion._fields.index(name)] = nothing
 
 
 def _as_one(
-    groups: Groups, shape: tuple[int, ...], static: Array, kinetic: Array,
-    alike: NDArray[np.bool_], watch: Watch | None,
+    groups: Groups, rows: Array, shape: tuple[int, ...], alike: NDArray[np.bool_], room: int,
+    watch: Watch | None,
 ) -> tuple[Array, NDArray[np.int8]]:  # fmt: skip
     """Return table and statuses of rows of one friction: those of one part."""
-    one = groups._replace(
-        friction_static=static[:, 0].reshape(shape), friction_kinetic=kinetic[:, 0].reshape(shape)
-    )
+    static, kinetic = (rows[:, _HEAD + k * room].reshape(shape) for k in (0, 1))
+    one = groups._replace(friction_static=static, friction_kinetic=kinetic)
     settings: dict[str, Any] = dict(events.EVENTS.defaults)
     motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
     flat = {name: np.broadcast_to(part, shape).ravel()[alike]
             for name, part in motion._asdict().items()}  # fmt: skip
     answered = np.isin(flat["status"], [STATUS[name] for name in ANSWERED])
     nothing = np.where(answered, 0.0, np.nan)
-    velocity = flat["velocity"]
-    columns = RowMotion(
-        velocity, flat["spread"], flat["error"], nothing + 1.0, velocity, velocity, nothing + 1.0,
-        nothing, nothing, flat["flight"], flat["multiple"], flat["status"],
-    )  # fmt: skip
-    return np.stack(columns[:-1], axis=1), flat["status"]
+    inside = _inside(rows[alike], room)
+    gaps = rows[alike, _HEAD + 3 * room : _HEAD + 4 * room - 1]
+    contacts = inside[:, 1:].sum(axis=1)
+    apart = np.where(inside[:, 1:], gaps, 0.0)
+    touching = 1.0 - (apart > 0.0).sum(axis=1) / contacts
+    columns = [
+        flat["velocity"], flat["spread"], flat["error"], nothing + 1.0, flat["velocity"],
+        flat["velocity"], nothing + touching, nothing, nothing, flat["flight"], flat["multiple"],
+        nothing + apart.sum(axis=1) / contacts, *[nothing] * 4,
+    ]  # fmt: skip
+    each = [
+        np.where(inside, value[:, np.newaxis], np.nan)
+        for value in (flat["velocity"], nothing + 1.0)
+    ]
+    return np.concatenate([np.stack(columns, axis=1), *each], axis=1), flat["status"]
 
 
 _HEAD_NAMES = (
     "drive_number_along", "drive_number_normal", "gravity_number_along", "gravity_number_normal",
-    "part_restitution", "most_periods", "room", "parts",
+    "part_restitution", "most_periods", "stop", "stop_gap", "room", "parts",
 )  # fmt: skip
 _HEAD = len(_HEAD_NAMES)
 
@@ -171,18 +264,26 @@ def _cells(groups: Groups, parts: RowParts, most_periods: Array) -> tuple[Array,
         [np.where(none, common, one) for none, one in zip(own, parts.friction, strict=True)]
         for common in (groups.friction_static, groups.friction_kinetic)
     )
+    if parts.shift:
+        static, kinetic = (
+            [np.maximum(0.0, one + more) for one, more in zip(some, parts.shift, strict=True)]
+            for some in (static, kinetic)
+        )
+    wave = groups.wave
     drive = (groups.drive_number_along, groups.drive_number_normal)
-    steps = ()
-    if groups.wave is not None:
-        none = np.zeros(groups.wave.cells)
-        drive, steps = (none, none), (*groups.wave.steps[3], *groups.wave.steps[0])
-    return table(
+    if wave is not None:
+        drive = (np.zeros(wave.cells), np.zeros(wave.cells))
+    rows, shape = table(
         (
             *drive, groups.gravity_number_along,
-            groups.gravity_number_normal, parts.restitution, most_periods, float(room),
-            parts.number, *static, *kinetic, *parts.mass, *parts.gap, *steps,
+            groups.gravity_number_normal, parts.restitution, most_periods,
+            float(STOPS.index(parts.stop)), parts.stop_gap, float(room),
+            parts.number, *static, *kinetic, *parts.mass, *parts.gap,
         )
     )  # fmt: skip
+    if wave is not None:
+        rows = np.concatenate([rows, wave.columns(shape)], axis=1)
+    return rows, shape
 
 
 def _follow(contacts: Contacts) -> Follow:
@@ -210,7 +311,8 @@ def _course(contacts: Contacts) -> FollowCourse:
             times = np.array(asked.samples)
         rows, _ = _cells(asked.arguments["groups"], asked.arguments["row"], np.asarray(PERIODS))
         parts = int(rows[0, _head("parts")])
-        places, gaps = np.empty((times.size, parts)), np.empty((times.size, parts - 1))
+        contacts = parts - (asked.arguments["row"].stop == "none")
+        places, gaps = np.empty((times.size, parts)), np.empty((times.size, contacts))
         compiled.rows.path_of_row(rows[0], times * pace, places, gaps)
         pitch = np.asarray(asked.known["length"]).item() if "length" in asked.known else 0.0
         room = len(asked.arguments["row"].friction)
@@ -234,6 +336,27 @@ def _price(cells: Priced) -> Price:
     return Price(40.0 * period, np.asarray(cells.setting("most_periods")) * 3.0 * period)
 
 
+def _follow_steps(contacts: Contacts) -> Follow:
+    del contacts
+
+    def motion(
+        *, groups: Groups, row: RowParts, steps_per_period: Array, most_periods: Array,
+        watch: Watch | None = None,
+    ) -> RowMotion:  # fmt: skip
+        """Return the motion of a row of parts by time stepping with isotonic contact."""
+        return row_motion(groups, row, most_periods, watch, steps=int(steps_per_period))
+
+    return motion
+
+
+def _price_steps(cells: Priced) -> Price:
+    """Return the price: two runs, of 3 times the steps together."""
+    row: RowParts = cells.known["row"]
+    steps = 3.0 * cells.setting("steps_per_period") * cells.setting("most_periods")
+    most = STEP_SECONDS * (2.0 + np.asarray(row.number, dtype=float)) * steps
+    return Price(0.6 * most, most)
+
+
 EVENTS = Method(
     name="events",
     follow=_follow,
@@ -243,4 +366,24 @@ EVENTS = Method(
     seconds_a_cell=_price,
     defaults={"most_periods": PERIODS},
     course=_course,
+    checked_by=("time-stepping",),
+)
+TIME_STEPPING = Method(
+    name="time-stepping",
+    follow=_follow_steps,
+    source="theory 17.4",
+    accuracy="of first order in the step",
+    seconds_a_cell=_price_steps,
+    defaults={"steps_per_period": 1000.0, "most_periods": 100.0},
+    checked_by=("events",),
+    most_steps=25_000_000 * 4,
+    refuses=(
+        Constraint(
+            ("part_restitution",),
+            lambda least, largest: least == largest == 0.0,
+            "time-stepping follows rows whose parts do not rebound from each other",
+            "Leave part_restitution out, or set method = 'events'",
+            variant="time-stepping",
+        ),
+    ),
 )

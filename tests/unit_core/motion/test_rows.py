@@ -9,40 +9,12 @@ from scipy.optimize import isotonic_regression
 import vibrafeed
 from core.errors import StudyError
 from core.intake import prepare_content
-from core.motion.kernels.rows import ROW_COLUMNS, path_of_row, row_cells
+from core.motion.kernels.rows import path_of_row
 from core.motion.kernels.rows.contact import collide, pooled, start
-from core.motion.kernels.rows.tables import COLUMN, row_of
-from core.motion.result import STATUS
+from core.motion.kernels.rows.tables import row_of
 from core.quantities import REGIMES
 from night import count
-
-TURN = 2 * np.pi
-G = 9.80665
-
-
-def cell(px, pz, friction, *, kinetic=None, mass=None, gap=None, gs=0.0, gn=1.0, e=0.0, most=400,
-         steps=()):  # fmt: skip
-    """Return the row of the kernel for parts from the rear on, in the units g/w."""
-    n = len(friction)
-    kinetic, mass = friction if kinetic is None else kinetic, [1.0] * n if mass is None else mass
-    gap = [0.0] * n if gap is None else [*gap, 0.0]
-    numbers = [px, pz, gs, gn, e, most, n, n, *friction, *kinetic, *mass, *gap, *steps]
-    return np.array(numbers, dtype=float)
-
-
-def followed(row):
-    """Return the columns of the result of one row, and the name of its status."""
-    table, status = np.full((1, ROW_COLUMNS), np.nan), np.zeros(1, dtype=np.int8)
-    row_cells(row[np.newaxis], table, status, np.zeros(1, dtype=np.int8))
-    (name,) = [name for name, value in STATUS.items() if value == status[0]]
-    return dict(zip(COLUMN._fields, table[0], strict=True)), name
-
-
-def two_level(a_s, a_m):
-    """Return the ends and the pushes of a track that creeps forward and jerks back, in g."""
-    half = TURN * a_m / (a_s + a_m) / 2
-    return [half, TURN - half, TURN, -a_s, a_m, -a_s]
-
+from rows import TURN, cell, followed, two_level
 
 MM_S = 9.81 / (2 * np.pi * 50) * 1e3
 """g/w at 50 Hz and 9.81 m/s2 [mm/s]."""
@@ -177,7 +149,7 @@ def test_collisions_keep_momentum_and_gain_no_energy(restitution):
         before = row.speed.copy()
         if np.diff(before)[hit] >= 0:
             continue
-        lost = collide(row, hit, restitution)
+        lost, _ = collide(row, hit, restitution)
         assert row.mass @ row.speed == pytest.approx(row.mass @ before, abs=1e-13)
         energy = (row.mass @ before**2 - row.mass @ row.speed**2) / 2
         assert energy == pytest.approx(lost, abs=1e-13)
@@ -235,14 +207,15 @@ def stepped(px, pz, friction, mass, periods, steps):
 )
 def test_time_stepping_comes_nearer_with_its_step(px, pz, friction, mass):
     found, name = followed(cell(px, pz, friction, mass=mass))
-    assert name == "periodic"
+    assert name in ("periodic", "aperiodic")
     errors = []
     for steps in (250, 1000):
         places = stepped(px, pz, friction, mass, 60, steps)
         means = (places[-1] - places[23]) / (36 * TURN)
         errors.append(np.abs(means.mean() - found["velocity"]))
-    assert errors[1] < 4e-3 * max(px, 1.0)
-    assert errors[1] < 0.6 * errors[0] or errors[0] < 5e-4
+    slack = 4.0 * found["error"]
+    assert errors[1] < 4e-3 * max(px, 1.0) + slack
+    assert errors[1] < 0.6 * errors[0] + slack or errors[0] < 5e-4
 
 
 # --- laws
@@ -339,9 +312,12 @@ def test_what_is_wrong_is_said_with_its_place(more, place, says):
         {"frequency": 50, "acceleration_normal_1": 2, "duration_1": 1, "duration_2": 1},
     ],
 )
-def test_a_drive_that_no_row_is_known_under_is_refused(drive):
-    with pytest.raises(StudyError, match="a row is known under"):
-        prepare_content({**STUDY, "parameters": {**drive, "parts": 3, "friction": 0.3}})
+def test_a_drive_of_rows_is_followed_by_steps_where_events_refuse_it(drive):
+    study = {**STUDY, "parameters": {**drive, "part_friction_1": 0.3, "part_friction_2": 0.4}}
+    with pytest.raises(StudyError, match="the method events follows rows under"):
+        prepare_content(study)
+    prepared = prepare_content({**study, "method": "time-stepping"})
+    assert prepared.plan.variant == "time-stepping"
 
 
 def test_regimes_of_rows():

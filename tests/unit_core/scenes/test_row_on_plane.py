@@ -66,6 +66,46 @@ def test_the_least_force_on_a_stop_of_the_track():
     assert on_the_track((0.1, 0.1))[0] == 0.0
 
 
+def test_the_force_that_friction_locks_in_on_a_stop_of_the_track():
+    def by_steps(px, pz, mu):
+        tau = (np.arange(200_000) + 0.5) * 2 * np.pi / 100_000  # two periods, the second is kept
+        push, load = px * np.sin(tau), 1.0 - pz * np.sin(tau)
+        force, total = 0.0, 0.0
+        for k, (low, high) in enumerate(zip(push - mu * load, push + mu * load, strict=True)):
+            force = max(0.0, low, min(high, force))
+            total += force if k >= 100_000 else 0.0
+        return total / 100_000
+
+    for px, pz, mu in ((1.0, 0.3, 0.4), (0.5, 0.5, 0.4), (0.45, 0.3, 0.4), (0.4, 0.9, 0.8)):
+        amplitude = np.hypot(px, pz) * G / (2 * np.pi * 50) ** 2
+        (least, locked), _ = values(
+            "track_stop", ["least_stop_force", "locked_stop_force"], friction=mu, frequency=50,
+            amplitude=amplitude, beta=np.degrees(np.arctan2(pz, px)), row_mass=1.0,
+        )  # fmt: skip
+        assert locked / G == pytest.approx(by_steps(px, pz, mu), abs=1e-7)
+        assert least <= locked
+        if px == 1.0:
+            assert (least / G, locked / G) == pytest.approx((0.1795, 0.2751), abs=5e-5)
+
+
+def test_platoons_and_pairs():
+    names = ["mean_platoons", "closing_time", "pair_force"]
+    pair = {
+        "part_mass_1": 1, "part_mass_2": 3, "part_friction_1": 0.3, "part_friction_2": 0.4,
+        "part_gap": "5 mm", "row_velocity": 6.064364e-3, "front_velocity": 4.756364e-3,
+    }  # fmt: skip
+    for parts, mean in ((3, 1.8333), (10, 2.92897), (30, 3.99499)):
+        (platoons, closes, force), _ = values("platoons", names, parts=parts, **pair)
+        assert platoons == pytest.approx(mean, abs=5e-5)
+    assert closes == pytest.approx(3.82263, abs=5e-5)
+    assert force == pytest.approx(0.75 * 0.1 * G, rel=1e-12)
+    (force,), _ = values(
+        "stepped_track_stop", ["least_stop_force"], forward_acceleration=0.2 * G,
+        return_acceleration=G, friction=0.3, row_mass=2,
+    )  # fmt: skip
+    assert force / G == pytest.approx(2 * 0.7 * 0.2 / 1.2, rel=1e-12)
+
+
 def test_where_the_force_is_a_bound_only():
     assert on_the_track((1.4, 0.1))[1] == "indeterminate_force"
     assert on_the_track((0.5, 1.2))[1] == "flight"

@@ -10,36 +10,49 @@ from core.motion.kernels.planar.flow import TURN, flow, phase_to
 from core.motion.kernels.rows.contact import (
     chain_end,
     collide,
+    held_from,
+    hold,
+    is_held,
     land,
     least_friction,
+    least_pressed,
     set_flows,
     slide,
     start,
 )
 from core.motion.kernels.rows.roots import first_beyond, first_contact, first_stop, flight_time
-from core.motion.kernels.rows.tables import Drive, Row
+from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Drive, Row
 
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""
 
-NOTHING, LIFT, LANDING, STOP, START, HIT = range(6)
+NOTHING, LIFT, LANDING, STOP, START, RELEASE, HIT = range(7)
+
+NO_EVENT = Event(0.0, NOTHING, 0)
 
 Air = namedtuple("Air", "landing impulse")
 """The phase until all parts land, inf on the floor, and the impulse per mass with which they do."""
 
 ON_FLOOR = Air(math.inf, 0.0)
 
+SHORTEST_BOUNCES = 1e-6
+"""Of phase: where parts that are pressed together bounce for no longer, they touch at once. What
+their gap would have swung by is of the order of its square."""
+
 LONGEST_FLIGHT = 1000
 """Turns of the drive: at throw numbers beyond some 3,000 no feeder works."""
 
 
 @compiled
-def refreshed(row: Row, drive: Drive, level: float, tau: float, flying: bool, forced: int) -> None:
+def refreshed(row: Row, drive: Drive, level: float, tau: float, flying: bool, event: Event) -> None:
     """Let parts start that are pushed, open idle contacts, and set all flows, after an event."""
+    forced = event.part if event.kind == START else -1
     pull = drive.gs - level
+    push = drive.c * math.sin(tau) - pull
+    load = max(0.0, drive.gn - drive.s * math.sin(tau))
+    if row.stop != NO_STOP:
+        hold(row, drive, push, load, flying, event.kind == RELEASE)
     if not flying:
-        push = drive.c * math.sin(tau) - pull
-        load = max(0.0, drive.gn - drive.s * math.sin(tau))
         start(row, push, load, forced)
         slide(row)
     set_flows(row, drive, pull, flying)
@@ -51,7 +64,8 @@ def next_event(
 ) -> Event:
     """Return the earliest event within a span; `landing` is the phase until then, inf on the floor.
 
-    Of several at once lift-off comes first, then landings, stops, starts and collisions.
+    Of several at once lift-off comes first, then landings, stops, starts, releases by the stop and
+    collisions.
     """
     event = Event(span, NOTHING, 0)
     flying = landing < math.inf
@@ -64,6 +78,8 @@ def next_event(
             if up < span:
                 event = Event(up, LIFT, 0)
         event = _on_floor(row, drive, drive.gs - level, tau, event)
+    if row.stop != NO_STOP:
+        event = _released(row, drive, drive.gs - level, tau, flying, event)
     for i in range(row.closed.size):
         if row.closed[i] == 0:
             gain, drag = row.gain[i + 1] - row.gain[i], row.drag[i + 1] - row.drag[i]
@@ -92,12 +108,36 @@ def _on_floor(row: Row, drive: Drive, pull: float, tau: float, event: Event) -> 
                 event = Event(until, STOP, first)
         else:
             for way in (1, -1):
+                if way > 0 and row.stop == ON_TRACK and is_held(row, end):
+                    continue
                 mu = least_friction(row, first, end, way)
                 until = first_beyond(way * drive.c + mu * drive.s, way * pull + mu * drive.gn, tau)
                 if until < event.span:
                     event = Event(until, START, first)
         first = end
     return event
+
+
+@compiled
+def _released(row: Row, drive: Drive, pull: float, tau: float, flying: bool, event: Event) -> Event:
+    """Return the earlier of an event and the first release of a block by the stop.
+
+    In flight a stop of the track lets go where the push turns back; on the floor one in space where
+    -mode mu n falls to gs.
+    """
+    first = held_from(row)
+    if first == row.mass.size:
+        return event
+    until = math.inf
+    if row.stop == ON_TRACK:
+        if flying:
+            until = first_beyond(-drive.c, -pull, tau)
+    elif not flying and row.mode[first] != 0:
+        least = least_pressed(row, first)
+        if least != 0.0:
+            way = 1.0 if least > 0.0 else -1.0
+            until = first_beyond(way * drive.s, way * (drive.gn - drive.gs / least), tau)
+    return Event(until, RELEASE, first) if until < event.span else event
 
 
 @compiled
@@ -114,6 +154,17 @@ def move(row: Row, tau: float, span: float) -> None:
         if i > 0 and row.closed[i - 1] == 0:
             row.gap[i - 1] += way - behind
         behind = way
+    parts = row.mass.size
+    if row.stop == IN_SPACE:
+        row.speed[parts], way = flow(
+            row.speed[parts], row.gain[parts], row.drag[parts], sine, cosine, span
+        )
+        if row.closed[parts - 1] == 1:
+            row.speed[parts] = row.speed[parts - 1]
+        else:
+            row.gap[parts - 1] += way - behind
+    elif row.stop == ON_TRACK and row.closed[parts - 1] == 0:
+        row.gap[parts - 1] -= behind
 
 
 @compiled
@@ -129,18 +180,44 @@ def lifted(drive: Drive, tau: float) -> Air:
 @compiled
 def happened(
     row: Row, drive: Drive, event: Event, tau: float, air: Air, restitution: float
-) -> tuple[Air, float]:
-    """Change a row by an event at a phase; return the flight after it, and the energy it takes."""
-    lost = 0.0
+) -> tuple[Air, float, float]:
+    """Change a row by an event at a phase.
+
+    Return the flight after it, the energy that it takes, and the impulse on the stop.
+    """
+    lost, impulse = 0.0, 0.0
     if event.kind == LIFT:
         air = lifted(drive, tau)
     elif event.kind == LANDING:
-        land(row, air.impulse)
+        impulse = land(row, air.impulse)
         again = drive.s * math.sin(tau) > drive.gn
         air = lifted(drive, tau) if again else ON_FLOOR
     elif event.kind == STOP:
-        for i in range(event.part, chain_end(row, event.part)):
+        end = chain_end(row, event.part)
+        for i in range(event.part, end):
             row.speed[i], row.mode[i] = 0.0, 0
+        if is_held(row, end):
+            row.speed[end] = 0.0
     elif event.kind == HIT:
-        lost = collide(row, event.part, restitution)
-    return air, lost
+        if _bounces_end(row, event.part, tau, restitution):
+            restitution = 0.0
+        lost, impulse = collide(row, event.part, restitution)
+    return air, lost, impulse
+
+
+@compiled
+def _bounces_end(row: Row, contact: int, tau: float, restitution: float) -> bool:
+    """True where two parts that strike are pressed together, and would bounce next to no time.
+
+    Bounces under the relative acceleration -a last 2 e v/(a (1 - e)) in all (theory 13.5).
+    """
+    gain, drag = (
+        row.gain[contact + 1] - row.gain[contact],
+        row.drag[contact + 1] - row.drag[contact],
+    )
+    pressed = drag - gain * math.sin(tau)
+    meets = row.speed[contact] - row.speed[contact + 1]
+    return (
+        restitution > 0.0
+        and 2.0 * restitution * meets < SHORTEST_BOUNCES * (1.0 - restitution) * pressed
+    )

@@ -13,15 +13,26 @@ from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.rows.advance import (
     HIT,
+    NO_EVENT,
     ON_FLOOR,
-    START,
     Air,
     happened,
     move,
     next_event,
     refreshed,
 )
-from core.motion.kernels.rows.tables import COLUMN, Drive, Row, Whole, drive_of, row_of
+from core.motion.kernels.rows.contact import held_from
+from core.motion.kernels.rows.stop import stop_pressed
+from core.motion.kernels.rows.tables import (
+    COLUMN,
+    NO_STOP,
+    ROW_COLUMNS,
+    Drive,
+    Row,
+    Whole,
+    drive_of,
+    row_of,
+)
 from core.motion.kernels.statuses import STATUS
 
 MULTIPLES = 12
@@ -47,17 +58,22 @@ class Past(NamedTuple):
     touched: Whole
 
 
-Tally = namedtuple("Tally", "closed air hits lost failed")
-"""Of a period: phase times closed contacts, phase in the air, collisions, energy they took."""
+Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held")
+"""Of a period: phase times closed contacts, phase in the air, collisions, the energy they took; of
+the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch.
+"""
+
+TALLIES = len(Tally._fields)
+FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
 def past_of(row: Row) -> Past:
     """Return room for the last periods of a row."""
-    size, parts = MULTIPLES + 1, row.mass.size
+    size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
     return Past(
-        np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, parts - 1)),
-        np.zeros(size), np.zeros(parts - 1, dtype=np.int64),
+        np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, contacts)),
+        np.zeros(size), np.zeros(contacts, dtype=np.int64),
     )  # fmt: skip
 
 
@@ -65,7 +81,7 @@ def past_of(row: Row) -> Past:
 def keep(row: Row, air: Air, past: Past, period: int) -> None:
     """Keep the state at the start of a period."""
     at = period % (MULTIPLES + 1)
-    past.speed[at, :] = row.speed
+    past.speed[at, :] = row.speed[: row.mass.size]
     past.place[at, :] = row.place
     past.gap[at, :] = row.gap
     past.landing[at] = air.landing
@@ -73,38 +89,60 @@ def keep(row: Row, air: Air, past: Past, period: int) -> None:
 
 @compiled
 def one_period(
-    row: Row, drive: Drive, restitution: float, air: Air, past: Past, period: int
+    row: Row, drive: Drive, restitution: float, air: Air, past: Past, period: int, swept: Floats
 ) -> tuple[Air, Tally]:
-    """Follow a row over one period of the drive."""
-    tau, step, events = 0.0, 0, 0
+    """Follow a row over one period of the drive; add the integrals of its gaps to `swept`."""
+    tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
-    refreshed(row, drive, drive.levels[0], tau, air.landing < math.inf, -1)
+    pressed, struck, peak, held = 0.0, 0.0, 0.0, 0.0
     while True:
+        flies = air.landing < math.inf
+        refreshed(row, drive, drive.levels[step], tau, flies, event)
         end = drive.ends[step]
         event = next_event(row, drive, drive.levels[step], tau, end - tau, air.landing)
+        if row.stop != NO_STOP:
+            force = stop_pressed(row, drive, drive.gs - drive.levels[step], tau, event.span, flies)
+            pressed, peak = pressed + force.impulse, max(peak, force.peak)
+            held += event.span if held_from(row) < row.mass.size else 0.0
+        sweep(row, tau, event.span, swept)
         move(row, tau, event.span)
         for i in range(row.closed.size):
             if row.closed[i] == 1:
-                closed += event.span
+                closed += event.span if i < row.mass.size - 1 else 0.0
                 past.touched[i] = period
-        if air.landing < math.inf:
+        if flies:
             flying += event.span
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
         if event.kind == 0:
             tau, step = end, step + 1
             if step == drive.ends.size:
-                return air, Tally(closed, flying, hits, lost, False)
+                return air, Tally(closed, flying, hits, lost, pressed, struck, peak, held)
         if event.kind == HIT:
             hits += 1.0
             past.touched[event.part] = period
-        air, taken = happened(row, drive, event, tau, air, restitution)
-        lost += taken
+        air, taken, impulse = happened(row, drive, event, tau, air, restitution)
+        lost, struck = lost + taken, struck + impulse
         events += 1
         if events > MOST_EVENTS:
-            return air, Tally(closed, flying, hits, lost, True)
-        forced = event.part if event.kind == START else -1
-        refreshed(row, drive, drive.levels[step], tau, air.landing < math.inf, forced)
+            return air, FAILED
+
+
+@compiled
+def sweep(row: Row, tau: float, span: float, swept: Floats) -> None:
+    """Add the integrals of the gaps between parts over a phase d in which no event is.
+
+    g d + v d^2/2 + C (cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2) - k d^3/6.
+    """
+    sine, cosine = math.sin(tau), math.cos(tau)
+    swing = math.cos(tau + span) - cosine + sine * span + cosine * span * span / 2.0
+    for i in range(row.mass.size - 1):
+        if row.closed[i] == 0:
+            gain, drag = row.gain[i + 1] - row.gain[i], row.drag[i + 1] - row.drag[i]
+            apart = row.speed[i + 1] - row.speed[i]
+            swept[i] += (
+                span * (row.gap[i] + span * (apart / 2.0 - drag * span / 6.0)) + gain * swing
+            )
 
 
 @compiled
@@ -132,12 +170,18 @@ def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: f
 
 
 @compiled
-def platoons(row: Row, past: Past, period: int, multiple: int, scale: float) -> int:
-    """Return how many groups of parts have left each other for ever, or as it seems."""
+def platoons(
+    row: Row, past: Past, period: int, multiple: int, scale: float, numbers: Floats
+) -> int:
+    """Return how many groups of parts have left each other for ever, or as it seems.
+
+    The number of the group of each part, 1 at the rear, is written to `numbers`.
+    """
     at = (period - multiple) % (MULTIPLES + 1)
     count = 1
-    for i in range(row.gap.size):
-        if row.gap[i] - past.gap[at, i] > AGREES * scale:
+    for i in range(row.mass.size):
+        numbers[i] = count
+        if i < row.mass.size - 1 and row.gap[i] - past.gap[at, i] > AGREES * scale:
             count += past.touched[i] < period - multiple
     return count
 
@@ -146,59 +190,90 @@ def platoons(row: Row, past: Past, period: int, multiple: int, scale: float) -> 
 def follow(cell: Floats, result: Floats, stop: Stop) -> int:
     """Write the results of a row of parts; return its status."""
     drive, row = drive_of(cell), row_of(cell)
-    restitution, most = cell[4], int(cell[5])
+    restitution, most, parts = cell[4], int(cell[5]), row.mass.size
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
     past, air = past_of(row), ON_FLOOR
     if drive.s > 0.0 and drive.gn <= 0.0:
         return int(STATUS.limit_reached)
-    means = np.zeros((most, 4 + row.mass.size))
+    means = np.zeros((most, TALLIES + 2 * parts - 1))
     for period in range(most):
         if raised(stop):
             return int(STATUS.not_computed)
         keep(row, air, past, period)
-        air, tally = one_period(row, drive, restitution, air, past, period)
-        if tally.failed:
+        here = means[period]
+        air, tally = one_period(row, drive, restitution, air, past, period, here[TALLIES + parts :])
+        if math.isnan(tally.hits):
             return int(STATUS.limit_reached)
-        means[period, :4] = (tally.closed, tally.air, tally.hits, tally.lost)
-        means[period, 4:] = row.place - past.place[period % (MULTIPLES + 1)]
+        here[:TALLIES] = (
+            tally.closed, tally.air, tally.hits, tally.lost,
+            tally.pressed, tally.struck, tally.peak, tally.held,
+        )  # fmt: skip
+        here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
         for multiple in range(1, min(MULTIPLES, period) + 1):
             if repeats(row, air, past, period + 1, multiple, scale):
-                result[COLUMN.platoons] = platoons(row, past, period + 1, multiple, scale)
-                _write(means[period + 1 - multiple : period + 1], result)
-                result[COLUMN.multiple] = multiple
-                result[COLUMN.error] = AGREES * scale
-                result[COLUMN.spread] = 0.0
-                moves = np.abs(means[period + 1 - multiple : period + 1, 4:]).max() > 0.0
-                return int(STATUS.periodic if moves else STATUS.at_rest)
-    half = means[most // 2 :]
-    _write(half, result)
+                return finish(row, past, means, period + 1, multiple, scale, result)
+    return finish(row, past, means, most, 0, scale, result)
+
+
+@compiled
+def finish(
+    row: Row, past: Past, means: Floats, periods: int, multiple: int, scale: float, result: Floats
+) -> int:
+    """Write the means over a cycle, or, of a multiple 0, over half of the periods, and the status.
+
+    In the second case batches of periods tell spread and error.
+    """
+    parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
+    numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]
+    back = multiple if multiple > 0 else min(MULTIPLES, periods)
+    result[COLUMN.platoons] = platoons(row, past, periods, back, scale, numbers)
+    result[COLUMN.multiple] = multiple
+    if multiple > 0:
+        cycle = means[periods - multiple : periods]
+        _write(cycle, result, numbers)
+        result[COLUMN.error], result[COLUMN.spread] = AGREES * scale, 0.0
+        moves = np.abs(cycle[:, TALLIES : TALLIES + parts]).max() > 0.0
+        return int(STATUS.periodic if moves else STATUS.at_rest)
+    half = means[periods // 2 :]
+    _write(half, result, numbers)
     batch = max(1, half.shape[0] // BATCHES)
     batches = np.empty(half.shape[0] // batch)
     for b in range(batches.size):
-        batches[b] = half[b * batch : (b + 1) * batch, 4:].mean() / TURN
+        some = half[b * batch : (b + 1) * batch, TALLIES : TALLIES + parts]
+        batches[b] = some.mean() / TURN
     result[COLUMN.spread] = batches.std()
     result[COLUMN.error] = 2.0 * batches.std() / math.sqrt(batches.size)
-    result[COLUMN.platoons] = platoons(row, past, most, min(MULTIPLES, most), scale)
-    result[COLUMN.multiple] = 0.0
     return int(STATUS.aperiodic)
 
 
 @compiled
-def _write(periods: Floats, result: Floats) -> None:
-    """Write means over periods, whose columns are those of `Tally`, then the ways of the parts."""
-    count, parts = periods.shape[0], periods.shape[1] - 4
+def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
+    """Write means over periods: columns of `Tally`, ways of the parts, integrals of the gaps."""
+    count, parts = periods.shape[0], numbers.size
     phase = count * TURN
     slowest, fastest, total = math.inf, -math.inf, 0.0
     for i in range(parts):
-        speed = periods[:, 4 + i].sum() / phase
+        speed = periods[:, TALLIES + i].sum() / phase
         slowest, fastest = min(slowest, speed), max(fastest, speed)
         total += speed
+        result[ROW_COLUMNS + i] = speed
     result[COLUMN.velocity] = total / parts
     result[COLUMN.slowest], result[COLUMN.fastest] = slowest, fastest
-    result[COLUMN.contact] = periods[:, 0].sum() / (phase * (parts - 1))
+    result[COLUMN.contact] = periods[:, 0].sum() / (phase * max(1, parts - 1))
     result[COLUMN.flight] = periods[:, 1].sum() / phase
     result[COLUMN.collisions] = periods[:, 2].sum() / count
     result[COLUMN.impact] = periods[:, 3].sum() / count
+    struck = periods[:, 5].sum()
+    result[COLUMN.stop_force] = (periods[:, 4].sum() + struck) / phase
+    result[COLUMN.stop_impulse] = struck / count
+    result[COLUMN.stop_peak] = periods[:, 6].max()
+    result[COLUMN.stop_contact] = periods[:, 7].sum() / phase
+    together, swept = 0, 0.0
+    for i in range(parts - 1):
+        if numbers[i] == numbers[i + 1]:
+            together += 1
+            swept += periods[:, TALLIES + parts + i].sum() / phase
+    result[COLUMN.gap] = swept / together if together > 0 else math.nan
 
 
 @compiled
@@ -213,12 +288,15 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 
 @compiled
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write places and gaps of the parts of a row at phases from its start on, in order."""
+    """Write places and gaps of the parts of a row at phases from its start on, in order.
+
+    The gap to a stop, if there is one, is the last.
+    """
     drive, row = drive_of(cell), row_of(cell)
-    air = ON_FLOOR
-    tau, step, turn, at, forced = 0.0, 0, 0, 0, -1
+    air, event = ON_FLOOR, NO_EVENT
+    tau, step, turn, at = 0.0, 0, 0, 0
     while at < phases.size:
-        refreshed(row, drive, drive.levels[step], tau, air.landing < math.inf, forced)
+        refreshed(row, drive, drive.levels[step], tau, air.landing < math.inf, event)
         until = min(drive.ends[step], max(tau, phases[at] - turn * TURN))
         event = next_event(row, drive, drive.levels[step], tau, until - tau, air.landing)
         move(row, tau, event.span)
@@ -233,5 +311,4 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
                 step += 1
                 if step == drive.ends.size:
                     tau, step, turn = 0.0, 0, turn + 1
-        air, _ = happened(row, drive, event, tau, air, cell[4])
-        forced = event.part if event.kind == START else -1
+        air, _, _ = happened(row, drive, event, tau, air, cell[4])

@@ -8,7 +8,7 @@ solution is unique, and pooling neighbours that violate the order gives it in on
 from __future__ import annotations
 
 from core.compiled import compiled
-from core.motion.kernels.rows.tables import Drive, Row
+from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Drive, Row
 
 RESOLVED = 1e-13
 """Of the weight: a push that is so little beyond the limit of static friction is at it."""
@@ -52,6 +52,23 @@ def chain_end(row: Row, first: int) -> int:
 
 
 @compiled
+def is_held(row: Row, end: int) -> bool:
+    """True if a chain that ends there touches a stop, with its velocity."""
+    return row.stop != NO_STOP and end == row.mass.size and row.closed[end - 1] == 1
+
+
+@compiled
+def held_from(row: Row) -> int:
+    """Return the first part of the chain that touches a stop; the number of parts if none does."""
+    first = row.mass.size
+    if is_held(row, first):
+        first -= 1
+        while first > 0 and row.closed[first - 1] == 1:
+            first -= 1
+    return first
+
+
+@compiled
 def open_between(row: Row, blocks: int) -> None:
     """Open the contacts between the blocks that `pooled` has left."""
     for b in range(blocks - 1):
@@ -69,11 +86,60 @@ def slide(row: Row) -> None:
     while first < row.mass.size:
         end = chain_end(row, first)
         mode = row.mode[first]
-        if mode != 0 and end > first + 1:
+        if mode != 0 and end > first + 1 and not is_held(row, end):
             for i in range(first, end):
                 row.value[i] = -mode * row.kinetic[i]
             open_between(row, pooled(row, first, end))
         first = end
+
+
+@compiled
+def hold(row: Row, drive: Drive, push: float, load: float, flying: bool, released: bool) -> None:
+    """Let go of the stop those parts of the chain there that are no longer pressed onto it.
+
+    The block that presses least is let go in any case if it is `released`: its limit is reached.
+
+    A stop of the track holds in flight while the push is forward, and on the floor whatever is at
+    rest. One in space has u' = D + gs, so that a block presses with -gs - mode mu n > 0 per mass.
+    """
+    first, parts = held_from(row), row.mass.size
+    if first == parts:
+        return
+    if row.stop == ON_TRACK:
+        if flying and (released or push <= RESOLVED):
+            row.closed[parts - 1] = 0
+        return
+    if flying:
+        if drive.gs > 0.0:
+            row.closed[parts - 1] = 0
+        return
+    mode = row.mode[first]
+    if row.speed[parts] == 0.0:
+        mode = 1 if push + drive.gs > 0.0 else -1
+    for i in range(first, parts):
+        row.value[i] = -mode * row.kinetic[i]
+    pooled(row, first, parts)
+    held = parts
+    while held > first and row.value[held - 1] * load - drive.gs > RESOLVED:
+        if released and row.value[held - 1] == row.value[first]:
+            break
+        held -= 1
+    if held == parts:
+        row.closed[parts - 1] = 0
+    elif held > first:
+        row.closed[held - 1] = 0
+    for i in range(held, parts):
+        row.mode[i] = mode
+
+
+@compiled
+def least_pressed(row: Row, first: int) -> float:
+    """Return -mode mu of the block, held by a stop in space, that lets go first."""
+    parts = row.mass.size
+    for i in range(first, parts):
+        row.value[i] = -row.mode[first] * row.kinetic[i]
+    pooled(row, first, parts)
+    return row.value[first]
 
 
 @compiled
@@ -100,6 +166,12 @@ def set_flows(row: Row, drive: Drive, pull: float, flying: bool) -> None:
                 row.gain[i] = drive.c + mode * mu * drive.s
                 row.drag[i] = pull + mode * mu * drive.gn
         first = end
+    parts = row.mass.size
+    if row.stop == IN_SPACE:
+        row.gain[parts], row.drag[parts] = drive.c, pull - drive.gs
+    if row.stop != NO_STOP:
+        for i in range(held_from(row), parts):
+            row.gain[i], row.drag[i] = row.gain[parts], row.drag[parts]
 
 
 @compiled
@@ -113,7 +185,8 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
     first = 0
     while first < row.mass.size:
         end = chain_end(row, first)
-        if row.mode[first] == 0 and row.speed[first] == 0.0:
+        blocked = push > 0.0 and row.stop == ON_TRACK and is_held(row, end)
+        if row.mode[first] == 0 and row.speed[first] == 0.0 and not blocked:
             _start_chain(row, first, end, push, load, forced == first)
         first = end
 
@@ -140,6 +213,8 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
     for i in range(first, end - 1):
         if row.mode[i] != row.mode[i + 1]:
             row.closed[i] = 0
+    if row.stop != NO_STOP and end == row.mass.size and row.mode[end - 1] != 0:
+        row.closed[end - 1] = 0  # of a stop of the track; one in space has let go before
 
 
 @compiled
@@ -155,59 +230,79 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
 
 
 @compiled
-def collide(row: Row, contact: int, restitution: float) -> float:
-    """Let two parts and all that touch them strike; return the energy that is lost.
+def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
+    """Let two parts and all that touch them strike; return the energy lost, the stop's impulse.
 
     Touching parts whose contact was open take part: pair by pair they would strike without end.
 
-    u+ = (1 + e) y - e u, y the velocities u pooled: momentum is kept, and sum m (u - y)^2 (1 - e^2)
-    /2 is lost.
+    u+ = (1 + e) y - e u, y the velocities u pooled, and no larger than that of a stop which takes
+    part: momentum is kept, and sum m (u - y)^2 (1 - e^2)/2 is lost.
     """
-    first, end = contact, contact + 2
+    parts = row.mass.size
+    first, end = contact, min(contact + 2, parts)
     while first > 0 and row.gap[first - 1] <= 0.0:
         first -= 1
-    while end < row.mass.size and row.gap[end - 1] <= 0.0:
+    while end < parts and row.gap[end - 1] <= 0.0:
         end += 1
+    stopped = (
+        row.stop != NO_STOP and end == parts and (contact == parts - 1 or row.gap[parts - 1] <= 0.0)
+    )
     for i in range(first, end):
         row.value[i] = row.speed[i]
     for i in range(first, end - 1):
-        row.gap[i], row.closed[i] = 0.0, 1
-    open_between(row, pooled(row, first, end))
-    lost = 0.0
+        row.gap[i] = 0.0
+    pooled(row, first, end)
+    if stopped:
+        row.gap[parts - 1] = 0.0
+        for i in range(first, end):
+            row.value[i] = min(row.value[i], row.speed[parts])
+    lost, impulse = 0.0, 0.0
     for i in range(first, end):
         apart = row.speed[i] - row.value[i]
         lost += row.mass[i] * apart * apart
+        impulse += (1.0 + restitution) * row.mass[i] * apart
         row.speed[i] = row.value[i] - restitution * apart
         row.mode[i] = sign(row.speed[i])
     for i in range(first, end - 1):
-        if row.speed[i] != row.speed[i + 1]:
-            row.closed[i] = 0
-    return lost * (1.0 - restitution * restitution) / 2.0
+        alike = row.value[i] == row.value[i + 1] and row.speed[i] == row.speed[i + 1]
+        row.closed[i] = 1 if alike else 0
+    if stopped:
+        row.closed[parts - 1] = 1 if row.speed[parts - 1] == row.speed[parts] else 0
+    return lost * (1.0 - restitution * restitution) / 2.0, impulse if stopped else 0.0
 
 
 @compiled
-def land(row: Row, impulse: float) -> None:
-    """Let all parts land with an impulse L per mass.
+def land(row: Row, impulse: float) -> float:
+    """Let all parts land with an impulse L per mass; return what a stop takes.
 
-    u - mu L sgn(u), pooled, and cut at 0: who would be turned round by friction stays.
+    u - mu L sgn(u), pooled, and cut at 0: who would be turned round by friction stays. Parts on a
+    stop are no faster than it.
     """
-    first = 0
-    while first < row.mass.size:
+    first, taken, parts = 0, 0.0, row.mass.size
+    while first < parts:
         end = chain_end(row, first)
-        way = sign(row.speed[first])
+        way, held = sign(row.speed[first]), is_held(row, end)
         for i in range(first, end):
             row.mode[i] = way
         if way != 0:
             for i in range(first, end):
                 row.value[i] = row.speed[i] - way * row.kinetic[i] * impulse
             pooled(row, first, end)
+            before = row.speed[first]
             for i in range(first, end):
                 row.speed[i] = way * max(0.0, way * row.value[i])
+                if held and row.speed[i] >= row.speed[parts]:
+                    row.speed[i] = row.speed[parts]
+                    free = before - way * row.kinetic[i] * impulse
+                    taken += row.mass[i] * (free - row.speed[i])
                 row.mode[i] = sign(row.speed[i])
             for i in range(first, end - 1):
                 if row.speed[i] != row.speed[i + 1]:
                     row.closed[i] = 0
+            if held and row.speed[end - 1] != row.speed[parts]:
+                row.closed[end - 1] = 0
         first = end
+    return taken
 
 
 @compiled

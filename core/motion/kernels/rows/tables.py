@@ -16,19 +16,25 @@ Whole = NDArray[np.int64]
 Head = namedtuple(
     "Head",
     "drive_number_along drive_number_normal gravity_number_along gravity_number_normal "
-    "part_restitution most_periods room parts",
+    "part_restitution most_periods stop stop_gap room parts",
 )
 """The first columns of a cell; static friction, kinetic friction, mass and the gap in front of
-each part follow, each with room for as many parts as the longest row of a study has, then the ends
-and the levels of the steps of the drive."""
+each part follow, each with room for as many parts as the longest row of a study has, then the
+columns of the wave, if there is one (`core.motion.waves.Wave.columns`). `stop` is one of the three
+below."""
 
 HEAD = len(Head._fields)
 
+NO_STOP, ON_TRACK, IN_SPACE = range(3)
+"""What holds the row in front: nothing, a stop that moves with the track, one at rest in space."""
+
 RowColumns = namedtuple(
     "RowColumns",
-    "velocity spread error platoons slowest fastest contact collisions impact flight multiple",
+    "velocity spread error platoons slowest fastest contact collisions impact flight multiple "
+    "gap stop_force stop_peak stop_impulse stop_contact",
 )
-"""One column a field of `core.motion.methods.rows.RowMotion`, in its order."""
+"""One column a field of `core.motion.methods.rows.RowMotion`, in its order. The velocity of each
+part follows, then the number of its platoon from the rear, each with room as in a cell."""
 
 COLUMN = RowColumns(*range(len(RowColumns._fields)))
 ROW_COLUMNS = len(RowColumns._fields)
@@ -54,6 +60,7 @@ class Row(NamedTuple):
     `closed[i]` is 1 where part i touches the one in front of it and both have the same velocity: a
     flag, and no test of gap and velocities, which rounding would decide. `gain` and `drag` are C
     and k of u' = C sin(tau) - k. `mode` is 1 of parts that slide forward, -1 backward, 0 at rest.
+    A stop is a last part without end of mass: the last of `gap`, `speed`, `gain`, `drag`, `closed`.
     """
 
     mass: Floats
@@ -69,33 +76,58 @@ class Row(NamedTuple):
     value: Floats
     weight: Floats
     last: Whole
+    stop: int
 
 
 @compiled
 def drive_of(cell: Floats) -> Drive:
     """Return the drive of a cell; a sine has one step, of no level."""
     start = HEAD + 4 * int(cell[HEAD - 2])
-    steps = (cell.size - start) // 2
+    steps = int(cell[start + 1]) if cell.size > start else 0
     if steps == 0:
         ends, levels = np.array([2 * np.pi]), np.zeros(1)
     else:
-        ends, levels = cell[start : start + steps].copy(), cell[start + steps :].copy()
+        at = start + 2 + 6 * int(cell[start])
+        ends, levels = cell[at + 3 * steps : at + 4 * steps].copy(), cell[at : at + steps].copy()
     return Drive(cell[0], cell[1], cell[2], cell[3], ends, levels)
 
 
 @compiled
 def row_of(cell: Floats) -> Row:
     """Return the row of a cell, at rest on the track."""
-    room, parts = int(cell[HEAD - 2]), int(cell[HEAD - 1])
+    stop, room, parts = int(cell[HEAD - 4]), int(cell[HEAD - 2]), int(cell[HEAD - 1])
     static = cell[HEAD : HEAD + parts].copy()
     kinetic = cell[HEAD + room : HEAD + room + parts].copy()
     mass = cell[HEAD + 2 * room : HEAD + 2 * room + parts].copy()
-    gap = cell[HEAD + 3 * room : HEAD + 3 * room + parts - 1].copy()
-    closed = np.zeros(parts - 1, dtype=np.int64)
-    for i in range(parts - 1):
-        closed[i] = 1 if gap[i] == 0.0 else 0
+    contacts, bodies = parts - 1, parts
+    if stop != NO_STOP:
+        contacts, bodies = parts, parts + 1
+    gap = cell[HEAD + 3 * room : HEAD + 3 * room + contacts].copy()
+    speed = np.zeros(bodies)
+    if stop != NO_STOP:
+        gap[parts - 1] = cell[HEAD - 3]
+    if stop == IN_SPACE:
+        speed[parts] = backward_speed(drive_of(cell))
+    closed = np.zeros(contacts, dtype=np.int64)
+    for i in range(contacts):
+        closed[i] = 1 if gap[i] == 0.0 and speed[i] == speed[i + 1] else 0
     return Row(
-        mass, static, kinetic, gap, np.zeros(parts), np.zeros(parts), np.zeros(parts),
-        np.zeros(parts), np.zeros(parts, dtype=np.int64), closed, np.zeros(parts),
-        np.zeros(parts), np.zeros(parts, dtype=np.int64),
+        mass, static, kinetic, gap, speed, np.zeros(parts), np.zeros(bodies),
+        np.zeros(bodies), np.zeros(parts, dtype=np.int64), closed, np.zeros(parts),
+        np.zeros(parts), np.zeros(parts, dtype=np.int64), stop,
     )  # fmt: skip
+
+
+@compiled
+def backward_speed(drive: Drive) -> float:
+    """Return the velocity of what is at rest in space, seen from the track, at the phase 0.
+
+    It is w with w' = c sin(tau) + level, without mean over a period.
+    """
+    start, since, mean = 0.0, 0.0, 0.0
+    for step in range(drive.ends.size):
+        span = drive.ends[step] - start
+        mean += since * span + drive.levels[step] * span * span / 2.0
+        since += drive.levels[step] * span
+        start = drive.ends[step]
+    return -drive.c - mean / start

@@ -1,0 +1,68 @@
+"""What rows of parts take, in milliseconds; `python -m benchmarks.rows`.
+
+Processor time of a cell on one core: rows of random friction from event to event, free and at a
+stop, and rows of one friction beside a part alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import vibrafeed
+
+DRIVE: dict[str, Any] = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
+ROW: dict[str, Any] = {"scene": "row-on-plane", "friction": 0.4, "most_periods": 100}
+MOST_AMPLITUDE = 6e-4  # m, a throw number of 2.5
+
+
+def milliseconds(study: Callable[[int], object], cells: int) -> float:
+    """Return processor time of a cell beyond the first [ms]."""
+    study(1)
+    start = time.process_time()
+    study(cells)
+    return (time.process_time() - start) / cells * 1e3
+
+
+def of_rows(parts: int, **more: Any) -> Callable[[int], object]:
+    """Return studies of so many rows of random friction and drive."""
+
+    def study(cells: int) -> object:
+        amplitudes = np.random.default_rng(cells).uniform(1e-4, MOST_AMPLITUDE, 20)
+        return vibrafeed.simulate(
+            **ROW, **DRIVE, **more, parts=parts, friction_spread=0.08,
+            amplitude=np.sort(amplitudes[: max(1, cells // 50)]),
+            friction_seed=np.arange(min(cells, 50)),
+        )  # fmt: skip
+
+    return study
+
+
+def main() -> None:
+    """Print all figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cells", type=int, default=1000, help="cells of a study, 50 or more")
+    cells = max(50, parser.parse_args().cells // 50 * 50)
+    print("random friction, 100 periods     ms a cell")
+    for parts in (2, 5, 10, 20):
+        print(f"{parts:5} parts {milliseconds(of_rows(parts), cells):26.2f}")
+    held = of_rows(10, fixed_stop_gap=0)
+    print(f"   10 parts at a fixed stop {milliseconds(held, cells):9.2f}")
+    amplitudes = np.linspace(1e-4, MOST_AMPLITUDE, cells)
+
+    def equal(scene: str, **more: Any) -> Callable[[int], object]:
+        return lambda count: vibrafeed.simulate(
+            scene=scene, friction=0.4, amplitude=amplitudes[:count], **DRIVE, **more
+        )
+
+    one = milliseconds(equal("rectangle-on-plane"), cells)
+    row = milliseconds(equal("row-on-plane", parts=20), cells)
+    print(f"20 parts of one friction take {row / one:.2f} times as long as one part ({row:.4f} ms)")
+
+
+if __name__ == "__main__":
+    main()

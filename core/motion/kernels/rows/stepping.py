@@ -1,0 +1,233 @@
+"""Rows of parts by time stepping with isotonic contact: any planar drive, first order (theory 17).
+
+A step h takes velocities u to those that minimise sum m (u' - u - h D)^2/2 + mu m I |u'| under the
+order of touching parts, I the impulse of the floor per mass, and places by the mean of both.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.planar.flow import TURN
+from core.motion.kernels.rows.advance import ON_FLOOR, Air
+from core.motion.kernels.rows.cells import (
+    MULTIPLES,
+    TALLIES,
+    Past,
+    finish,
+    keep,
+    past_of,
+    repeats,
+)
+from core.motion.kernels.rows.contact import pooled
+from core.motion.kernels.rows.tables import (
+    COLUMN,
+    HEAD,
+    IN_SPACE,
+    NO_STOP,
+    Row,
+    row_of,
+)
+from core.motion.kernels.statuses import STATUS
+
+SAFETY = 3.0
+"""Of the difference between two step lengths, which may be small by chance."""
+TOUCHES = 1e-12
+"""Of g/w^2: parts that are no farther apart touch; rounding leaves some 1e-16."""
+STEP_SHARE = 0.5
+"""Of what a step changes in a velocity: landings, stops and strokes fall anywhere within one."""
+
+
+class Pushes(NamedTuple):
+    """A drive: the push along and that off the floor in the middles of its steps.
+
+    `backward` is the velocity, at their ends, of a body at rest in space, seen from the track.
+    """
+
+    along: Floats
+    normal: Floats
+    backward: Floats
+
+
+@compiled
+def pushes_of(cell: Floats, steps: int) -> Pushes:
+    """Return the drive of a cell in so many steps of a period."""
+    start, h = HEAD + 4 * int(cell[HEAD - 2]), TURN / steps
+    along, normal, backward = np.zeros(steps), np.zeros(steps), np.zeros(steps)
+    orders, levels = 0, 0
+    if cell.size > start:
+        orders, levels = int(cell[start]), int(cell[start + 1])
+    sines, table = start + 2, start + 2 + 6 * orders
+    for k in range(steps):
+        tau = (k + 0.5) * h
+        if cell.size == start:
+            along[k], normal[k] = cell[0] * math.sin(tau), cell[1] * math.sin(tau)
+        for order in range(orders):
+            sine, cosine = math.sin((order + 1) * tau), math.cos((order + 1) * tau)
+            at = sines + order
+            along[k] += cell[at] * sine + cell[at + orders] * cosine
+            normal[k] += cell[at + 4 * orders] * sine + cell[at + 5 * orders] * cosine
+        if levels > 0:
+            step = 0
+            while step < levels - 1 and tau >= cell[table + 3 * levels + step]:
+                step += 1
+            along[k] += cell[table + step]
+            normal[k] += cell[table + 2 * levels + step]
+        backward[k] = (backward[k - 1] if k > 0 else 0.0) + h * along[k]
+    return Pushes(along, normal, backward - backward.mean() + 0.5 * h * along.mean())
+
+
+@compiled
+def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float) -> None:
+    """Set the speeds of a chain: forward PAVA(v - mu I), backward PAVA(v + mu I), else 0."""
+    for i in range(first, end):
+        row.value[i] = v[i] - mu[i] * impulse
+    pooled(row, first, end)
+    for i in range(first, end):
+        row.speed[i] = max(0.0, row.value[i])
+        row.value[i] = v[i] + mu[i] * impulse
+    pooled(row, first, end)
+    for i in range(first, end):
+        row.speed[i] += min(0.0, row.value[i])
+
+
+@compiled
+def stepped_chain(
+    row: Row, first: int, end: int, push: float, impulse: float, held: bool, v: Floats, mu: Floats
+) -> float:
+    """Set the speeds of touching parts after a step; return the impulse on the stop.
+
+    Parts at rest have their static friction until they move.
+    """
+    for i in range(first, end):
+        v[i] = row.speed[i] + push
+        mu[i] = row.static[i] if row.speed[i] == 0.0 else row.kinetic[i]
+    impel(row, first, end, v, mu, impulse)
+    starts = False
+    for i in range(first, end):
+        if row.speed[i] != 0.0 and mu[i] != row.kinetic[i]:
+            mu[i], starts = row.kinetic[i], True
+    if starts:
+        impel(row, first, end, v, mu, impulse)
+    if not held:
+        return 0.0
+    taken, limit = 0.0, row.speed[row.mass.size]
+    for i in range(first, end):
+        if row.speed[i] > limit or (row.speed[i] == limit and limit != 0.0):
+            free = v[i] + (mu[i] if limit < 0.0 else -mu[i]) * impulse
+            row.speed[i] = limit
+            taken += row.mass[i] * (free - limit)
+    return max(0.0, taken)
+
+
+@compiled
+def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> None:
+    """Carry all parts over a step by the mean of both speeds; count what touches, add the gaps."""
+    parts = row.mass.size
+    for i in range(row.speed.size):
+        way = 0.5 * h * (before[i] + row.speed[i])
+        if i < parts:
+            row.place[i] += way
+        if i > 0:
+            row.gap[i - 1] += way
+        if i < row.gap.size:
+            row.gap[i] -= way
+    for i in range(row.gap.size):
+        row.gap[i] = max(0.0, row.gap[i])
+        near = abs(row.speed[i] - row.speed[i + 1]) <= TOUCHES
+        touches = row.gap[i] <= TOUCHES and near
+        row.closed[i] = 1 if touches else 0
+        if i < parts - 1:
+            tally[0] += h if touches else 0.0
+            swept[i] += h * row.gap[i]
+
+
+@compiled
+def stepped_period(
+    row: Row, gs: float, gn: float, pushes: Pushes, height: float, rate: float, tally: Floats,
+    swept: Floats, before: Floats, v: Floats, mu: Floats, past: Past, period: int,
+) -> tuple[float, float]:  # fmt: skip
+    """Follow a row over a period; return height and its rate. Columns of the tally as `Tally`."""
+    steps, parts = pushes.along.size, row.mass.size
+    h = TURN / steps
+    for k in range(steps):
+        fall = rate + h * (pushes.normal[k] - gn)
+        impulse = max(0.0, -fall) if height + 0.5 * h * rate <= 0.0 else 0.0
+        height = max(0.0, height + 0.5 * h * (rate + fall + impulse))
+        rate = fall + impulse
+        before[: row.speed.size] = row.speed
+        if row.stop == IN_SPACE:
+            row.speed[parts] = pushes.backward[k]
+        first, taken, held = 0, 0.0, False
+        for i in range(parts):
+            more = (
+                row.gap.size > i and row.gap[i] + 0.5 * h * (before[i + 1] - before[i]) <= TOUCHES
+            )
+            held = more and i == parts - 1
+            if more:
+                past.touched[i] = period
+            if not more or held:
+                taken += stepped_chain(
+                    row, first, i + 1, h * (pushes.along[k] - gs), impulse, held, v, mu
+                )
+                first = i + 1
+        moved(row, before, h, tally, swept)
+        tally[1] += h if impulse == 0.0 else 0.0
+        tally[4] += taken
+        tally[7] += h if row.stop != NO_STOP and row.closed[parts - 1] == 1 else 0.0
+    return height, rate
+
+
+@compiled
+def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
+    """Write the results of a row by steps; return its status."""
+    row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[5])
+    parts, gs, gn = row.mass.size, cell[2], cell[3]
+    if row.stop == IN_SPACE:
+        row.speed[parts] = pushes.backward[-1]
+    scale = max(1e-300, np.abs(pushes.along).max() + np.abs(pushes.normal).max())
+    if gn <= 0.0:
+        return int(STATUS.limit_reached)
+    past, air, height, rate = past_of(row), ON_FLOOR, 0.0, 0.0
+    means = np.zeros((most, TALLIES + 2 * parts - 1))
+    before, v, mu = np.zeros(parts + 1), np.zeros(parts), np.zeros(parts)
+    for period in range(most):
+        if raised(stop):
+            return int(STATUS.not_computed)
+        keep(row, air, past, period)
+        here = means[period]
+        height, rate = stepped_period(
+            row, gs, gn, pushes, height, rate, here, here[TALLIES + parts :], before, v, mu,
+            past, period,
+        )  # fmt: skip
+        air = Air(height + rate, 0.0) if height > 0.0 else ON_FLOOR
+        here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
+        for multiple in range(1, min(MULTIPLES, period) + 1):
+            if repeats(row, air, past, period + 1, multiple, scale):
+                return finish(row, past, means, period + 1, multiple, scale, result)
+    return finish(row, past, means, most, 0, scale, result)
+
+
+@compiled
+def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill the table of cells by so many steps, and by more than twice as many."""
+    coarse = np.zeros(table.shape[1])
+    for number in range(cells.shape[0]):
+        cell = cells[number]
+        found = follow_steps(cell, 2 * steps + 1, table[number], stop)
+        follow_steps(cell, steps, coarse, stop)
+        if raised(stop):
+            return
+        fine = table[number]
+        apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
+        pushes = pushes_of(cell, steps)
+        most = np.abs(pushes.along).max() + np.abs(pushes.normal).max() + cell[3]
+        fine[COLUMN.error] += SAFETY * apart + STEP_SHARE * most * TURN / (2 * steps + 1)
+        fine[COLUMN.collisions], fine[COLUMN.impact] = math.nan, math.nan
+        fine[COLUMN.stop_impulse], fine[COLUMN.stop_peak] = math.nan, math.nan
+        status[number] = found

@@ -1,0 +1,320 @@
+"""Rows on a stop, rows by steps, rows of drawn friction: worked values, another method, laws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vibrafeed
+from core.errors import StudyError
+from core.intake import prepare_content
+from core.mechanics.row import HELD_FROM
+from core.motion.kernels.rows import path_of_row
+from core.motion.kernels.rows.tables import IN_SPACE, ON_TRACK
+from core.motion.row_parts import drawn_deviations
+from core.quantities import REGIMES
+from night import count
+from rows import TURN, cell, followed, two_level
+
+G = 9.80665
+
+
+# --- worked values
+
+
+def test_a_stop_at_rest_in_space_under_two_levels():
+    found, name = followed(cell(0, 0, [0.3, 0.3], steps=two_level(0.2, 1.0), stop=IN_SPACE))
+    assert name == "periodic"
+    assert found["stop_force"] / 2 == pytest.approx(0.1112701665, abs=5e-11)
+    assert found["stop_contact"] == pytest.approx(0.1127016654, abs=5e-11)
+    impacts = found["stop_impulse"] / TURN / found["stop_force"]
+    assert impacts == pytest.approx(0.696, abs=5e-4)
+
+
+@pytest.mark.parametrize("throw", [1.72, 1.8, 2.5, 3.1, 3.5, 4.2, 5.0, 6.0])
+def test_a_hopping_row_presses_with_all_its_friction(throw):
+    for px, friction, mass in ((2.0, [0.4, 0.4], [1, 1]), (0.7, [0.2, 0.4], [1.0, 2.0])):
+        found, _ = followed(cell(px, throw, friction, mass=mass, stop=IN_SPACE))
+        assert found["stop_force"] == pytest.approx(np.dot(friction, mass), rel=1e-11)
+
+
+def test_the_force_drops_at_once_below_the_throw_number_of_the_law():
+    above, below = (
+        followed(cell(1.0, HELD_FROM * share, [0.4, 0.4], stop=IN_SPACE))[0]["stop_force"]
+        for share in (1 + 1e-6, 1 - 1e-6)
+    )
+    assert above == pytest.approx(0.8, rel=1e-11)
+    # The landing impulse changes its side: 1 - 2.7049/(2 pi) of the friction at least is left.
+    assert below < (1 - 2.7049 / TURN) * 0.8 + 0.05
+
+
+def test_the_least_force_on_a_stop_of_the_track():
+    found, name = followed(cell(0.5, 0.5, [0.4, 0.4], stop=ON_TRACK))
+    assert name == "at_rest"
+    assert found["stop_force"] / 2 == pytest.approx(0.060299340617, abs=5e-12)
+    assert found["stop_peak"] / 2 == pytest.approx(0.5 - 0.4 * 0.5, abs=1e-12)  # D - mu n on top
+    a_s, a_m, mu = 0.2, 1.0, 0.3
+    found, _ = followed(cell(0, 0, [mu, mu], steps=two_level(a_s, a_m), stop=ON_TRACK))
+    assert found["stop_force"] / 2 == pytest.approx((a_m - mu) * a_s / (a_s + a_m), abs=1e-12)
+
+
+def test_rows_of_unequal_parts_press_on_a_stop_of_the_track_block_by_block():
+    static, mass = np.array([0.45, 0.3, 0.5, 0.2]), np.array([1.0, 2.0, 0.5, 1.0])
+    found, _ = followed(cell(0.4, 0.3, static, mass=mass, stop=ON_TRACK))
+    tau = (np.arange(100_000) + 0.5) * TURN / 100_000
+    push, load = 0.4 * np.sin(tau), 1.0 - 0.3 * np.sin(tau)
+    force = np.zeros_like(tau)
+    for mu, m in zip(static, mass, strict=True):  # least force from the rear on
+        force = np.maximum(0.0, force + m * (push - mu * load))
+    assert found["stop_force"] == pytest.approx(force.mean(), abs=1e-8)
+    assert found["stop_peak"] == pytest.approx(force.max(), abs=1e-8)
+
+
+# --- another method
+
+
+HELD = [
+    (2.0, 0.6, [0.4, 0.3], {"stop": IN_SPACE}),
+    (2.0, 1.6, [0.4, 0.3], {"stop": IN_SPACE, "gs": -0.1}),
+    (2.0, 1.3, [0.4, 0.3], {"stop": IN_SPACE, "gs": 0.05}),
+    (1.5, 0.9, [0.4, 0.3, 0.5], {"stop": ON_TRACK}),
+    (1.5, 1.9, [0.4, 0.3, 0.5], {"stop": ON_TRACK, "gap": [1.0, 0.5], "stop_gap": 3.0}),
+    (1.5, 0.9, [0.4, 0.3, 0.5], {"stop": IN_SPACE, "gap": [1.0, 0.5], "stop_gap": 3.0}),
+]
+
+
+@pytest.mark.parametrize(("px", "pz", "friction", "more"), HELD)
+def test_time_stepping_finds_the_force_on_the_stop(px, pz, friction, more):
+    row = cell(px, pz, friction, most=120, **more)
+    exact, _ = followed(row)
+    steps, _ = followed(row, 1000)
+    for column in ("stop_force", "stop_contact"):
+        assert steps[column] == pytest.approx(exact[column], abs=6e-3), column
+
+
+def random_row(random, most=60):
+    """Return a row of random numbers, free or on a stop, on a slope or not."""
+    n = int(random.integers(2, 6))
+    slope = random.choice([0.0, random.uniform(-0.03, 0.03)])
+    return cell(
+        random.uniform(0.5, 3.0), random.uniform(0.1, 2.5), random.uniform(0.1, 0.8, n),
+        mass=random.uniform(0.3, 3.0, n), gs=np.sin(slope), gn=np.cos(slope), most=most,
+        stop=int(random.integers(3)), stop_gap=random.choice([0.0, 0.4]),
+        gap=random.choice([0.0, 0.3], n - 1),
+    )  # fmt: skip
+
+
+def test_events_and_time_stepping_agree_within_their_errors_which_fall_with_the_step():
+    random, rows = np.random.default_rng(38), count(8, 200)
+    apart, beyond = [], 0
+    for _ in range(rows):
+        row = random_row(random, 80)
+        exact, name = followed(row)
+        found = [followed(row, steps)[0] for steps in (250, 1000)]
+        errors = [abs(one["velocity"] - exact["velocity"]) for one in found]
+        beyond += errors[1] > found[1]["error"] + exact["error"]
+        if name == "periodic":
+            apart.append(errors)
+    assert beyond <= 0.02 * rows
+    first, second = np.median(np.array(apart) + 1e-15, axis=0)
+    assert second < 0.5 * first  # of first order it is a quarter
+
+
+# --- laws
+
+
+def test_laws_of_rows_on_stops():
+    random = np.random.default_rng(39)
+    for _ in range(count(12, 3000)):
+        n = int(random.integers(2, 6))
+        px, pz, mu = random.uniform(0.5, 3), random.uniform(0.1, 2.5), random.uniform(0.1, 0.8, n)
+        mass, slope = random.uniform(0.3, 3.0, n), random.uniform(-0.05, 0.05)
+        where = {"gs": np.sin(slope), "gn": np.cos(slope)}
+        stop = int(random.integers(1, 3))
+        found, name = followed(cell(px, pz, mu, mass=mass, stop=stop, **where))
+        assert name in ("periodic", "aperiodic", "at_rest")
+        if abs(found["velocity"]) < 1e-9 and stop == IN_SPACE:
+            # Momentum: the mean force is that of friction less the weight along the track.
+            bound = mass @ mu * where["gn"]
+            assert abs(found["stop_force"] + mass.sum() * where["gs"]) <= bound * (1 + 1e-9)
+        heavy, _ = followed(cell(px, pz, mu, mass=2.0 * mass, stop=stop, **where))
+        slack = 1e-9 + 4.0 * found["error"] * mass.sum()
+        if name != "aperiodic":
+            assert heavy["stop_force"] == pytest.approx(2.0 * found["stop_force"], abs=slack)
+            # Two parts of one friction are one of their mass: F_n = n F_1 of equal parts.
+            same = np.full(n, mu[0])
+            many, _ = followed(cell(px, pz, same, mass=mass, stop=stop, **where))
+            one, kind = followed(cell(px, pz, mu[:1], mass=[mass.sum()], stop=stop, **where))
+            if kind != "aperiodic":
+                assert many["stop_force"] == pytest.approx(one["stop_force"], abs=1e-8)
+
+
+def test_parts_never_pass_their_stop():
+    random = np.random.default_rng(40)
+    for _ in range(count(8, 300)):
+        row = random_row(random)
+        parts = int(row[9])
+        contacts = parts - (row[6] == 0)
+        phases = np.linspace(0.0, 20 * TURN, 500)
+        gaps = np.empty((500, contacts))
+        path_of_row(row, phases, np.empty((500, parts)), gaps)
+        assert gaps.min() >= -1e-11
+
+
+def test_bounces_of_parts_that_are_pressed_together_end():
+    for stop in (0, IN_SPACE, ON_TRACK):
+        found, name = followed(cell(1.5, 0.8, [0.5, 0.2, 0.35], e=0.6, stop=stop, most=60))
+        assert name in ("periodic", "aperiodic")
+        assert found["collisions"] < 400
+    soft, _ = followed(cell(2.0, 0.6, [0.4, 0.3], e=1e-9, most=100))
+    plastic, _ = followed(cell(2.0, 0.6, [0.4, 0.3], most=100))
+    assert soft["velocity"] == pytest.approx(plastic["velocity"], abs=1e-6)
+
+
+# --- studies
+
+DRIVEN = {"scene": "row-on-plane", "frequency": 50, "amplitude": "0.3 mm", "beta": 40}
+
+
+def regime(found):
+    return next(name for name, flag in REGIMES.items() if flag.value == int(found.regime))
+
+
+def test_a_study_of_a_held_row_has_forces_in_newtons():
+    names = ["stop_force", "stop_force_peak", "stop_impulse", "stop_contact_fraction", "feed_rate"]
+    held = {**DRIVEN, "friction": 0.4, "parts": 5, "mass": "10 g", "length": "10 mm"}
+    found = vibrafeed.simulate(**held, fixed_stop_gap=0, outputs=names)
+    assert regime(found) == "blocked"
+    assert float(found.stop_force) == pytest.approx(0.4 * 0.05 * G, rel=1e-11)
+    assert float(found.feed_rate) == pytest.approx(0.0, abs=1e-9)
+    found = vibrafeed.simulate(**held, track_stop_gap=0, outputs=names)
+    assert regime(found) == "indeterminate_force"
+    own = {f"part_mass_{n}": "10 g" for n in range(1, 6)}
+    again = vibrafeed.simulate(
+        **{key: value for key, value in held.items() if key not in ("mass", "parts")}, **own,
+        track_stop_gap=0, outputs=names,
+    )  # fmt: skip
+    assert float(again.stop_force) == pytest.approx(float(found.stop_force), rel=1e-12)
+
+
+def test_sizes_and_velocities_of_platoons():
+    names = [
+        "platoons",
+        *(f"platoon_{what}_{n}" for what in ("size", "velocity") for n in (1, 2, 3)),
+    ]
+    apart = {"part_friction_1": 0.3, "part_friction_2": 0.34, "part_friction_3": 0.28}
+    found = vibrafeed.simulate(
+        **{**DRIVEN, "beta": 20}, **apart, outputs=[*names, "conveying_velocity", "mean_gap"]
+    )
+    sizes = np.array([float(found[f"platoon_size_{n}"]) for n in (1, 2, 3)])
+    speeds = np.array([float(found[f"platoon_velocity_{n}"]) for n in (1, 2, 3)])
+    assert sizes.sum() == 3
+    assert np.count_nonzero(sizes) == int(found.platoons)
+    there = sizes > 0
+    assert np.isnan(speeds[~there]).all()
+    assert sizes[there] @ speeds[there] / 3 == pytest.approx(float(found.conveying_velocity))
+    assert (np.diff(speeds[there]) > 0).all()  # those in front are faster
+
+
+def test_frictions_drawn_by_a_seed_have_the_mean_number_of_platoons():
+    seeds = count(60, 2000)
+    found = vibrafeed.simulate(
+        scene="row-on-plane", frequency=50, acceleration_along_1=0.2 * G, duration_1=10,
+        duration_2=1, friction=0.6, friction_spread=0.1, parts=3, outputs=["platoons"],
+        friction_seed=np.arange(seeds),
+    )  # fmt: skip
+    # 1 + 1/2 + 1/3, whatever the distribution; the variance of the number is 1/4 + 2/9.
+    mean = float(found.platoons.mean())
+    assert mean == pytest.approx(1 + 1 / 2 + 1 / 3, abs=4 * np.sqrt(0.4722 / seeds))
+
+
+def test_drawn_deviations_are_those_of_their_seed():
+    many = drawn_deviations(np.arange(400.0), 8)
+    assert many.shape == (8, 400)
+    assert np.abs(many).max() <= 3.0
+    assert many.mean() == pytest.approx(0.0, abs=4 / np.sqrt(3200))
+    assert many.std() == pytest.approx(0.987, abs=0.05)  # cut at three
+    assert (drawn_deviations(np.array(7.0), 4) == many[:4, 7]).all()
+
+
+@pytest.mark.parametrize(
+    ("more", "place"),
+    [
+        ({"track_stop_gap": 0, "fixed_stop_gap": 0, "friction": 0.3, "parts": 2},
+         "parameters.track_stop_gap"),
+        ({"friction_spread": 0.1, "part_friction_1": 0.3, "friction": 0.3, "parts": 3},
+         "parameters.friction_spread"),
+        ({"part_restitution": 0.3, "friction": 0.3, "parts": 2, "method": "time-stepping"},
+         "parameters.part_restitution"),
+    ],
+)  # fmt: skip
+def test_what_excludes_each_other_is_said(more, place):
+    parameters = {key: value for key, value in {**DRIVEN, **more}.items() if key not in
+                  ("scene", "method")}  # fmt: skip
+    study = {"kind": "simulate", "scene": "row-on-plane", "parameters": parameters}
+    if "method" in more:
+        study["method"] = more["method"]
+    with pytest.raises(StudyError) as caught:
+        prepare_content(study)
+    assert place in [one.place for one in caught.value.problems]
+
+
+def test_a_row_is_verified_by_the_other_method():
+    found = vibrafeed.simulate(
+        **DRIVEN, part_friction_1=[0.3, 0.4], part_friction_2=0.35, verify=2,
+        outputs=["conveying_velocity"], most_periods=80,
+    )  # fmt: skip
+    assert found.attrs["verified_against"] == "the method time-stepping"
+    assert "verified_failed" not in found.attrs
+
+
+def test_harmonics_move_rows_by_steps():
+    sine = vibrafeed.simulate(
+        **DRIVEN, part_friction_1=0.3, part_friction_2=0.4, outputs=["conveying_velocity"],
+        method="time-stepping",
+    )  # fmt: skip
+    angle = np.radians(40)
+    wave = vibrafeed.simulate(
+        scene="row-on-plane", frequency=50, amplitude_along_1=3e-4 * np.cos(angle),
+        amplitude_normal_1=3e-4 * np.sin(angle), part_friction_1=0.3, part_friction_2=0.4,
+        outputs=["conveying_velocity"], method="time-stepping",
+    )  # fmt: skip
+    assert float(wave.conveying_velocity) == pytest.approx(float(sine.conveying_velocity), rel=1e-6)
+
+
+UNIT = {
+    "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02, "frequency": 50,
+    "ring_down_frequency": 53, "spring_angle": 25, "drive_force": 60,
+}  # fmt: skip
+
+
+def test_a_row_on_a_drive_unit_moves_as_the_amplitude_of_the_unit_says():
+    pair = {"part_friction_1": 0.4, "part_friction_2": 0.3}
+    found = vibrafeed.simulate(
+        scene="row-on-plane", **UNIT, **pair, outputs=["track_amplitude", "conveying_velocity"]
+    )
+    again = vibrafeed.simulate(
+        scene="row-on-plane", frequency=50, amplitude=float(found.track_amplitude), beta=25, **pair,
+        outputs=["conveying_velocity"],
+    )  # fmt: skip
+    assert float(found.conveying_velocity) == pytest.approx(
+        float(again.conveying_velocity), rel=1e-9
+    )
+    loaded = {**UNIT, "friction": 0.4, "conveyed_mass": 0.5, "outputs": ["conveying_velocity"]}
+    one = vibrafeed.simulate(scene="rectangle-on-plane", **loaded)
+    row = vibrafeed.simulate(scene="row-on-plane", parts=8, **loaded)
+    assert float(row.conveying_velocity) == float(one.conveying_velocity)
+
+
+@pytest.mark.parametrize(
+    ("more", "place"),
+    [
+        ({"conveyed_mass": 1}, "parameters.conveyed_mass"),
+        ({"force_harmonic": 0.25}, "parameters.force_harmonic"),
+    ],
+)
+def test_what_a_row_does_to_its_unit_is_known_of_equal_parts_only(more, place):
+    parameters = {**UNIT, "part_friction_1": 0.4, "part_friction_2": 0.3, **more}
+    with pytest.raises(StudyError) as caught:
+        prepare_content({"kind": "simulate", "scene": "row-on-plane", "parameters": parameters})
+    assert place in [one.place for one in caught.value.problems]
