@@ -30,7 +30,7 @@ from app import logs
 if TYPE_CHECKING:
     from app.jobs.entries import Work
 
-MOST_POSTED = 10_000  # studies whose request is remembered until they are taken up
+MAX_POSTED = 10_000  # studies whose request is remembered until they are taken up
 FLUSH = 1.0  # s that the last spans may take to leave
 
 
@@ -81,7 +81,7 @@ class Traces:
     def posted(self, key: str) -> None:
         """Note that the request under way has posted a job for a study."""
         self._posted.setdefault(key, get_current_span().get_span_context())
-        while len(self._posted) > MOST_POSTED:
+        while len(self._posted) > MAX_POSTED:
             self._posted.popitem(last=False)
 
     def began(self, item: Work) -> dict[str, str]:

@@ -265,7 +265,7 @@ def course(drive: Mapping[str, float], phases: Array) -> tuple[Array, Array, flo
     given = {**drive, "frequency": FREQUENCY, "gravity": GRAVITY}
     given = {name: np.asarray(value).reshape(()) for name, value in given.items()}
     known = motions(("conveying_velocity",), given)
-    settings = {name: known[name].item() for name in ("tolerance", "most_periods")}
+    settings = {name: known[name].item() for name in ("tolerance", "max_periods")}
     path = planar_path(known["groups"].single(), **settings, phases=phases)
     scale = known["velocity_scale"] * 1e3
     track = speed(known["wave"], ALONG, phases) * scale

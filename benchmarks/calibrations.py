@@ -33,7 +33,7 @@ RANGES: dict[str, dict[str, dict[str, Any]]] = {
 }
 KINDS = ("errors", "discrepancy", "none known")
 POINTS = 6_000
-MOST_DISCREPANCY = 10.0  # errors; the Cauchy distribution has no end, and speeds have
+MAX_DISCREPANCY = 10.0  # errors; the Cauchy distribution has no end, and speeds have
 
 
 def random_study(random: np.random.Generator, kind: str) -> dict[str, Any]:
@@ -73,7 +73,7 @@ def drawn(random: np.random.Generator, kind: str) -> tuple[Calibration, np.ndarr
     error = 10.0 ** random.uniform(-3.7, -2.5)  # 0.2 to 3 mm/s
     size = 0.0
     if kind == "discrepancy" and random.random() > NONE_BEFORE:
-        size = min(abs(random.standard_cauchy()), MOST_DISCREPANCY) * error
+        size = min(abs(random.standard_cauchy()), MAX_DISCREPANCY) * error
     noise = random.normal(size=speeds.size) * np.hypot(error, size)
     for row, speed in zip(content["observations"], speeds + noise, strict=True):
         row["conveying_velocity"] = float(speed)

@@ -57,7 +57,7 @@ def random_cells(count: int, seed: int) -> Floats:
         p * np.cos(beta), p * np.sin(beta), np.sin(gamma), np.cos(gamma), static, kinetic,
         restitution,
     )  # fmt: skip
-    return cells_of(Groups(*columns), tolerance=1e-12, most_periods=1000.0)[0]
+    return cells_of(Groups(*columns), tolerance=1e-12, max_periods=1000.0)[0]
 
 
 def plain(cells: Floats) -> tuple[Floats, NDArray[np.int8]]:

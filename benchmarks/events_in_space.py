@@ -25,7 +25,7 @@ from core.motion.methods.stepping import stepped_motion
 from core.motion.result import STATUS, Motion, motion_of
 
 WITNESS = Series(24, 1e-13)
-SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
 REPEATS = [STATUS[name] for name in ("at_rest", "periodic", "neutral")]
 
 
@@ -102,9 +102,7 @@ def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: F
         state, hold = at_rest()
         work = new_work()
         drive.set_drive(cell, rows[number], work)
-        end = settle(
-            cell, wall, rolling, series, int(cell.most_periods), state, hold, history, work
-        )
+        end = settle(cell, wall, rolling, series, int(cell.max_periods), state, hold, history, work)
         found[number, 0], found[number, 1] = np.nan, end.multiple
         if end.multiple > 0:
             travel = history.tallies[:, TALLY.travel]
@@ -146,7 +144,7 @@ def main() -> None:
         error, stated = of["error"][both], of["stated"][both]
         took = 1e6 * of["seconds"]
         other = ~of["repeats"] & (of["status"] == STATUS["aperiodic"])
-        periods = np.median(took[other]) / SETTINGS["most_periods"] if other.any() else np.nan
+        periods = np.median(took[other]) / SETTINGS["max_periods"] if other.any() else np.nan
         print(
             f"| {name} | {both.sum()} of {both.size} | {np.median(error):.1e} | "
             f"{np.quantile(error, 0.99):.1e} | {error.max():.1e} | {np.median(stated):.1e} | "
@@ -204,7 +202,7 @@ def main() -> None:
                 for _ in range(2):  # the first may compile
                     started = time.perf_counter()
                     found = stepped_motion(
-                        one, kind.contacts, steps_per_period=1000, most_periods=200
+                        one, kind.contacts, steps_per_period=1000, max_periods=200
                     )
                     took = time.perf_counter() - started
                 step_seconds.append(took)

@@ -155,9 +155,9 @@ def course_of(row: Floats, periods: int, contacts: Contacts = TRACK) -> tuple[fl
     return mean, left + ROUNDING * speed, found.multiple
 
 
-def judged(groups: Groups, *, most_periods: int, periods: int, threads: int = 1) -> Judged:
+def judged(groups: Groups, *, max_periods: int, periods: int, threads: int = 1) -> Judged:
     """Return cells by the method, and by their own course over so many periods."""
-    settings = {"tolerance": 1e-12, "most_periods": float(most_periods)}
+    settings = {"tolerance": 1e-12, "max_periods": float(max_periods)}
     rows, _ = cells_of(groups, **settings)
     table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
 
@@ -215,7 +215,7 @@ def main() -> None:
         random = np.random.default_rng([arguments.seed, place])
         groups = family(random, arguments.cells)
         found = judged(
-            groups, most_periods=arguments.most, periods=arguments.periods,
+            groups, max_periods=arguments.most, periods=arguments.periods,
             threads=arguments.threads,
         )  # fmt: skip
         every.append(found)

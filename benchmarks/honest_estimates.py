@@ -114,9 +114,9 @@ def random_groups(
     }
 
 
-def by_events(groups: Groups, most_periods: float = 1000.0) -> Motion:
+def by_events(groups: Groups, max_periods: float = 1000.0) -> Motion:
     """Return the motion from event to event."""
-    return planar_motion(**groups, tolerance=np.array(1e-12), most_periods=np.array(most_periods))
+    return planar_motion(**groups, tolerance=np.array(1e-12), max_periods=np.array(max_periods))
 
 
 def judge(
@@ -257,7 +257,7 @@ def events_against_reference(count: int) -> list[Measured]:
     some = np.flatnonzero(np.isin(by_events(groups).status, REPEATS))[:count]
     groups = {name: values[some] for name, values in groups.items()}
     found, took = timed(by_events, groups)
-    exact = follow("reference", **groups, most_periods=np.array(100.0))
+    exact = follow("reference", **groups, max_periods=np.array(100.0))
     both = np.isin(exact.status, REPEATS) & (exact.multiple == found.multiple)
     several = found.impacts * found.multiple > 1.5
     error = exact.error + REFERENCE
@@ -288,13 +288,13 @@ def wall_against_reference(count: int) -> list[Measured]:
             **groups,
             wall=True,
             steps_per_period=np.array(200.0),
-            most_periods=np.array(200.0),
+            max_periods=np.array(200.0),
         )
     )
     repeats = np.isin(found.status, REPEATS)
     groups = {name: values[repeats] for name, values in groups.items()}
     found = Motion._make([field[repeats] for field in found])
-    exact = follow("reference", **groups, wall=True, most_periods=np.array(60.0))
+    exact = follow("reference", **groups, wall=True, max_periods=np.array(60.0))
     both = np.isin(exact.status, REPEATS)
     exact = exact._replace(error=exact.error + REFERENCE)
     return _same_and_all("time stepping at the wall", found, exact, both, both, took)
@@ -309,7 +309,7 @@ def regularised_against_events(count: int) -> list[Measured]:
     exact = by_events(groups)
     found, took = timed(lambda: regularised_motion(
         **groups, drive_number_across=0.0, gravity_number_across=0.0, slip_speed=1e-4,
-        contact_stiffness=1e8, tolerance=1e-7, most_periods=100, solver="Radau", planar=True,
+        contact_stiffness=1e8, tolerance=1e-7, max_periods=100, solver="Radau", planar=True,
     ))  # fmt: skip
     both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
     return [judge("regularised", found, exact.velocity, exact.error, both, took)]

@@ -21,7 +21,7 @@ from core.motion.row_parts import CHOOSING
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
 from core.quantities.drive import DRIVE
-from core.quantities.row import MOST_NUMBERED, NUMBERS
+from core.quantities.row import MAX_NUMBERED, NUMBERS
 from core.scenes import SCENES
 
 PACKAGE = Path(__file__).parents[1] / "vibrafeed"
@@ -73,7 +73,7 @@ TYPES = {
     "trajectory": "int | Sequence[float]",
     "drive": MAPPING,
     "tolerance": "float",
-    "most_periods": "int",
+    "max_periods": "int",
     "steps_per_period": "int",
     "slip_speed": "float",
     "contact_stiffness": "float",
@@ -137,7 +137,7 @@ def _literal(name: str, values: Iterable[str]) -> list[str]:
 def numbered() -> list[str]:
     """Return the parameters with a number: of drives that are no plain sine, of parts of rows."""
     of_drives = [name for name, quantity in DRIVE.items() if quantity.parameter]
-    of_parts = [f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MOST_NUMBERED)]
+    of_parts = [f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MAX_NUMBERED)]
     return [*of_drives, *of_parts]
 
 

@@ -31,9 +31,9 @@ from benchmarks.serving import Served, percentile, served
 CLIENTS, SECONDS = 200, 120.0
 DOWNLOADS = 4  # of the clients; they take what the network stack gives
 EVERY = 0.02  # s between two looks at /healthz
-MOST_HEALTH = 0.050  # s, at the 99th percentile
-MOST_MEMORY = 600_000_000  # bytes of the server, its workers not counted
-MOST_GROWTH = 1.05  # from the first half to the second: what an allocator's leftovers may be
+MAX_HEALTH = 0.050  # s, at the 99th percentile
+MAX_MEMORY = 600_000_000  # bytes of the server, its workers not counted
+MAX_GROWTH = 1.05  # from the first half to the second: what an allocator's leftovers may be
 PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
 ANGLES = {"start": 0, "stop": 90, "num": 100}
 GRID = {"frequency": 50, "amplitude": [0.0005, 0.001], "alpha": 5, "friction": 0.3}
@@ -170,7 +170,7 @@ def measure(
     clients: int,
     seconds: float,
     tell: Callable[[str], object],
-    most_health: float = MOST_HEALTH,
+    most_health: float = MAX_HEALTH,
 ) -> list[str]:
     """Load a server; tell the figures; return what misses its bar."""
     with served() as server:
@@ -202,10 +202,10 @@ def measure(
     missed = [f"errors: {name}" for name in taken.statuses if "Retry-After" not in name]
     if most > most_health:
         missed.append(f"/healthz: {1e3 * most:.0f} ms at the 99th percentile")
-    if max(sizes) > MOST_MEMORY:
+    if max(sizes) > MAX_MEMORY:
         missed.append(f"memory: {max(sizes) / 1e6:.0f} MB")
     # In the first seconds threads and caches still get their first memory.
-    if seconds >= 60 and sizes[2] > MOST_GROWTH * sizes[1]:
+    if seconds >= 60 and sizes[2] > MAX_GROWTH * sizes[1]:
         missed.append(f"memory grows from {sizes[1] / 1e6:.0f} to {sizes[2] / 1e6:.0f} MB")
     if state["status"] != "running":
         missed.append(f"the job was {state['status']} and no load any more")

@@ -165,7 +165,7 @@ def events_in_plane(groups: Groups) -> list[str]:
 def events_in_space(groups: Groups, multiples: Array) -> list[str]:
     """Return the signatures of the events of each period of the cycle of each cell."""
     rows, _ = cells_of(groups, **SPATIAL)
-    most, found = int(SPATIAL["most_periods"]), []
+    most, found = int(SPATIAL["max_periods"]), []
     history, work = new_history(most, NEVER), new_work()
     for row, multiple in zip(rows, multiples, strict=True):
         if not multiple > 0:

@@ -26,7 +26,7 @@ from core.motion.result import COLUMNS
 from core.quantities import MOTION_STATUSES
 
 Groups = dict[str, np.ndarray]
-SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
 LIMIT = 0.05  # s of processor time, of the slowest point
 
 

@@ -87,7 +87,7 @@ def conveying(random: Random) -> Content:
     slow = method.startswith(("reference", "regularised"))
     most = 60 if slow else 5000
     settings = {
-        "most_periods": lambda: int(log_uniform(random, 8, most)),
+        "max_periods": lambda: int(log_uniform(random, 8, most)),
         "steps_per_period": lambda: int(log_uniform(random, 20, 3000)),
         "tolerance": lambda: (
             log_uniform(random, 1e-9, 1e-5) if slow else log_uniform(random, 1e-13, 1e-6)

@@ -35,7 +35,7 @@ def main() -> None:
         count = arguments.motions if most == PERIODS[0] else max(1, arguments.motions // 4)
         started = time.perf_counter()
         found = [
-            reference_motion(**{n: float(v[cell]) for n, v in groups.items()}, most_periods=most)
+            reference_motion(**{n: float(v[cell]) for n, v in groups.items()}, max_periods=most)
             for cell in range(count)
         ]
         took = (time.perf_counter() - started) / count

@@ -16,8 +16,8 @@ import numpy as np
 import vibrafeed
 
 DRIVE: dict[str, Any] = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
-ROW: dict[str, Any] = {"scene": "row-on-plane", "friction": 0.4, "most_periods": 100}
-MOST_AMPLITUDE = 6e-4  # m, a throw number of 2.5
+ROW: dict[str, Any] = {"scene": "row-on-plane", "friction": 0.4, "max_periods": 100}
+MAX_AMPLITUDE = 6e-4  # m, a throw number of 2.5
 
 
 def milliseconds(study: Callable[[int], object], cells: int) -> float:
@@ -32,7 +32,7 @@ def of_rows(parts: int, **more: Any) -> Callable[[int], object]:
     """Return studies of so many rows of random friction and drive."""
 
     def study(cells: int) -> object:
-        amplitudes = np.random.default_rng(cells).uniform(1e-4, MOST_AMPLITUDE, 20)
+        amplitudes = np.random.default_rng(cells).uniform(1e-4, MAX_AMPLITUDE, 20)
         return vibrafeed.simulate(
             **ROW, **DRIVE, **more, parts=parts, friction_spread=0.08,
             amplitude=np.sort(amplitudes[: max(1, cells // 50)]),
@@ -52,7 +52,7 @@ def main() -> None:
         print(f"{parts:5} parts {milliseconds(of_rows(parts), cells):26.2f}")
     held = of_rows(10, fixed_stop_gap=0)
     print(f"   10 parts at a fixed stop {milliseconds(held, cells):9.2f}")
-    amplitudes = np.linspace(1e-4, MOST_AMPLITUDE, cells)
+    amplitudes = np.linspace(1e-4, MAX_AMPLITUDE, cells)
 
     def equal(scene: str, **more: Any) -> Callable[[int], object]:
         return lambda count: vibrafeed.simulate(

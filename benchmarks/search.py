@@ -70,7 +70,7 @@ class Design:
             friction_kinetic=np.asarray(self.friction),
             restitution=np.asarray(self.restitution),
             tolerance=np.asarray(1e-12),
-            most_periods=np.asarray(1000.0 if self.restitution == 0 else 64.0),
+            max_periods=np.asarray(1000.0 if self.restitution == 0 else 64.0),
         )
         values[kept] = motion.velocity * GRAVITY / w[kept]
         return values
@@ -174,7 +174,7 @@ def longer(design: Design, beta: float, varied: float) -> tuple[float, float]:
         "friction_kinetic": design.friction,
         "restitution": design.restitution,
         "tolerance": 1e-12,
-        "most_periods": 6400.0,
+        "max_periods": 6400.0,
     }
     motion = planar_motion(**{name: np.asarray(value) for name, value in groups.items()})
     return float(motion.velocity) * GRAVITY / w, float(motion.spread) * GRAVITY / w

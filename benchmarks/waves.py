@@ -22,8 +22,8 @@ from core.motion.kernels.arrays import NEVER
 from core.motion.result import COLUMNS
 from core.motion.waves import ENDS, TURN, Wave
 
-PLANAR = {"tolerance": 1e-12, "most_periods": 1000.0}
-SPATIAL = {"tolerance": 1e-10, "most_periods": 400.0}
+PLANAR = {"tolerance": 1e-12, "max_periods": 1000.0}
+SPATIAL = {"tolerance": 1e-10, "max_periods": 400.0}
 
 Pick = np.random.Generator
 

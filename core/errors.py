@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-MOST_PROBLEMS = 100  # that are told one by one
+MAX_PROBLEMS = 100  # that are told one by one
 
 
 @dataclass(frozen=True)

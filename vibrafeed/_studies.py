@@ -263,7 +263,7 @@ def study(
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
-    most_periods: int | None = None,
+    max_periods: int | None = None,
     steps_per_period: int | None = None,
     slip_speed: float | None = None,
     contact_stiffness: float | None = None,
@@ -1102,7 +1102,7 @@ def simulate(
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
-    most_periods: int | None = None,
+    max_periods: int | None = None,
     steps_per_period: int | None = None,
     slip_speed: float | None = None,
     contact_stiffness: float | None = None,
@@ -1315,8 +1315,8 @@ def simulate(
         the study does not give them itself.
     tolerance : float, optional
         Largest error of a periodic state, as a share of the drive.
-    most_periods : int, optional
-        Most periods of the drive that one point is followed for.
+    max_periods : int, optional
+        Largest number of drive periods that one point is followed for.
     steps_per_period : int, optional
         Time steps in a period, of time-stepping; steps times periods are 25 million at most.
     slip_speed : float, optional
@@ -3162,7 +3162,7 @@ def calibrate(
     points: int | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
-    most_periods: int | None = None,
+    max_periods: int | None = None,
     steps_per_period: int | None = None,
     slip_speed: float | None = None,
     contact_stiffness: float | None = None,
@@ -3388,8 +3388,8 @@ def calibrate(
         the study does not give them itself.
     tolerance : float, optional
         Largest error of a periodic state, as a share of the drive.
-    most_periods : int, optional
-        Most periods of the drive that one point is followed for.
+    max_periods : int, optional
+        Largest number of drive periods that one point is followed for.
     steps_per_period : int, optional
         Time steps in a period, of time-stepping; steps times periods are 25 million at most.
     slip_speed : float, optional
@@ -3801,7 +3801,7 @@ def drive_error(
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
-    most_periods: int | None = None,
+    max_periods: int | None = None,
     steps_per_period: int | None = None,
     slip_speed: float | None = None,
     contact_stiffness: float | None = None,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from core.study.shown import ShownUnits
 
 DIGITS = 4
-MOST_ROWS = 20
+MAX_ROWS = 20
 
 
 def show_findings(result: Table, units: ShownUnits) -> None:
@@ -67,10 +67,10 @@ def _show_runs(result: Table, units: ShownUnits) -> None:
             f"{text(low[k])} to {text(high[k])}",
             "-" if np.isnan(over[k]) else number(over[k], 2),
         )
-        for k in range(min(len(measured), MOST_ROWS))
+        for k in range(min(len(measured), MAX_ROWS))
     ]
     unit = f" [{shown.unit}]" if shown.unit else ""
     table(("run", f"measured{unit}", f"predicted{unit}", "95 % of the posterior",
            "residual / error"), rows)  # fmt: skip
-    if len(measured) > MOST_ROWS:
-        say(f"  {len(measured) - MOST_ROWS:,} further runs stand in the file.")
+    if len(measured) > MAX_ROWS:
+        say(f"  {len(measured) - MAX_ROWS:,} further runs stand in the file.")

@@ -27,7 +27,7 @@ from core.study.unusual import questions
 if TYPE_CHECKING:
     from core.dataset.table import Table
 
-MOST_SHOWN = 20  # rows on the screen
+MAX_SHOWN = 20  # rows on the screen
 WAYS = (
     ("stick", "sticks"),
     ("forward", "slides forward"),
@@ -200,7 +200,7 @@ def _show_many(table: Table, shown: Any) -> None:
     ]
     answers = ("conveying_velocity", "conveying_velocity_error", "regime", "lookup_status")
     columns = {
-        c.name: frame.piece(c, 0, MOST_SHOWN) for c in frame.columns if c.name in (*names, *answers)
+        c.name: frame.piece(c, 0, MAX_SHOWN) for c in frame.columns if c.name in (*names, *answers)
     }
     has_value = [bool(np.isfinite(speed)) for speed in columns[answers[0]]]
     rows = [
@@ -211,12 +211,12 @@ def _show_many(table: Table, shown: Any) -> None:
             str(columns["regime"][k]).replace("_", " ") if has_value[k] else "-",
             str(columns["lookup_status"][k]).replace("_", " "),
         )
-        for k in range(min(frame.rows, MOST_SHOWN))
+        for k in range(min(frame.rows, MAX_SHOWN))
     ]
     headings = (*names, f"speed [{unit.unit}]", "error", "regime", "status")
     console.table(headings, rows, right=headings[:-2])
-    if frame.rows > MOST_SHOWN:
-        console.say(f"  and {frame.rows - MOST_SHOWN:,} more: write them all with -o speeds.csv")
+    if frame.rows > MAX_SHOWN:
+        console.say(f"  and {frame.rows - MAX_SHOWN:,} more: write them all with -o speeds.csv")
 
 
 def _parameter_columns(table: Table) -> list[str]:

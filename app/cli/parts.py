@@ -16,7 +16,7 @@ from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
 from core.dataset.records import Records
 from core.errors import Problem, VibrafeedError
-from core.plan.parts import ANSWERS, MOST_PARTS, SHARDS, PartsMissingError, ranges
+from core.plan.parts import ANSWERS, MAX_PARTS, SHARDS, PartsMissingError, ranges
 from core.sweep.targets import is_zarr
 from core.watch import Watch
 
@@ -82,8 +82,8 @@ def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
         problem = Problem("output", message, "Write -o result.zarr, or s3://bucket/key")
     elif prepared.part_of == ANSWERS and is_zarr(target):
         problem = Problem("output", "what is reduced goes to NetCDF", "Write -o result.nc")
-    elif not 1 <= count <= MOST_PARTS:
-        problem = Problem("part", f"{count:,} parts", f"Take 1 to {MOST_PARTS:,}")
+    elif not 1 <= count <= MAX_PARTS:
+        problem = Problem("part", f"{count:,} parts", f"Take 1 to {MAX_PARTS:,}")
     else:
         return prepared.parts(target, count)
     return refuse({path: [problem]})

@@ -17,7 +17,7 @@ from app.jobs.store import Store
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
 COLUMNS = ("study", "state", "files")
-MOST_FILES = 3  # that are named of one study
+MAX_FILES = 3  # that are named of one study
 
 
 def scrub(
@@ -48,8 +48,8 @@ def scrub(
             counts[damage.state] = counts.get(damage.state, 0) + 1
             read += damage.bytes
             if damage.state in (BROKEN, ORPHANED):
-                more = len(damage.files) - MOST_FILES
-                named = ", ".join(damage.files[:MOST_FILES]) + (f" and {more:,} more" * (more > 0))
+                more = len(damage.files) - MAX_FILES
+                named = ", ".join(damage.files[:MAX_FILES]) + (f" and {more:,} more" * (more > 0))
                 rows.append((damage.name[:SHOWN], damage.state, named))
             if damage.state == BROKEN and repair:
                 store.take_away(damage.name, store.folder(damage.name) / damage.files[0])

@@ -19,7 +19,7 @@ DEFAULT_DIGITS = 6
 """Digits of a default: those of standard gravity."""
 
 SPAN_DIGITS = 2
-MOST_DIGITS = 15
+MAX_DIGITS = 15
 WHOLE = 1e7  # below it a whole number is shown in full
 PLAIN = (1e-4, 1e7)  # sizes that are written without an exponent
 
@@ -57,5 +57,5 @@ def ends(
     digits, span = DIGITS, largest - least
     if 0 < span < size:
         digits = SPAN_DIGITS + math.floor(math.log10(size)) - math.floor(math.log10(span))
-        digits = min(max(DIGITS, digits), MOST_DIGITS)
+        digits = min(max(DIGITS, digits), MAX_DIGITS)
     return shown.unit, number(shown.factor * least, digits), number(shown.factor * largest, digits)

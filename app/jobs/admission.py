@@ -23,7 +23,7 @@ logger = logging.getLogger("vibrafeed.store")
 
 SCRUBBED = 4_000_000_000  # bytes that a turn of scrubbing reads, or one result more
 DAY = 86_400.0
-MOST_JOBS = 100_000  # that are over, of which the ledger tells
+MAX_JOBS = 100_000  # that are over, of which the ledger tells
 REPORT_BYTES = 10_000_000  # of an accuracy report
 
 
@@ -287,7 +287,7 @@ class Admission:
     def tidy(self) -> None:
         """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""
         before = time.time() - self._settings.retention_days * DAY
-        self.ledger.forget(before, MOST_JOBS)
+        self.ledger.forget(before, MAX_JOBS)
         audit.forget(self.ledger.database)
         self.store.remove_leftovers()
         for key in self.store.studies():

@@ -12,7 +12,7 @@ from sqlalchemy import select
 from app.jobs.database import Database
 from app.jobs.tables import AUDIT
 
-MOST_ENTRIES = 100_000  # the latest; older ones go when the service tidies up
+MAX_ENTRIES = 100_000  # the latest; older ones go when the service tidies up
 
 Action = Literal["post", "dismiss", "share", "unshare", "add key", "withdraw key", "refuse key"]
 
@@ -53,7 +53,7 @@ def latest(database: Database, most: int) -> list[AuditEntry]:
     return [AuditEntry(*row) for row in database.read(newest)]
 
 
-def forget(database: Database, most: int = MOST_ENTRIES) -> None:
+def forget(database: Database, most: int = MAX_ENTRIES) -> None:
     """Remove all entries but so many, the latest."""
     oldest = select(AUDIT.c.id).order_by(AUDIT.c.time.desc(), AUDIT.c.id).offset(most)
     with database.transaction() as connection:

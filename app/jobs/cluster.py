@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-MOST_FAILURES = 10  # workers that die under one block
+MAX_FAILURES = 10  # workers that die under one block
 BEGUN = "vibrafeed-begun"  # Dask's topic under which workers tell what they begin
 RESTART = 30.0  # s that a worker may take to end and come again
 PATIENCE = 1.0  # s that a worker may take to end before it is killed
@@ -184,7 +184,7 @@ def _local(distributed: Any, workers: int) -> Any:
     # A worker may be killed for reasons that are not its block's.
     dask.config.set(
         {
-            "distributed.scheduler.allowed-failures": MOST_FAILURES,
+            "distributed.scheduler.allowed-failures": MAX_FAILURES,
             # No pages beside ours.
             "distributed.scheduler.http.routes": [],
             "distributed.worker.http.routes": [],

@@ -23,7 +23,7 @@ from core.errors import VibrafeedError
 
 logger = logging.getLogger("vibrafeed.jobs")
 
-MOST_TORN = 3  # times that one block is found damaged
+MAX_TORN = 3  # times that one block is found damaged
 LASTS = 10  # blocks' time; what lasts longer leaves a worker to others
 
 
@@ -183,7 +183,7 @@ class Dispatcher:
                 await self._on_worker(progress, work.write_result, *about, spent)
             except TornBlockError as error:
                 torn[str(error)] += 1
-                if torn[str(error)] == MOST_TORN:
+                if torn[str(error)] == MAX_TORN:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": item.key})
             else:

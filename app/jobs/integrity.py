@@ -14,7 +14,7 @@ from pathlib import Path
 
 PIECE = 1 << 20
 LARGE = 8 << 20  # bytes; what is read in some milliseconds does not wait behind what is larger
-MOST_KNOWN = 100_000  # files
+MAX_KNOWN = 100_000  # files
 
 
 class Integrity:
@@ -57,7 +57,7 @@ class Integrity:
         if _mark(os.fstat(file.fileno()), digest) == mark:
             with self._lock:
                 self._known[mark] = None
-                while len(self._known) > MOST_KNOWN:
+                while len(self._known) > MAX_KNOWN:
                     self._known.popitem(last=False)
         return True
 

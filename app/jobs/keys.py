@@ -35,7 +35,7 @@ LOOK = 1.0  # s between looks at the ledger, in which keys may have been made or
 SHOWN = 8  # digits of a hash that name a key of the settings
 DAY = 86_400.0
 MOST = 10**18  # of a limit: what any database holds
-MOST_DAYS = 36_500
+MAX_DAYS = 36_500
 
 
 @dataclass(frozen=True)
@@ -230,7 +230,7 @@ def _wrong(key: Key, days: float | None) -> list[Problem]:
         if limit is not None and not 1 <= limit <= MOST:
             fix = "Give a whole number of 1 or more, or leave it out for no limit"
             found.append(Problem(name, f"{limit:g} cannot be", fix))
-    if days is not None and not 0 < days <= MOST_DAYS:
-        fix = f"Give more than 0 and at most {MOST_DAYS:,}, or leave it out for no end"
+    if days is not None and not 0 < days <= MAX_DAYS:
+        fix = f"Give more than 0 and at most {MAX_DAYS:,}, or leave it out for no end"
         found.append(Problem("days", f"{days:g} cannot be", fix))
     return found

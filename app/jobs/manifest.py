@@ -10,7 +10,7 @@ from typing import Any
 
 NETCDF, ZARR, JSON = "result.nc", "result.zarr", "result.json"
 MANIFEST = "manifest.json"
-MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
+MAX_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError
 from core.intake import prepare_content
-from core.plan.parts import ANSWERS, MOST_PARTS, SHARDS, Parts, PartsMissingError
+from core.plan.parts import ANSWERS, MAX_PARTS, SHARDS, Parts, PartsMissingError
 from core.plan.prepared import Prepared
 from core.watch import Watch
 
 FEWEST_SECONDS = 10.0
 """What a task of a scheduler takes at least: less is not worth its telling."""
-MOST_TASKS = 10_000
+MAX_TASKS = 10_000
 """More are too many for one scheduler."""
 REDUCED_CELLS = 500_000_000  # of a part of a job: a second or two
 
@@ -35,7 +35,7 @@ def compute_part(study: str, where: str, count: int, part: int) -> bytes:
 def sensible_count(prepared: Prepared) -> int:
     """Return the number of parts of which each takes a core some ten seconds or more."""
     seconds = prepared.seconds_in_parts()
-    return int(max(1, min(MOST_TASKS, prepared.boxes, seconds / FEWEST_SECONDS)))
+    return int(max(1, min(MAX_TASKS, prepared.boxes, seconds / FEWEST_SECONDS)))
 
 
 # --- parts of a job of the service
@@ -73,7 +73,7 @@ def parts_of_job(store: Store, key: str, prepared: Prepared) -> Parts:
 
 def count_of(prepared: Prepared) -> int:
     """Return the number of parts of a job: tiles, or what takes a second or two to reduce."""
-    most = min(prepared.boxes, MOST_PARTS)
+    most = min(prepared.boxes, MAX_PARTS)
     if prepared.part_of == SHARDS:
         return most
     return max(1, min(prepared.cells // REDUCED_CELLS, most))

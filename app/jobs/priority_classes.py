@@ -12,7 +12,7 @@ from core.assurance.accuracy.families import SECONDS
 from core.kinds import KINDS
 
 SHORT = 10  # blocks' time; what takes longer is long
-MOST_KNOWN = 1000
+MAX_KNOWN = 1000
 
 
 class PriorityClasses:
@@ -57,7 +57,7 @@ class PriorityClasses:
         """Return how long an item is expected to take on one core [s]."""
         if item.key not in self._prices:
             self._prices[item.key] = self._priced(item)
-            while len(self._prices) > MOST_KNOWN:
+            while len(self._prices) > MAX_KNOWN:
                 self._prices.popitem(last=False)
         return self._prices[item.key]
 

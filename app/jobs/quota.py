@@ -18,7 +18,7 @@ from app.settings import Settings
 COUNTED_EVERY = 60.0  # s; counting looks at every file
 RIGHT_FOR = 1.0  # s; a count that something is refused or removed for is no older
 SPARE = 0.01  # of the disk, left to others
-MOST_SPARE = 100_000_000  # bytes
+MAX_SPARE = 100_000_000  # bytes
 
 
 class Quota:
@@ -192,7 +192,7 @@ class Quota:
         owed = sum(max(0, size - self._sizes.get(key, 0)) for key, size in promised.items())
         with contextlib.suppress(FileNotFoundError):
             disk = shutil.disk_usage(self._settings.data_directory)
-            return in_quota, owed + int(min(SPARE * disk.total, MOST_SPARE)) - disk.free
+            return in_quota, owed + int(min(SPARE * disk.total, MAX_SPARE)) - disk.free
         return in_quota, 0
 
     def _count(self, age: float) -> None:

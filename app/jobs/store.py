@@ -31,7 +31,7 @@ from app.jobs.integrity import Integrity
 from app.jobs.manifest import (
     JSON,
     MANIFEST,
-    MOST_JSON_VALUES,
+    MAX_JSON_VALUES,
     NETCDF,
     ZARR,
     Making,
@@ -175,7 +175,7 @@ class Store(Blocks):
             write_netcdf(table, folder / NETCDF)
             names = [NETCDF]
             values = sum(variable.values.size for variable in table.variables.values())
-            if values <= MOST_JSON_VALUES:
+            if values <= MAX_JSON_VALUES:
                 document = to_document(table.with_price({}))
                 with kept(folder / JSON) as temporary:
                     temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))

@@ -22,8 +22,8 @@ from core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
-MOST_KNOWN = 64  # short studies that are kept in memory, and long ones beside them
-MOST_KNOWN_BYTES = 8_000_000  # of the texts of either; values take three times that in memory
+MAX_KNOWN = 64  # short studies that are kept in memory, and long ones beside them
+MAX_KNOWN_BYTES = 8_000_000  # of the texts of either; values take three times that in memory
 LONG = 20_000  # bytes of a text; long studies do not push out short ones
 
 
@@ -104,8 +104,7 @@ class Studies:
             recent[key], self._sizes[key] = found, len(content)
             recent.move_to_end(key)
             while (
-                len(recent) > MOST_KNOWN
-                or sum(self._sizes[one] for one in recent) > MOST_KNOWN_BYTES
+                len(recent) > MAX_KNOWN or sum(self._sizes[one] for one in recent) > MAX_KNOWN_BYTES
             ):
                 del self._sizes[recent.popitem(last=False)[0]]
         return found

@@ -20,7 +20,7 @@ from app.web.wrong_keys import WrongKeys
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
-MOST_GIVEN = 2  # in one request: each takes a look at all keys
+MAX_GIVEN = 2  # in one request: each takes a look at all keys
 SOON = 0.01  # s between looks at whether another request has read the keys
 
 
@@ -72,7 +72,7 @@ class Entry:
             _enter(scope, NOBODY)
             return None
         given = set(_given(headers))
-        if len(given) > MOST_GIVEN:
+        if len(given) > MAX_GIVEN:
             return _without(f"{len(given):,} keys are sent. Send one.")
         if not given:
             return _without("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")

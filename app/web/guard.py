@@ -32,8 +32,8 @@ DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
-MOST_QUERY = 8_192  # bytes; reading a query takes longer than it is long
-MOST_NAMES = 256  # of a query
+MAX_QUERY = 8_192  # bytes; reading a query takes longer than it is long
+MAX_NAMES = 256  # of a query
 SHARE = 4  # one key has at most this part of the requests that may be under way
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
@@ -143,8 +143,8 @@ class Guard:
             detail = "The path holds characters that no resource has in its name."
             return problem_document(404, "not-found", "There is no such resource", detail)
         query = scope["query_string"]
-        if len(query) > MOST_QUERY or query.count(b"&") >= MOST_NAMES:
-            detail = f"A query has at most {MOST_QUERY:,} bytes and {MOST_NAMES} names."
+        if len(query) > MAX_QUERY or query.count(b"&") >= MAX_NAMES:
+            detail = f"A query has at most {MAX_QUERY:,} bytes and {MAX_NAMES} names."
             return problem_document(414, "query", "The query is too long", detail)
         try:
             if not (is_open(path) and self.entry.keys.is_known):

@@ -24,7 +24,7 @@ logger = logging.getLogger("vibrafeed.requests")
 
 REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 CLIENT_LEFT = 499  # what proxies log where a client went before it was answered
-MOST_LEFT_LINES = 20  # a second
+MAX_LEFT_LINES = 20  # a second
 NO_ROUTE = "(none)"
 
 
@@ -34,7 +34,7 @@ class Observe:
     def __init__(self, app: ASGIApp, metrics: Metrics, traces: Traces | None = None):
         self.app = app
         self.metrics, self.traces = metrics, traces
-        self._left = _Sparing(MOST_LEFT_LINES)
+        self._left = _Sparing(MAX_LEFT_LINES)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; write its line when its reply has ended."""

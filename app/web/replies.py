@@ -9,7 +9,7 @@ import orjson
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from core.errors import MOST_PROBLEMS, Problem
+from core.errors import MAX_PROBLEMS, Problem
 
 PROBLEM_TYPE = "application/problem+json"
 
@@ -115,9 +115,9 @@ def problem_document(
     Of many problems it names the first, and says how many there are besides.
     """
     problems = tuple(problems)
-    if len(problems) > MOST_PROBLEMS:
-        more = len(problems) - MOST_PROBLEMS
-        detail += f" The first {MOST_PROBLEMS} are named; there are {more:,} more."
+    if len(problems) > MAX_PROBLEMS:
+        more = len(problems) - MAX_PROBLEMS
+        detail += f" The first {MAX_PROBLEMS} are named; there are {more:,} more."
     content: dict[str, Any] = {
         "type": kind if ":" in kind else f"urn:vibrafeed:problem:{kind}",
         "title": title,
@@ -127,7 +127,7 @@ def problem_document(
     if instance:
         content["instance"] = instance
     errors = [
-        {"place": p.place, "message": p.message, "fix": p.fix} for p in problems[:MOST_PROBLEMS]
+        {"place": p.place, "message": p.message, "fix": p.fix} for p in problems[:MAX_PROBLEMS]
     ]
     if errors:
         content["errors"] = errors

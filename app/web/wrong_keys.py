@@ -12,12 +12,12 @@ logger = logging.getLogger("vibrafeed.keys")
 
 REMEMBERED = 60.0  # s for which a wrong key counts
 SLOWER = 0.1  # s that each of them adds to the next one's wait
-MOST_WAIT = 3.0  # s
-MOST_WAITING = 4  # of one address; more are refused at once
-MOST_WAITING_IN_ALL = 64
-MOST_ADDRESSES = 10_000
-MOST_COUNTED = 100  # of one address
-MOST_NOTED = 10  # entries in the audit a minute: each is written to the disk
+MAX_WAIT = 3.0  # s
+MAX_WAITING = 4  # of one address; more are refused at once
+MAX_WAITING_IN_ALL = 64
+MAX_ADDRESSES = 10_000
+MAX_COUNTED = 100  # of one address
+MAX_NOTED = 10  # entries in the audit a minute: each is written to the disk
 
 
 class WrongKeys:
@@ -33,18 +33,18 @@ class WrongKeys:
         self._note = note
         self._times: OrderedDict[str, deque[float]] = OrderedDict()
         self._waiting: Counter[str] = Counter()
-        self._noted: deque[float] = deque(maxlen=MOST_NOTED)
+        self._noted: deque[float] = deque(maxlen=MAX_NOTED)
 
     async def slowed(self, address: str, name: str) -> bool:
         """Wait as long as a wrong key has to; return False at once if too many wait already."""
         count = self._count(address)
         if count == 1:
             await self._write_down(address, name)
-        if self._waiting[address] >= MOST_WAITING or self._waiting.total() >= MOST_WAITING_IN_ALL:
+        if self._waiting[address] >= MAX_WAITING or self._waiting.total() >= MAX_WAITING_IN_ALL:
             return False
         self._waiting[address] += 1
         try:
-            await sleep(min(MOST_WAIT, SLOWER * (count - 1)))
+            await sleep(min(MAX_WAIT, SLOWER * (count - 1)))
         finally:
             self._waiting[address] -= 1
             if not self._waiting[address]:
@@ -54,9 +54,9 @@ class WrongKeys:
     def _count(self, address: str) -> int:
         """Count one more; return how many came in the last minute."""
         now = time.monotonic()
-        times = self._times.setdefault(address, deque(maxlen=MOST_COUNTED))
+        times = self._times.setdefault(address, deque(maxlen=MAX_COUNTED))
         self._times.move_to_end(address)
-        if len(self._times) > MOST_ADDRESSES:
+        if len(self._times) > MAX_ADDRESSES:
             self._times.popitem(last=False)
         while times and now - times[0] > REMEMBERED:
             times.popleft()
@@ -66,7 +66,7 @@ class WrongKeys:
     async def _write_down(self, address: str, name: str) -> None:
         """Note the first of an address; no more than some a minute in all."""
         now = time.monotonic()
-        if len(self._noted) == MOST_NOTED and now - self._noted[0] < REMEMBERED:
+        if len(self._noted) == MAX_NOTED and now - self._noted[0] < REMEMBERED:
             return
         self._noted.append(now)
         try:

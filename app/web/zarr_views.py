@@ -8,7 +8,7 @@ from collections import OrderedDict
 from app.jobs.store import Store
 from core.sweep.zarr_view import ZarrView
 
-MOST_VIEWS = 64  # each holds a study and the documents of its arrays: some 100 KB
+MAX_VIEWS = 64  # each holds a study and the documents of its arrays: some 100 KB
 
 
 class ZarrViews:
@@ -45,7 +45,7 @@ class ZarrViews:
         view = ZarrView(self._store.sweep(key), chunks=chunks)
         with self._lock:
             self._views[place] = view
-            while len(self._views) > MOST_VIEWS:
+            while len(self._views) > MAX_VIEWS:
                 self._views.popitem(last=False)
         return view
 

@@ -19,13 +19,13 @@ from typing import Any
 from core.assurance.case import Case
 from core.assurance.catalogue import FAMILIES, cases
 from core.assurance.forms import forms
-from core.errors import MOST_PROBLEMS, Problem, StudyError
+from core.errors import MAX_PROBLEMS, Problem, StudyError
 from core.suggestions import suggestion
 
 FORMAT = "vibrafeed-answers-1"
-MOST_RANDOM = 10_000
+MAX_RANDOM = 10_000
 """Members of a form under one seed."""
-MOST_SEEDS = 100
+MAX_SEEDS = 100
 
 _RANDOM = re.compile(r"(.+)-r(\d{1,9})\.(\d{1,9})")
 _KEYS = {"format", "program", "answers"}
@@ -99,7 +99,7 @@ def answers_of(content: object) -> ProgramAnswers:
         if not _is_answer(value)
     ]
     if wrong:
-        raise StudyError(wrong[:MOST_PROBLEMS])
+        raise StudyError(wrong[:MAX_PROBLEMS])
     return ProgramAnswers(program, asked, answers)
 
 
@@ -121,8 +121,8 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
             continue
         key, number = (found[1], int(found[2])), int(found[3])
         seeds = {seed for _, seed in most} | {key[1]}
-        if number > MOST_RANDOM or len(seeds) > MOST_SEEDS:
-            fix = f"Take numbers up to {MOST_RANDOM:,}, and at most {MOST_SEEDS} seeds"
+        if number > MAX_RANDOM or len(seeds) > MAX_SEEDS:
+            fix = f"Take numbers up to {MAX_RANDOM:,}, and at most {MAX_SEEDS} seeds"
             wrong.append(Problem(f"answers.{name}", "it is too far out", fix))
         else:
             most[key] = max(most.get(key, 0), number)
@@ -132,6 +132,6 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
     unknown = [name for name in names if name not in known and f"answers.{name}" not in told]
     wrong += [
         Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
-        for name in unknown[:MOST_PROBLEMS]
+        for name in unknown[:MAX_PROBLEMS]
     ]
     return tuple(problem for name, problem in known.items() if name in names), wrong

@@ -82,8 +82,8 @@ TYPICAL: dict[str, Any] = {
 """A value, or three, of every parameter; together they make sense in every scene."""
 
 SETTINGS: dict[str, dict[str, Any]] = {
-    "events": {"most_periods": 50},
-    "time-stepping": {"steps_per_period": 50, "most_periods": 20},
+    "events": {"max_periods": 50},
+    "time-stepping": {"steps_per_period": 50, "max_periods": 20},
 }
 """Settings of methods of motion, so that a count takes no long; other methods are not measured."""
 

@@ -14,8 +14,8 @@ from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_number
 from core.suggestions import suggestion
 
-MOST_ROWS: Final = 2_000_000
-MOST_TOLD: Final = 20  # problems of cells
+MAX_ROWS: Final = 2_000_000
+MAX_TOLD: Final = 20  # problems of cells
 
 _HEADING = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])])?\s*")
 
@@ -39,9 +39,9 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
         raise StudyError([Problem("rows", "it is not UTF-8 text", "Save it as UTF-8")]) from None
     delimiter = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
     heading, *body = [row for row in csv.reader(lines, delimiter=delimiter) if any(row)] or [[]]
-    if not body or len(body) > MOST_ROWS:
+    if not body or len(body) > MAX_ROWS:
         message = f"it has {len(body):,} rows of values" if body else "it holds no rows of values"
-        fix = f"Give names of parameters on top, and 1 to {MOST_ROWS:,} rows below"
+        fix = f"Give names of parameters on top, and 1 to {MAX_ROWS:,} rows below"
         raise StudyError([Problem("rows", message, fix)])
     names, units, problems = _headings(heading)
     problems += [
@@ -49,7 +49,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
                 "Correct the row")
         for number, row in enumerate(body, 1)
         if len(row) != len(heading)
-    ][:MOST_TOLD]  # fmt: skip
+    ][:MAX_TOLD]  # fmt: skip
     if problems:
         raise StudyError(problems)
     columns = {
@@ -57,7 +57,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
         for k, (name, unit) in enumerate(zip(names, units, strict=True))
     }
     if problems:
-        raise StudyError(problems[:MOST_TOLD])
+        raise StudyError(problems[:MAX_TOLD])
     return columns
 
 

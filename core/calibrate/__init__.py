@@ -8,20 +8,20 @@ from core.lazy import lazily
 
 __all__ = [
     "KIND",
-    "MOST_UNKNOWNS",
+    "MAX_UNKNOWNS",
     "Calibration",
 ]
 
 if TYPE_CHECKING:
     from core.calibrate.calibration import Calibration
     from core.calibrate.kind import KIND
-    from core.calibrate.prepare import MOST_UNKNOWNS
+    from core.calibrate.prepare import MAX_UNKNOWNS
 else:
     __getattr__ = lazily(
         __name__,
         {
             "calibration": ("Calibration",),
             "kind": ("KIND",),
-            "prepare": ("MOST_UNKNOWNS",),
+            "prepare": ("MAX_UNKNOWNS",),
         },
     )

@@ -12,7 +12,7 @@ from core.mechanics.arrays import Array
 from core.watch import Watch
 
 STEP = 1e-5  # of the bounds' distance, of differences
-MOST_STEPS = 40
+MAX_STEPS = 40
 FAR = 1e3  # a residual, in errors, where a motion has no speed
 
 
@@ -57,7 +57,7 @@ class LeastSquares:
             xtol=1e-12,
             ftol=1e-14,
             gtol=1e-14,
-            max_nfev=MOST_STEPS,
+            max_nfev=MAX_STEPS,
         )
         if not 2.0 * optimum.cost < before @ before:
             return start

@@ -8,7 +8,7 @@ from itertools import combinations
 
 from core.calibrate.candidates import ENSEMBLE
 from core.calibrate.model import Model
-from core.calibrate.posterior import AXIS, MOST_MODES
+from core.calibrate.posterior import AXIS, MAX_MODES
 from core.calibrate.scatter import Likelihood
 from core.motion.method import Method
 from core.motion.prepare import price_of
@@ -132,7 +132,7 @@ class Calibration(Prepared):
     def sizes(self) -> dict[str, int]:
         """The length of each dimension; of modes the most that are told."""
         names = self.model.names
-        sizes = {RUN: len(self.model.runs), MODE: MOST_MODES}
+        sizes = {RUN: len(self.model.runs), MODE: MAX_MODES}
         sizes |= dict.fromkeys(names, AXIS[len(names)])
         if self.candidates:
             sizes |= {CANDIDATE + name: size for name, size in self.candidates.shape.items()}

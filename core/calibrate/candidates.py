@@ -11,7 +11,7 @@ from core.plan.grid import Grid
 from core.watch import Watch
 
 ENSEMBLE = 300  # points of the posterior
-MOST_CANDIDATES = 2_000
+MAX_CANDIDATES = 2_000
 PLACES = 240  # of a speed, at which densities are summed
 AROUND = 4.0  # deviations beyond the least and the largest speed
 CANDIDATES_AT_A_TIME = 50

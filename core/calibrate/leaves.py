@@ -20,7 +20,7 @@ from core.watch import Watch
 
 FIRST_SHARE = 4  # of all points, one in so many may be of the first leaves
 FINEST_FIRST = 8  # halvings of a bound to bound that the first leaves have at most
-MOST_BITS = 60  # of the number of a leaf: halvings times unknowns
+MAX_BITS = 60  # of the number of a leaf: halvings times unknowns
 ROUND = 0.8  # of the whole score, the share that is refined at a time
 ENOUGH = 0.01  # of the score: predictions change by a tenth of their errors
 BENT = 0.25  # of the square of what a leaf foretold wrongly: its halves bend less
@@ -264,5 +264,5 @@ def _score(likelihood: Likelihood, leaves: Leaves, log: Array) -> Array:
     rough = (leaves.rough[:, where] / known * slope).sum(axis=1)
     border = (leaves.shown * (1.0 - leaves.shown)).sum(axis=1)
     found: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + rough + border, 10.0)
-    found[leaves.halvings >= MOST_BITS // leaves.centre.shape[1]] = 0.0
+    found[leaves.halvings >= MAX_BITS // leaves.centre.shape[1]] = 0.0
     return found

@@ -37,7 +37,7 @@ OUTPUTS = (
 """Outputs of a motion that a calibration reads."""
 
 
-MOST_DEVIATIONS = 5.0
+MAX_DEVIATIONS = 5.0
 """From the mean of a normal distribution to either end of what is looked at."""
 NEXT_TO = 1e-3
 """Of a deviation: from a bound that is no value itself, such as a friction of 0."""
@@ -102,7 +102,7 @@ class Unknown:
         mean, deviation = self.prior.mean, self.prior.deviation
         if quantity.strict and lower == quantity.lower:
             lower += NEXT_TO * deviation
-        far = MOST_DEVIATIONS * deviation
+        far = MAX_DEVIATIONS * deviation
         return max(lower, mean - far), min(upper, mean + far)
 
     def away(self, values: Array) -> Array:

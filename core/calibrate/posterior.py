@@ -15,7 +15,7 @@ from core.calibrate.scatter import Likelihood, summed
 from core.mechanics.arrays import Array
 
 POINTS = 60_000  # within the leaves, about
-MOST_NUMBERS = 4_000_000  # points times runs
+MAX_NUMBERS = 4_000_000  # points times runs
 NEGLIGIBLE = 1e-7  # of the mass, in leaves that are left out
 AXIS = {1: 201, 2: 81, 3: 41, 4: 21}
 """Values of each unknown at which densities are told, by their number."""
@@ -27,7 +27,7 @@ LEAST_LOG = -700.0  # whose exponential is a number yet
 HIGHEST = (0.9, 0.99)  # of the mass, within which separate heaps are modes
 LEAST_MODE = 0.02
 DEEPEST = 50.0  # below the top of the logarithm of the density, where heaps are parted
-MOST_MODES = 6
+MAX_MODES = 6
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
     mass /= mass.sum()
     kept = mass > NEGLIGIBLE / len(mass)
     leaves = leaves.only(kept)
-    most = min(POINTS, max(2_000, MOST_NUMBERS // max(1, leaves.value.shape[1])))
+    most = min(POINTS, max(2_000, MAX_NUMBERS // max(1, leaves.value.shape[1])))
     each = int(np.clip(most // len(leaves), 1, 512))
     likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.sizes))
     share, where = _within(leaves, each)
@@ -175,7 +175,7 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
     share = np.clip((points - model.lower) / model.width, 0.0, 1.0 - 1e-15)
     where = _leaf_of(leaves, share)
     whole = np.empty(len(points))
-    step = max(1, MOST_NUMBERS // max(1, leaves.value.shape[1]))
+    step = max(1, MAX_NUMBERS // max(1, leaves.value.shape[1]))
     for start in range(0, len(points), step):
         some = slice(start, start + step)
         at = where[some]
@@ -310,7 +310,7 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
     """Return labels of the heaps that are heavy enough, from 1 on, and 0 elsewhere."""
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
-    heavy = [label for label in np.argsort(-shares)[:MOST_MODES] if shares[label] >= LEAST_MODE]
+    heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]
     number = np.zeros(shares.size, dtype=np.int16)
     number[heavy] = np.arange(1, len(heavy) + 1)
     return np.asarray(number[labels])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.calibrate.calibration import Calibration
-from core.calibrate.candidates import ENSEMBLE, MOST_CANDIDATES
+from core.calibrate.candidates import ENSEMBLE, MAX_CANDIDATES
 from core.calibrate.model import OUTPUTS, Model, Runs, Unknown
 from core.calibrate.scatter import Likelihood, Scatter
 from core.errors import Problem, StudyError
@@ -26,7 +26,7 @@ from core.study.observations import OBSERVED, Run, parameters_of, read_error
 from core.study.units import UnitError
 from core.study.values import Fixed, Points, Span, Values
 
-MOST_UNKNOWNS = 4
+MAX_UNKNOWNS = 4
 
 
 def prepare(study: CalibrateStudy) -> Calibration:
@@ -115,11 +115,11 @@ def _wrong_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
     if not count:
         fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
         yield Problem("unknowns", "nothing is looked for", fix)
-    if count > MOST_UNKNOWNS:
+    if count > MAX_UNKNOWNS:
         message = (
             f"there are {count} unknowns: a grid of that dimension would be too coarse to trust"
         )
-        fix = f"Look for {MOST_UNKNOWNS} at most: move those that matter least to the parameters"
+        fix = f"Look for {MAX_UNKNOWNS} at most: move those that matter least to the parameters"
         yield Problem("unknowns", message, fix)
 
 
@@ -246,9 +246,9 @@ def _wrong_candidates(
             where = "all runs share it" if name in shared else "no run has it"
             yield Problem(f"candidates.{name}", where, fix)
     cells = Grid.of(asked).cells if asked else 0
-    if cells > MOST_CANDIDATES:
+    if cells > MAX_CANDIDATES:
         message = f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions"
-        yield Problem("candidates", message, f"Give at most {MOST_CANDIDATES:,}")
+        yield Problem("candidates", message, f"Give at most {MAX_CANDIDATES:,}")
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
@@ -286,4 +286,4 @@ def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[P
         yield Problem("error", message, fix)
 
 
-__all__ = ["MOST_UNKNOWNS", "prepare"]
+__all__ = ["MAX_UNKNOWNS", "prepare"]

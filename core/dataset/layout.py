@@ -17,8 +17,8 @@ import numpy as np
 
 CHUNK_CELLS = 65_536  # 512 KiB of floats, 64 KiB of flags: a request pays, and none is long
 TILE_CELLS = 4_194_304  # 32 MiB of floats: long enough to write, and four of them are little memory
-MOST_PADDING = 1.05  # of chunks that are cut alike; beyond it, lengths are sought that fit better
-MOST_TRIED = 128  # longer pieces of nearly equal length pad less than one in so many
+MAX_PADDING = 1.05  # of chunks that are cut alike; beyond it, lengths are sought that fit better
+MAX_TRIED = 128  # longer pieces of nearly equal length pad less than one in so many
 
 Box = tuple[tuple[int, int], ...]
 """A part of an array: start and stop along each of its dimensions."""
@@ -173,12 +173,12 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
     (seven axes of 13 values: three times the array), lengths that fit the axes better are taken.
     """
     alike = _cut_alike(shape, most)
-    if math.prod(map(_padding, shape, alike)) <= MOST_PADDING:
+    if math.prod(map(_padding, shape, alike)) <= MAX_PADDING:
         return alike
     # The best lengths so far, for each size that a chunk can have, in steps of a quarter octave.
     best: dict[int, tuple[float, int, tuple[int, ...]]] = {0: (0.0, 1, ())}
     for size, fair in zip(shape, alike, strict=True):
-        near = {1, fair, *range(max(1, fair // 4), min(size, 4 * fair, MOST_TRIED) + 1)}
+        near = {1, fair, *range(max(1, fair // 4), min(size, 4 * fair, MAX_TRIED) + 1)}
         lengths = sorted({-(-size // -(-size // length)) for length in near})
         longer: dict[int, tuple[float, int, tuple[int, ...]]] = {}
         for cost, cells, before in best.values():

@@ -17,14 +17,14 @@ from core.dataset.files import whole
 from core.dataset.table import Table, TableVariable
 from core.errors import LimitError
 
-MOST_BYTES: Final = 2**31 - 2**20  # of one variable of a file of MATLAB's version 5
+MAX_BYTES: Final = 2**31 - 2**20  # of one variable of a file of MATLAB's version 5
 LONGEST: Final = 63  # characters of a name in MATLAB
 
 
 def check_bytes(size: int) -> None:
     """Raise `LimitError` if no MAT file holds so many bytes of values."""
-    if size > MOST_BYTES:
-        raise LimitError("bytes in a MAT file", size, MOST_BYTES, "Write NetCDF: MATLAB reads it")
+    if size > MAX_BYTES:
+        raise LimitError("bytes in a MAT file", size, MAX_BYTES, "Write NetCDF: MATLAB reads it")
 
 
 def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:

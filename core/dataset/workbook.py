@@ -20,7 +20,7 @@ from core.dataset.frame import Frame, FrameColumn, heading
 from core.errors import LimitError, MissingPackageError
 from core.extras import installing
 
-MOST_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
+MAX_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
 ROWS: Final = 1024  # between which the one who writes can be stopped
 PIECE: Final = 2**20  # bytes of a file at a time
 LONGEST: Final = 32_767  # characters of a cell of Excel
@@ -40,9 +40,9 @@ def openpyxl() -> Any:
 
 def check_rows_of_sheet(rows: int) -> None:
     """Raise `LimitError` if no sheet of Excel has so many rows."""
-    if rows > MOST_ROWS:
+    if rows > MAX_ROWS:
         fix = "Write CSV, Parquet or NetCDF, or fewer values on an axis"
-        raise LimitError("rows in a sheet of Excel", rows, MOST_ROWS, fix)
+        raise LimitError("rows in a sheet of Excel", rows, MAX_ROWS, fix)
 
 
 def xlsx(frame: Frame) -> Iterator[bytes]:

@@ -16,7 +16,7 @@ from core.kinds import KINDS
 from core.plan.plan import plan_scene, scene_parameters
 from core.plan.prepared import Prepared, names_meant
 from core.plan.sketch import Sketch
-from core.study.grid_study import MOST_OUTPUTS, PARAMETERS, Study
+from core.study.grid_study import MAX_OUTPUTS, PARAMETERS, Study
 from core.suggestions import nearest
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ class Draft:
             sketch = Sketch(scene, variant, method, outputs, names(()))
             chosen, variant, problems = kind.choose(sketch)
             given = names(scene_parameters(chosen, variant))
-            plan_scene(chosen, variant, outputs[:MOST_OUTPUTS], given)
+            plan_scene(chosen, variant, outputs[:MAX_OUTPUTS], given)
         except StudyError as error:
             problems = [*problems, *error.problems]
         places = {problem.place for problem in known.problems}

@@ -14,7 +14,7 @@ from core.intake.text import read_content
 from core.kinds import KINDS
 from core.scenes import SCENES
 from core.study.grid_study import PARAMETERS, Study
-from core.study.values import MOST_POINTS
+from core.study.values import MAX_POINTS
 
 KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
 """The keys that a study of any kind has beside its parameters."""
@@ -103,8 +103,8 @@ def plain(value: object, place: str) -> Any:
     if isinstance(value, list | tuple):
         return [plain(item, place) for item in value]
     if isinstance(value, range):
-        if value[MOST_POINTS:]:
-            most = f"One axis holds {MOST_POINTS:,} values at most; take a larger step"
+        if value[MAX_POINTS:]:
+            most = f"One axis holds {MAX_POINTS:,} values at most; take a larger step"
             raise StudyError([Problem(place, f"{value} is too long", most)])
         return list(value)
     if hasattr(value, "to_numpy"):  # labelled arrays, of pandas and xarray

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from core.errors import MOST_PROBLEMS, Problem
+from core.errors import MAX_PROBLEMS, Problem
 from core.intake.section import Section, Stranger
 from core.study.grid_study import PARAMETERS
 from core.suggestions import Suggestions
@@ -50,7 +50,7 @@ def problems_of(
         faults = [
             fault for fault in faults if not _is_outside(fault) and fault["loc"] != ("parameters",)
         ]
-    for fault in faults[:MOST_PROBLEMS]:
+    for fault in faults[:MAX_PROBLEMS]:
         path, tag, section = _path_of(fault, within, sections)
         if fault["type"] == "extra_forbidden":
             says = section.unknown if len(path) > 1 else unknown
@@ -58,8 +58,8 @@ def problems_of(
             problems.append(says(Stranger(path, place, tag, keys, parameters, suggest)))
         else:
             problems.append(_problem(fault, path, section, suggest))
-    if len(faults) > MOST_PROBLEMS:
-        more = f"{len(faults) - MOST_PROBLEMS:,} further problems are not listed"
+    if len(faults) > MAX_PROBLEMS:
+        more = f"{len(faults) - MAX_PROBLEMS:,} further problems are not listed"
         problems.append(Problem("study", more, "Fix these first"))
     return problems
 

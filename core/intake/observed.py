@@ -14,7 +14,7 @@ from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
 from core.measured.read import name_and_unit
 from core.study.grid_study import PARAMETERS
-from core.study.observations import MOST_RUNS, OBSERVED
+from core.study.observations import MAX_RUNS, OBSERVED
 
 SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")
@@ -72,7 +72,7 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
             for name, unit, cell in zip(names, units, [*line, *[""] * len(names)], strict=False)
             if name and str(cell).strip()
         }
-        for line in lines[1 : MOST_RUNS + 2]
+        for line in lines[1 : MAX_RUNS + 2]
     ]
 
 
@@ -128,7 +128,7 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
     except Exception as error:  # what a damaged workbook raises is of many kinds
         raise ValueError("it is not a workbook, or it is damaged") from error
     try:
-        for line in book.worksheets[0].iter_rows(values_only=True, max_row=MOST_RUNS + 2):
+        for line in book.worksheets[0].iter_rows(values_only=True, max_row=MAX_RUNS + 2):
             cells = ["" if cell is None else cell for cell in line]
             if any(str(cell).strip() for cell in cells):
                 yield cells

@@ -12,7 +12,7 @@ from core.errors import Problem
 from core.intake.section import Content, Resolved, Section
 from core.study.distributions import CALIBRATION
 
-MOST_BYTES = 200_000_000  # of a result
+MAX_BYTES = 200_000_000  # of a result
 DENSITY = "density_"
 """With the name of a parameter, the variable that holds its density."""
 
@@ -59,7 +59,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     if not isinstance(path, str):
         return Problem(place, "it is not a path", fix)
     try:
-        table = read_netcdf(Path(path), most_bytes=MOST_BYTES)
+        table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds
         return Problem(place, f"{path} cannot be read: {error}"[:300], fix)
     density = table.variables.get(f"{DENSITY}{name}")

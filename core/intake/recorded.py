@@ -20,7 +20,7 @@ from core.study.drive import (
     only_the_plain_sine,
 )
 
-MOST_ROWS_SENT = 20_000  # of a stranger's recording, whose fit takes a second
+MAX_ROWS_SENT = 20_000  # of a stranger's recording, whose fit takes a second
 DIGITS = 10  # of what is kept: more than a fit tells, fewer than differ between processors
 SENT = "data"  # the name of a recording without a file
 
@@ -36,7 +36,7 @@ def with_drive(content: Content, files: bool) -> Resolved:
     """Return the content of a study with the numbers of its recording, if it names one.
 
     What the study gives itself, as a parameter, variable or uncertain one, stays as it is.
-    Strangers may name no file of this machine, nor send more than `MOST_ROWS_SENT` rows.
+    Strangers may name no file of this machine, nor send more than `MAX_ROWS_SENT` rows.
     """
     if not names_recording(content):
         return Resolved(content)
@@ -133,16 +133,16 @@ def _which(files: bool) -> str:
 def _table(source: str | Path, place: str, files: bool) -> measured.RecordingTable:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
-    if not files and lines > 2 * MOST_ROWS_SENT:
+    if not files and lines > 2 * MAX_ROWS_SENT:
         raise StudyError([_too_long(place, lines, "lines")])
     table = measured.read_table(source)
-    if not files and len(table.lines) > MOST_ROWS_SENT:
+    if not files and len(table.lines) > MAX_ROWS_SENT:
         raise StudyError([_too_long(place, len(table.lines), "rows")])
     return table
 
 
 def _too_long(place: str, count: int, what: str) -> Problem:
-    message = f"it has {count:,} {what}, the limit over HTTP is {MOST_ROWS_SENT:,}"
+    message = f"it has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
     return Problem(place, message, "Cut it: one second of recording is enough")
 
 

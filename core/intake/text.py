@@ -15,7 +15,7 @@ from core.intake.sections import SECTIONS
 
 DEEPEST = 32  # levels; a study has 5, an execute request around it 2
 # What no study comes near: who sends more is refused before it is looked at closely.
-MOST_KEYS = 1_000  # of one object of JSON
+MAX_KEYS = 1_000  # of one object of JSON
 ONE = "Send one JSON object, a study"
 SYNTAX = "Fix the syntax there"
 NO_STUDIES = {
@@ -25,7 +25,7 @@ NO_STUDIES = {
         ("it is a table, not a study", "Name a TOML or JSON study"),
     ),
 }  # what other files are, and what to do instead of running them
-MOST_BRACKETS = 10_000  # of the objects and lists of one text
+MAX_BRACKETS = 10_000  # of the objects and lists of one text
 LARGEST = sys.float_info.max
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -84,8 +84,8 @@ def read_json(text: str | bytes) -> object:
     try:
         # By itself json would let halves of characters through, and take other encodings.
         text = text if isinstance(text, str) else text.decode("utf-8")
-        if text.count("[") + text.count("{") > MOST_BRACKETS:
-            _fail("body", f"it holds more than {MOST_BRACKETS:,} objects and lists", ONE)
+        if text.count("[") + text.count("{") > MAX_BRACKETS:
+            _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", ONE)
         content: object = json.loads(
             text, object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
@@ -101,9 +101,9 @@ _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": rea
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    if len(pairs) > MOST_KEYS:
+    if len(pairs) > MAX_KEYS:
         begins = f"the object that begins with '{_shown(pairs[0][0])}'"
-        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MOST_KEYS:,}")
+        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
     content = dict(pairs)
     if len(content) < len(pairs):
         names = [name for name, _ in pairs]

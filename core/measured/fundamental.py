@@ -10,10 +10,10 @@ from scipy.fft import next_fast_len
 
 from core.measured.harmonics import Array, Samples, Solution, solved
 from core.measured.noise import density_near, hurdle
-from core.measured.recording import MOST_ORDERS
+from core.measured.recording import MAX_ORDERS
 
 LEAST_PERIODS = 10
-MOST_LEFT = 0.5  # rms of what is left over, of that of the harmonics
+MAX_LEFT = 0.5  # rms of what is left over, of that of the harmonics
 SLOWEST = 2.0  # turns over a recording; what is slower is drift
 NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
 GUESS = 0.1  # how far a guessed frequency may be off
@@ -44,7 +44,7 @@ class Line(NamedTuple):
 def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
     """Return the orders that the samples can tell apart, at most ten."""
     rate = samples.size / samples.duration
-    return tuple(range(1, min(MOST_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
+    return tuple(range(1, min(MAX_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
 
 
 def fundamental(samples: Samples, guess: float | None, line: float | None) -> float:
@@ -67,7 +67,7 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
     if line is not None and (near := _part_near(frequency, line)) is not None:
         solution = solved(samples, near, orders_below(samples, near), DRIFT)
         left = np.mean(solution.residual**2, axis=1).sum()
-        if left <= MOST_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
+        if left <= MAX_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
             return solution.frequency
     solution = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
     while (lower := _lower(samples, solution)) is not None:
@@ -117,10 +117,10 @@ def _lower(samples: Samples, solution: Solution) -> Solution | None:
     # Three standard errors of a line's place, in bins: sqrt(6/contrast)/(2 pi) each.
     error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
     error /= solution.frequency * samples.duration
-    for part in range(2, MOST_ORDERS + 1):
+    for part in range(2, MAX_ORDERS + 1):
         frequency = solution.frequency / part
         whole = round(part * ratio)
-        if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MOST_ORDERS:
+        if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MAX_ORDERS:
             return None
         if abs(part * ratio - whole) > part * error:
             continue

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 50
+MAX_STEPS = 50
 CONVERGED = 1e-6  # turns over the recording; without noise, the next step is its square
 LONGEST_STEP = 0.25  # turns of the highest order over the recording; more could change the minimum
 
@@ -117,7 +117,7 @@ def solved(
     weights = np.ones(len(samples.values)) if weights is None else weights
     limit = LONGEST_STEP / (samples.duration * max(orders))
     last = not free
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         basis = columns(samples, frequency, orders, degree)
         gram = basis.T @ basis
         coefficients = np.asarray(np.linalg.solve(gram, basis.T @ samples.values.T).T, np.float64)

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from core.errors import Problem, StudyError
 from core.suggestions import suggestion
 
-MOST_BYTES = 50_000_000
-MOST_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
-MOST_COLUMNS = 256
-MOST_LETTERS = 20_000  # of a line
+MAX_BYTES = 50_000_000
+MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
+MAX_COLUMNS = 256
+MAX_LETTERS = 20_000  # of a line
 SHOWN = 3  # faults of a column that are told one by one
 
 _IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
@@ -108,15 +108,15 @@ def read_table(source: str | Path) -> RecordingTable:
     _, header = next(rows, (0, []))
     _check_header(header)
     names, units = _names(header)
-    body = list(islice(rows, MOST_ROWS + 2))
+    body = list(islice(rows, MAX_ROWS + 2))
     if body and all(_UNITS_ONLY.fullmatch(cell.strip()) for cell in body[0][1]):
         below = (cell.strip(" []()") for cell in body.pop(0)[1])
         units = [unit or other for unit, other in zip(units, below, strict=False)]
     if not body:
         raise _refused("the recording holds no numbers", "Give rows of numbers below the names")
-    if len(body) > MOST_ROWS:
+    if len(body) > MAX_ROWS:
         raise _refused(
-            f"it has more than {MOST_ROWS:,} rows",
+            f"it has more than {MAX_ROWS:,} rows",
             "Cut it: one second of recording is enough",
         )
     _check_rows(body, names)
@@ -133,9 +133,9 @@ def _check_header(header: list[str]) -> None:
     """Raise if the first row of a recording does not name its columns."""
     if not header:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
-    if len(header) > MOST_COLUMNS:
+    if len(header) > MAX_COLUMNS:
         raise _refused(
-            f"it has {len(header):,} columns", f"Keep the {MOST_COLUMNS} that are used at most"
+            f"it has {len(header):,} columns", f"Keep the {MAX_COLUMNS} that are used at most"
         )
     if all(_is_number(cell) for cell in header):
         raise _refused("its first row holds numbers", "Put a row with the names of columns on top")
@@ -143,12 +143,12 @@ def _check_header(header: list[str]) -> None:
 
 def _text_of(source: str | Path) -> str:
     if isinstance(source, str):
-        if len(source) > MOST_BYTES:
+        if len(source) > MAX_BYTES:
             raise _too_long(len(source))
         return source.removeprefix("\ufeff")
     with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
-        raw = file.read(MOST_BYTES + 1)
-    if len(raw) > MOST_BYTES:
+        raw = file.read(MAX_BYTES + 1)
+    if len(raw) > MAX_BYTES:
         raise _too_long(source.stat().st_size)
     if b"\0" not in raw:
         for encoding in _ENCODINGS:
@@ -167,7 +167,7 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
         line = line.rstrip("\n")
         if line.lstrip().startswith("#") or not line.strip(" \t;,"):
             continue
-        if len(line) > MOST_LETTERS:
+        if len(line) > MAX_LETTERS:
             raise _refused(f"line {number} has {len(line):,} letters", "Keep the columns in use")
         if not delimiter:
             delimiter = next((mark for mark in "\t;" if mark in line), ",")
@@ -251,6 +251,6 @@ def _refused(message: str, fix: str) -> StudyError:
 
 def _too_long(size: int) -> StudyError:
     return _refused(
-        f"the recording has {size / 1e6:,.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB",
+        f"the recording has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
         "Cut it: one second of recording is enough",
     )

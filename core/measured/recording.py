@@ -20,7 +20,7 @@ from core.quantities import QUANTITIES
 from core.study.units import UnitError, problem, read_number
 
 AXES = ("along", "across", "normal")
-MOST_ORDERS = 10
+MAX_ORDERS = 10
 LEAST_SAMPLES = 100
 STANDARD_GRAVITY = 9.80665  # [m s-2], what a sensor's "g" means, wherever it stands
 FREQUENCY = replace(QUANTITIES["frequency"], strict=True)  # a drive at rest has no harmonics
@@ -239,6 +239,6 @@ def _check_orders(harmonics: object, problems: list[Problem]) -> None:
     if harmonics is None:
         return
     whole = isinstance(harmonics, int) and not isinstance(harmonics, bool)
-    if not whole or harmonics not in range(1, MOST_ORDERS + 1):
-        fix = f"Give a whole number from 1 to {MOST_ORDERS}, or leave it out"
+    if not whole or harmonics not in range(1, MAX_ORDERS + 1):
+        fix = f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out"
         problems.append(Problem("harmonics", f"{str(harmonics)[:40]} orders cannot be fitted", fix))

@@ -9,7 +9,7 @@ import numpy as np
 from core.errors import Problem, StudyError
 from core.measured.fundamental import (
     LEAST_PERIODS,
-    MOST_LEFT,
+    MAX_LEFT,
     NYQUIST_SHARE,
     orders_below,
     stands_out,
@@ -23,9 +23,9 @@ STEPS = 1e-9, 1e3
 """Seconds from one sample to the next: what is outside is a slip of the rate or of a unit."""
 ACCELERATIONS = 1e-9, 1e9
 """Range of the values of a recording [m s-2]: squares of them are numbers still."""
-MOST_CHANGE = 0.05  # of the drive's rms, from the first third of a recording to the last
+MAX_CHANGE = 0.05  # of the drive's rms, from the first third of a recording to the last
 CHANGE_ERRORS = 4.0  # standard errors that the change must exceed as well
-MOST_CLOCK = 0.05
+MAX_CLOCK = 0.05
 TWICE = 0.1  # a ratio so near a whole number, or a whole part, tells of another drive
 
 
@@ -118,7 +118,7 @@ def check_fit(
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
     left = np.sqrt(np.mean(solution.residual**2, axis=1).sum())
-    if not stated or left > MOST_LEFT * periodic:
+    if not stated or left > MAX_LEFT * periodic:
         problems.append(_not_periodic(samples, solution, left, periodic))
     if stated:  # a drive that grows leaves much over as well
         problems += _unsteady(signal, samples, solution, noise, periodic)
@@ -147,7 +147,7 @@ def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: f
         "recording",
         f"it is not periodic: {solution.frequency:.4g} Hz and its orders leave {share} their own "
         f"rms over{strongest}",
-        f"Record the empty feeder at a steady drive (at most {100 * MOST_LEFT:.0f} % may be left), "
+        f"Record the empty feeder at a steady drive (at most {100 * MAX_LEFT:.0f} % may be left), "
         "or correct frequency or harmonics",
     )
 
@@ -171,7 +171,7 @@ def _unsteady(
     for axis, first, last in zip(signal.axes, *thirds, strict=True):
         change = last.rms - first.rms
         allowed = CHANGE_ERRORS * np.sqrt(first.variance + last.variance)
-        if abs(change) > max(MOST_CHANGE * periodic, float(allowed)):
+        if abs(change) > max(MAX_CHANGE * periodic, float(allowed)):
             message = (
                 f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
                 f"third, {last.rms:.4g} in the last"
@@ -196,10 +196,10 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
 
 def _off(line: float | None, frequency: float) -> list[Problem]:
     """Return a problem if the frequencies differ by more than clocks do."""
-    if line is None or abs(frequency / line - 1.0) <= MOST_CLOCK:
+    if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
-    fix = f"Clocks are trusted within {100 * MOST_CLOCK:.0f} %: correct rate or line_frequency"
+    fix = f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct rate or line_frequency"
     if abs(ratio - round(ratio)) < TWICE:
         fix = "Give what the drive runs at: it may be a multiple of the mains"
     message = f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz"

@@ -14,7 +14,7 @@ from core.mechanics.rectangle_contact import ALIKE
 from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
 
 SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
-MOST_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
+MAX_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
 NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of the bracket it ends
 
 
@@ -46,7 +46,7 @@ def _refined(
     """Return the minimum within one sample of t, by Newton's method kept in a shrinking bracket."""
     low, high = t - reach, t + reach
     done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         slope, bend = slope_and_bend(t)
         low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
         newton = t - slope / np.where(bend > 0, bend, 1.0)

@@ -186,7 +186,7 @@ class SpatialDelassus(NamedTuple):
 
 
 # Newton's steps for the sliding direction converge in about 8; the rest is for bisection.
-MOST_STEPS = 100
+MAX_STEPS = 100
 
 
 def _in_cone(
@@ -219,7 +219,7 @@ def _in_cone(
         high = np.minimum(speed * (1 + friction * np.hypot(b_1, b_2)) / reach, 1e300)
     z = np.where(slides, np.minimum(speed / reach, high), 1.0) + low
     done = np.zeros(np.shape(z), dtype=bool)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         L_1, L_2 = -c_1 / (s_1 + z), -c_2 / (s_2 + z)
         length = np.where(slides, np.hypot(L_1, L_2), 1.0)
         normal = a - b_1 * L_1 - b_2 * L_2

@@ -12,7 +12,7 @@ from core.mechanics.arrays import Array, Mask, hypot, ratio
 # Newton's steps for the secular equation converge from below, in six at most over all inputs that
 # the tests try, and in two more to 50 digits. A loop over arrays stops as soon as no root moves; a
 # compiled one takes them all.
-MOST_STEPS = 9
+MAX_STEPS = 9
 
 SOLID = 2.0
 """m r^2/I of a solid cylinder about its axis, kap."""
@@ -100,7 +100,7 @@ def slip_root(
     x, y, s = (np.where(slips, part, 0.0) / scale for part in (Dx, Dy, q))
     z = np.maximum(np.maximum(x - s, y - held * s), np.maximum(1.0 - held * s, 0.0))
     z = np.where(slips, z, 1.0)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         ex, ey = ratio(x, z + s, 0.0), ratio(y, z + held * s, 0.0)
         norm = hypot(ex, ey)
         slope = ratio(ex * ex, z + s, 0.0) + ratio(ey * ey, z + held * s, 0.0)

@@ -12,7 +12,7 @@ from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
 
 MINUTE = 60.0
-MOST_PARTS = 64
+MAX_PARTS = 64
 """Parts of the longest row."""
 HELD_FROM = 1.7048313528
 """The throw number from which every contact with the floor happens while the track runs forward:
@@ -84,7 +84,7 @@ def mean_platoons(*, parts: Array) -> Array:
     random walk (Sparre Andersen).
     """
     total = np.zeros_like(parts)
-    for k in range(1, MOST_PARTS + 1):
+    for k in range(1, MAX_PARTS + 1):
         total = total + np.where(parts >= k, 1.0 / k, 0.0)
     return total
 

@@ -12,7 +12,7 @@ import numpy as np
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, hypot
 
-MOST_STEPS = 6
+MAX_STEPS = 6
 """Newton's steps for the pulse: each at least squares the error, which is below 0.1 at the start.
 The tests try pulses over twelve orders of magnitude."""
 
@@ -139,7 +139,7 @@ def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
     phi = np.arctan(q)
     sine = q / np.sqrt(1 + q * q)
     psi = phi
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         x = sine * np.exp(-q * (np.pi - psi))
         root = np.sqrt((1 - x) * (1 + x))
         psi = psi - (psi - phi - np.arctan2(x, root)) / (1 - q * x / root)

@@ -89,7 +89,7 @@ class PlanarRules:
     def motion(self, given: Mapping[str, Any]) -> Ruled:
         """Return the motion with its derivative, and how that was found."""
         groups: Groups = given["groups"]
-        table, status = self._followed(groups, given["tolerance"], given["most_periods"])
+        table, status = self._followed(groups, given["tolerance"], given["max_periods"])
         motion = motion_of(table[:, :COLUMNS], status, (len(status),))
         slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)
         by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
@@ -104,7 +104,7 @@ class PlanarRules:
     def spent(self, given: Mapping[str, Any]) -> Ruled:
         """Return the energies with their derivative; the motion tells how they were found."""
         groups: Groups = given["groups"]
-        settings = (given["tolerance"], given["most_periods"])
+        settings = (given["tolerance"], given["max_periods"])
         table, _ = self._followed(groups, *settings)
         slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)[:, len(DERIVED) :]
         if self._spent is None or self._spent[0] is not table:
@@ -123,18 +123,18 @@ class PlanarRules:
     def _silent(self) -> Watch | None:
         return None if self.watch is None else replace(self.watch, progress=None)
 
-    def _cells(self, groups: Groups, tolerance: Any, most_periods: Any) -> NDArray[np.float64]:
+    def _cells(self, groups: Groups, tolerance: Any, max_periods: Any) -> NDArray[np.float64]:
         plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
         plain = plain._replace(restitution=np.where(lifts, plain.restitution, 0.0))
         # Restitution plays no part in a cell that never lifts off: equal cells are computed once.
-        return cells_of(plain, tolerance=tolerance, most_periods=most_periods)[0]
+        return cells_of(plain, tolerance=tolerance, max_periods=max_periods)[0]
 
     def _followed(
-        self, groups: Groups, tolerance: Any, most_periods: Any
+        self, groups: Groups, tolerance: Any, max_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
         """Return table and status as `derive_cells` fills them."""
-        cells = self._cells(groups, tolerance, most_periods)
+        cells = self._cells(groups, tolerance, max_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):
 
             def derive(piece: Any, rows: Any, status: Any, stop: Any) -> None:

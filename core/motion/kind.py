@@ -45,7 +45,7 @@ def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any)
     track = {"radius": "0.2 m"} if scene == _TRACK else {}
     return {
         "kind": "simulate", "scene": scene, "parameters": {**track, **parameters}, "method": method,
-        "most_periods": 20, **more,
+        "max_periods": 20, **more,
     }  # fmt: skip
 
 

@@ -28,7 +28,7 @@ from core.plan.prepared import (
 from core.plan.price import pace
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.simulate_study import MOST_PERIODS, SimulateStudy
+from core.study.simulate_study import MAX_PERIODS, SimulateStudy
 from core.study.values import Fixed
 
 SCALES = ("velocity_scale", "length_scale")
@@ -252,15 +252,15 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
 def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
     """Yield why a cell, or the course of a part, would take longer than a method allows."""
     settings = {**method.defaults, **study.settings()}
-    periods, steps = settings.get("most_periods", 0.0), settings.get("steps_per_period", 0.0)
+    periods, steps = settings.get("max_periods", 0.0), settings.get("steps_per_period", 0.0)
     if method.most_steps is not None and 4 * steps * periods > method.most_steps:
         message = f"4 x {steps:,.0f} steps x {periods:,.0f} periods are more than one cell may take"
-        fix = f"Keep steps_per_period x most_periods within {method.most_steps // 4:,}"
+        fix = f"Keep steps_per_period x max_periods within {method.most_steps // 4:,}"
         yield Problem("steps_per_period", message, fix)
     if not isinstance(study.trajectory, tuple):
         return
     shown = study.trajectory[-1] * grid.fixed.get("frequency", 0.0)
-    most = float(MOST_PERIODS)
+    most = float(MAX_PERIODS)
     if method.most_steps is not None:
         most = min(most, method.most_steps / (2 * steps + 1) - periods - 1)
     if shown > most >= 0:

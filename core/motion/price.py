@@ -92,7 +92,7 @@ class Priced:
 
     def periods(self, usual: float) -> Array:
         """Return how many periods are likely to be followed; `usual` of a motion that repeats."""
-        allowed, share = self.setting("most_periods"), self.restless
+        allowed, share = self.setting("max_periods"), self.restless
         return share * allowed + (1.0 - share) * np.minimum(allowed, usual)
 
 

@@ -21,7 +21,7 @@ STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
 CHOOSING = ("friction_spread", "friction_seed", *STOP_GAPS)
 """Parameters without a number that a row has only where a study gives them."""
 
-MOST_DEVIATIONS = 3.0
+MAX_DEVIATIONS = 3.0
 """Standard deviations within which frictions are drawn."""
 DRAWN = 256
 """Deviations of a seed: those of the longest row, and more than lie beyond."""
@@ -113,12 +113,12 @@ class NumberedParts:
 def drawn_deviations(seed: Array, parts: int) -> Array:
     """Return deviations of so many parts, in standard deviations, shape (parts, ...).
 
-    Normal, cut at `MOST_DEVIATIONS`; those of a seed are the same in every study, and those of a
+    Normal, cut at `MAX_DEVIATIONS`; those of a seed are the same in every study, and those of a
     longer row begin with those of a shorter one.
     """
     seeds, where = np.unique(np.asarray(seed), return_inverse=True)
     rows = [np.random.default_rng(int(one)).standard_normal(DRAWN) for one in seeds]
-    drawn: Array = np.array([row[np.abs(row) <= MOST_DEVIATIONS][:parts] for row in rows]).T
+    drawn: Array = np.array([row[np.abs(row) <= MAX_DEVIATIONS][:parts] for row in rows]).T
     return drawn[:, where.reshape(np.shape(seed))]
 
 

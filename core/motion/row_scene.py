@@ -20,7 +20,7 @@ from core.motion.methods import METHODS
 from core.motion.methods.rows import RowMotion
 from core.motion.result import STATUS
 from core.motion.row_parts import NumberedParts, contradictions, numbered
-from core.quantities.row import MOST_NUMBERED
+from core.quantities.row import MAX_NUMBERED
 from core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -188,7 +188,7 @@ def _of_platoon(number: int) -> tuple[Equation, Equation]:
 
 RESULTS = (
     *RESULTS,
-    *(one for n in range(1, MOST_NUMBERED + 1) for one in _of_platoon(n)),
+    *(one for n in range(1, MAX_NUMBERED + 1) for one in _of_platoon(n)),
     Equation("mean_gap", mean_gap, SOURCE),
     *(
         Equation(one.__name__, one, SOURCE)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from core.errors import Problem
-from core.optimise.robust import MOST_UNCERTAIN
+from core.optimise.robust import MAX_UNCERTAIN
 from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
 from core.study.distributions import Distribution
@@ -64,8 +64,8 @@ def wrong_intervals(
             section = "parameters" if name in values else "variables"
             fix = f"Remove it there, or under {section}.{name}"
             yield Problem(f"uncertain.{name}", f"it is also under {section}", fix)
-    if len(intervals) > MOST_UNCERTAIN:
-        fix = f'Keep the {MOST_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
+    if len(intervals) > MAX_UNCERTAIN:
+        fix = f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
         yield Problem("uncertain", f"there are {len(intervals)} of them", fix)
     if study.robust == "quantile" and study.quantile is None:
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"

@@ -12,7 +12,7 @@ from core.mechanics.arrays import Array, Mask
 from core.optimise.problem import OptimisationProblem
 
 STEP = 1e-6  # of a variable's range; differences of the outputs then keep about ten digits
-MOST_SUBSETS = 4000
+MAX_SUBSETS = 4000
 
 
 def residual(
@@ -112,7 +112,7 @@ def _least(target: Array, pulls: Array, binds: NDArray[np.bool_], most: list[flo
     ]
     least = np.minimum.reduce([np.linalg.norm(start, axis=1) for start in starts])
     used = [i for i in range(len(pulls)) if binds[i].any()]
-    subsets = [s for n in range(1, count + 1) for s in combinations(used, n)][:MOST_SUBSETS]
+    subsets = [s for n in range(1, count + 1) for s in combinations(used, n)][:MAX_SUBSETS]
     for subset in subsets:
         here = np.flatnonzero(np.logical_and.reduce([binds[i] for i in subset]))
         if not here.size:

@@ -18,10 +18,10 @@ from core.watch import Watch
 
 FIRST_POINTS = 40_000  # of the first grid of a design
 LATER_WIDTH = 9  # points of each variable of a later one
-MOST_GRIDDED = 4  # variables
+MAX_GRIDDED = 4  # variables
 ROUNDS = 40
 SHRINKS = 0.5
-MOST_POINTS = 8_000_000  # of all designs together
+MAX_POINTS = 8_000_000  # of all designs together
 REST_POINTS = 81  # of the grid on which a part that no choice moves is looked for at rest
 BLOCK = 262_144
 
@@ -98,7 +98,7 @@ def with_best_rest(
 
 def dense_width(variables: int, cells: int, points: int) -> int:
     """Return the points of each variable of a grid that spends about so many on a design."""
-    return max(5, min(201, int(min(points, MOST_POINTS / cells) ** (1 / variables))))
+    return max(5, min(201, int(min(points, MAX_POINTS / cells) ** (1 / variables))))
 
 
 def _filled(variables: int, cells: int, points: int) -> Array:
@@ -107,7 +107,7 @@ def _filled(variables: int, cells: int, points: int) -> Array:
     In many variables a grid of so few points holds little but edges.
     """
     width = dense_width(variables, cells, points)
-    if variables > MOST_GRIDDED:
+    if variables > MAX_GRIDDED:
         return spread(points, variables)
     grid = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * variables, indexing="ij"))
     return grid.reshape(variables, -1)

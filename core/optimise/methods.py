@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from core.mechanics.arrays import Array
 from core.optimise import known_answers, scipy_methods
 from core.optimise.found import Optima, Solver
-from core.optimise.grid import MOST_GRIDDED, by_grid, with_best_rest
+from core.optimise.grid import MAX_GRIDDED, by_grid, with_best_rest
 from core.optimise.population import by_population
 from core.optimise.problem import OptimisationProblem
 from core.watch import Watch
@@ -89,7 +89,7 @@ METHODS: dict[str, OptimisationMethod] = {
         "scipy's simplicial homology search",
     ),
     "direct": OptimisationMethod(
-        scipy_methods.one_by_one(scipy_methods.direct, 1e-3, lambda _: scipy_methods.MOST_DIRECT),
+        scipy_methods.one_by_one(scipy_methods.direct, 1e-3, lambda _: scipy_methods.MAX_DIRECT),
         1e-3,
         "scipy's dividing rectangles",
     ),
@@ -122,8 +122,8 @@ def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
         return "the batch solver does not know this problem", "Leave method out"
     if name == "minimize_scalar" and len(problem.names) != 1:
         return f"it takes one variable, not {len(problem.names)}", "Leave method out"
-    if name == "grid" and len(problem.names) > MOST_GRIDDED:
-        return f"it takes at most {MOST_GRIDDED} variables", "Leave method out"
+    if name == "grid" and len(problem.names) > MAX_GRIDDED:
+        return f"it takes at most {MAX_GRIDDED} variables", "Leave method out"
     return None
 
 

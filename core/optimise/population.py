@@ -20,7 +20,7 @@ from core.watch import Watch
 
 MEMBERS = 24  # and 8 more a variable
 SAMPLES = 1024  # of which the first members are taken
-MOST_GENERATIONS = 400
+MAX_GENERATIONS = 400
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
 CELLS = 256  # designs at a time: some 10,000 points a generation stay in the cache
@@ -68,7 +68,7 @@ def _evolve(
     unit, beyond, value = _first(problem, here, sizes, members)
     done = np.zeros(cells, dtype=np.bool_)
     told = 0.0
-    for generation in range(MOST_GENERATIONS):
+    for generation in range(MAX_GENERATIONS):
         if watch.stopped():
             break
         trial = _trial(unit, beyond, value, random)
@@ -78,7 +78,7 @@ def _evolve(
         beyond, value = np.where(better, b, beyond), np.where(better, v, value)
         widths = (unit.max(axis=2) - unit.min(axis=2)).max(axis=0)
         narrow = widths < SMALL
-        last = generation == MOST_GENERATIONS - 1
+        last = generation == MAX_GENERATIONS - 1
         share = _share_done(widths, cells) if not last else 1.0
         if share > told:
             watch.advance((share - told) * cells / all_cells)

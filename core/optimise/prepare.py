@@ -14,8 +14,8 @@ from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import CONTACT_OUTPUTS, LIMIT, Kept, OptimisationProblem, Variable
 from core.optimise.robust import uncertain_of
-from core.optimise.search import MOST_VARIABLES
-from core.optimise.slopes import MOST_SENSITIVE
+from core.optimise.search import MAX_VARIABLES
+from core.optimise.slopes import MAX_SENSITIVE
 from core.plan.grid import Grid, to_si
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, placed, plan_study
@@ -97,16 +97,16 @@ def _wrong_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
         message = "nothing is left to choose"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
         yield Problem("variables", message, fix)
-    if len(bounds) > MOST_VARIABLES:
+    if len(bounds) > MAX_VARIABLES:
         message = f"there are {len(bounds)} of them"
-        yield Problem("variables", message, f"Choose at most {MOST_VARIABLES}")
+        yield Problem("variables", message, f"Choose at most {MAX_VARIABLES}")
 
 
 def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
     """Return the method of a study, or the one that suits its problem; raise if it does not."""
-    if study.sensitivities and designs.cells > MOST_SENSITIVE:
+    if study.sensitivities and designs.cells > MAX_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
-        fix = f"Range over at most {MOST_SENSITIVE:,} designs, or leave sensitivities out"
+        fix = f"Range over at most {MAX_SENSITIVE:,} designs, or leave sensitivities out"
         raise StudyError([Problem("sensitivities", message, fix)])
     method = study.method or default_method(problem, designs.cells)
     why_not = refusal(method, problem)

@@ -238,10 +238,10 @@ class OptimisationProblem:
 
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
         """Return the problem with motions that do not repeat followed so many times as long."""
-        if not self.is_motion or "most_periods" not in self.plan.defaults:
+        if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
-        most = times * self.plan.defaults["most_periods"]
-        plan = replace(self.plan, defaults={**self.plan.defaults, "most_periods": most})
+        most = times * self.plan.defaults["max_periods"]
+        plan = replace(self.plan, defaults={**self.plan.defaults, "max_periods": most})
         return replace(self, plan=plan)
 
     def doubt(self, known: Arrays) -> Array:

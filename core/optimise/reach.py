@@ -139,7 +139,7 @@ class Way:
 
 WIDER = 4.0
 """Times the frequency, either way, among which another one is looked for."""
-MOST_FRICTION = 0.8
+MAX_FRICTION = 0.8
 """Of a track that is lined with rubber, about: `vibrafeed friction rubber`."""
 OF_A_LINE = ("amplitude", "beta")
 """What a straight drive is chosen by."""
@@ -175,9 +175,9 @@ def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
 def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
     """Return the study with its friction among the variables; None if there is no more to have."""
     given = study.values().get("friction")
-    if not isinstance(given, Fixed) or given.value >= MOST_FRICTION:
+    if not isinstance(given, Fixed) or given.value >= MAX_FRICTION:
         return None
-    return _freed(study, "friction", Between(lower=given.value, upper=MOST_FRICTION))
+    return _freed(study, "friction", Between(lower=given.value, upper=MAX_FRICTION))
 
 
 def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:

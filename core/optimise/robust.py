@@ -21,7 +21,7 @@ NODES = 9  # over the interval of an uncertain parameter
 DRAWN = 64  # points drawn from several distributions, or from one that is not uniform
 LEVELS = {1: NODES, 2: 5, 3: 3}
 """Nodes of each of so many parameters, all with all, for the worst case; of more the two ends."""
-MOST_UNCERTAIN = 6
+MAX_UNCERTAIN = 6
 
 How = Literal["worst", "mean", "quantile"]
 

@@ -26,7 +26,7 @@ One = Callable[[Single], tuple[Array, str]]
 STARTS = 8  # of the optimisers that follow slopes
 SAMPLES = 256  # of which the best are the starts
 DENSE = 129  # points of the search over one variable
-MOST_DIRECT = 20_000  # points of a design that dividing rectangles may take
+MAX_DIRECT = 20_000  # points of a design that dividing rectangles may take
 SEARCH_BUDGET = 12_000
 """Points of a design that the search for outputs that jump may take, of one or two variables."""
 
@@ -231,7 +231,7 @@ def direct(single: Single) -> tuple[Array, str]:
     answer = scipy.optimize.direct(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
-        maxfun=MOST_DIRECT,
+        maxfun=MAX_DIRECT,
         maxiter=2000,
         locally_biased=True,
         vol_tol=1e-24,

@@ -37,7 +37,7 @@ MESSAGES: dict[SearchStatus, str] = {
     "stopped": "the search was stopped early",
 }
 
-MOST_VARIABLES = 8
+MAX_VARIABLES = 8
 FEW = 4  # variables of which all the corners of a neighbourhood are looked at
 FEWEST_EVALUATIONS = 400
 MEMBERS = 64  # of a population: a power of 2, as Sobol's points that fill the box come in these
@@ -117,8 +117,8 @@ def search_maximum(
 def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
     if lower.shape != upper.shape or lower.ndim != 1:
         raise ValueError("lower and upper are of different shapes")
-    if not 1 <= lower.size <= MOST_VARIABLES:
-        raise ValueError(f"1 to {MOST_VARIABLES} variables can be searched")
+    if not 1 <= lower.size <= MAX_VARIABLES:
+        raise ValueError(f"1 to {MAX_VARIABLES} variables can be searched")
     if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
         raise ValueError("lower and upper have to be finite, and in order")
     if budget < FEWEST_EVALUATIONS:

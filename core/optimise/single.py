@@ -14,7 +14,7 @@ from core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
 NO_VALUE = 1e6  # stands in for an output without a value where an optimiser needs a number
-MOST_TOLD = 0.98  # of a design while it is evaluated: how often is only about known
+MAX_TOLD = 0.98  # of a design while it is evaluated: how often is only about known
 PENALTY = 100.0  # of a violation, where an optimiser knows no constraints
 
 
@@ -50,7 +50,7 @@ class Single:
 
     def _count(self, points: int) -> None:
         """Count evaluations, and tell those before them: they are done."""
-        self._tell(min(self.evaluations / self._about, MOST_TOLD))
+        self._tell(min(self.evaluations / self._about, MAX_TOLD))
         self.evaluations += points
 
     def end(self) -> None:

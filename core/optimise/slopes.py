@@ -13,7 +13,7 @@ from core.optimise.problem import OptimisationProblem
 from core.plan.derivatives import DERIVATIVE_STATUS, values_of
 from core.plan.plan import plan_scene
 
-MOST_SENSITIVE = 1_000
+MAX_SENSITIVE = 1_000
 """Designs of a study that asks for sensitivities: each is derived by itself."""
 
 

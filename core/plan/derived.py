@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from core.plan.grid import Grid
 
 PLACE = "sensitivities"
-MOST_DERIVED = 2_000_000
+MAX_DERIVED = 2_000_000
 """Cells times outputs times parameters of a study that asks for derivatives."""
 
 Dims = Mapping[str, tuple[str, ...]]
@@ -177,8 +177,8 @@ def asked_of(
         message = "none of the outputs is a number that could be derived"
         problems.append(Problem(PLACE, message, "Leave it out, or ask for another output"))
     values = cells * len(outputs) * len(names)
-    if values > MOST_DERIVED:
-        message = f"it asks for {values:,} derivatives and allows {MOST_DERIVED:,}"
+    if values > MAX_DERIVED:
+        message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
         fix = "Give fewer cells, outputs or names of parameters"
         problems.append(Problem(PLACE, message, fix))
     if problems:

@@ -24,8 +24,8 @@ Study = TypeVar("Study", bound=Prepared)
 
 FOLLOWED = "motions_followed"
 """The attribute of a result that tells its cells, where only computing it can."""
-MOST_PIECE_CELLS = 1_000_000
-MOST_PIECES = 100_000
+MAX_PIECE_CELLS = 1_000_000
+MAX_PIECES = 100_000
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,9 @@ def price(cells: int, seconds: float) -> dict[str, float]:
 def cells_of_piece(prepared: Prepared, seconds: float) -> int:
     """Return the cells of a piece that takes about so many seconds of one core."""
     cells = seconds / prepared.seconds_a_cell
-    fewest = prepared.cells / MOST_PIECES
+    fewest = prepared.cells / MAX_PIECES
     # Of what is reduced a piece holds answers only.
-    most = MOST_PIECE_CELLS * prepared.cells / prepared.stored
+    most = MAX_PIECE_CELLS * prepared.cells / prepared.stored
     return int(min(most, max(cells, fewest, 1)))
 
 

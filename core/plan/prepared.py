@@ -24,7 +24,7 @@ from core.suggestions import SEARCHED, nearest
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
-MOST_SECONDS_TO_VERIFY = 100.0
+MAX_SECONDS_TO_VERIFY = 100.0
 RARELY = 2.0
 """Times what is likely from which on the most that a study may take is told, too."""
 
@@ -219,9 +219,9 @@ class Prepared:
         if not self.verified_by:
             message = "no other method follows this motion"
             raise StudyError([Problem("verify", message, "Leave it out")])
-        if self.seconds_to_verify > MOST_SECONDS_TO_VERIFY:
+        if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
             each = self.seconds_a_verified_cell
-            most = int(MOST_SECONDS_TO_VERIFY / each)
+            most = int(MAX_SECONDS_TO_VERIFY / each)
             message = f"{self.verified_by} take{'s' * self.verified_by.startswith('the')} some "
             message += f"{each:.2g} s a cell"
             raise StudyError([Problem("verify", message, f"Give at most {most:,}")])

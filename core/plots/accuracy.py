@@ -19,8 +19,8 @@ from core.plots.text import words
 MARKERS = "osD^vPX*ph<"
 NOTHING = 1e-18  # stands for no error at all
 NO_ANSWER = 10.0  # stands for an answer that was not found
-MOST_RATIO = 30.0
-LEAST_ULPS, MOST_ULPS = 1e-2, 1e16  # no error, and no digit right
+MAX_RATIO = 30.0
+LEAST_ULPS, MAX_ULPS = 1e-2, 1e16  # no error, and no digit right
 
 Values = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | 
         colour = style.series[number % len(style.series)]
         _line(left, cost, here["error"].values, here["error_largest"].values, colour, subject)
         whole, kappa = (
-            np.clip(np.nan_to_num(here[key].values, posinf=MOST_ULPS), LEAST_ULPS, MOST_ULPS)
+            np.clip(np.nan_to_num(here[key].values, posinf=MAX_ULPS), LEAST_ULPS, MAX_ULPS)
             for key in ("ulps", "conditioned_ulps")
         )
         right.plot(cost, whole, "o", color=colour, mfc=style.ground, ms=6)
@@ -179,7 +179,7 @@ def _model(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
     regimes, meanings = _flags_of(points["cell_regime"])
     throw = points["cell_throw_number"].values
     for axes, name in zip(sheets, names, strict=True):
-        ratio = np.clip(points[name].values / true, -MOST_RATIO, MOST_RATIO)
+        ratio = np.clip(points[name].values / true, -MAX_RATIO, MAX_RATIO)
         shown = [meaning for meaning in meanings if (regimes == meaning).any()]
         for number, meaning in enumerate(shown):
             here = regimes == meaning
@@ -189,7 +189,7 @@ def _model(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
         axes.axhspan(0.9, 1.1, color=mix(style.ground, style.ink, 0.2), lw=0)
         axes.axhline(0.0, color=style.quiet, lw=0.8)
         axes.set_yscale("symlog", linthresh=2.0)
-        axes.set_ylim(-MOST_RATIO * 1.1, MOST_RATIO * 1.1)
+        axes.set_ylim(-MAX_RATIO * 1.1, MAX_RATIO * 1.1)
         axes.set_yticks([-30, -10, -3, -1, 0, 1, 3, 10, 30])
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.set_xlabel("Throw number")

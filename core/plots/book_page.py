@@ -114,7 +114,7 @@ def followed(
             friction_kinetic=friction,
         ),
         tolerance=EVENTS.defaults["tolerance"],
-        most_periods=EVENTS.defaults["most_periods"],
+        max_periods=EVENTS.defaults["max_periods"],
     )
     return (
         motion.velocity / (2.0 * np.pi),

@@ -24,8 +24,8 @@ from core.study.shown import ShownUnits
 Array = NDArray[np.float64]
 SHARES = (0.95, 0.68)
 PALE, DEEP = 0.2, 0.5  # of the colour of a curve, for areas of 95 and of 68 %
-MOST_TICKS = 5
-MOST_NUMBERED = 40  # runs of which each has its number
+MAX_TICKS = 5
+MAX_NUMBERED = 40  # runs of which each has its number
 SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
 
 
@@ -83,7 +83,7 @@ def _draw_posterior(
                 else:
                     panel.tick_params(labelleft=False)
             panel.set_xlim(x[0], x[-1])
-            panel.xaxis.set_major_locator(MaxNLocator(MOST_TICKS))
+            panel.xaxis.set_major_locator(MaxNLocator(MAX_TICKS))
             if count == 1:
                 panel.set_ylabel("Density")
             if j == count - 1:
@@ -271,7 +271,7 @@ def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
 
 
 def _number(axes: Axes, x: Array, y: Array, known: NDArray[np.bool_], style: Style) -> None:
-    if known.sum() > MOST_NUMBERED:
+    if known.sum() > MAX_NUMBERED:
         return
     for k in np.flatnonzero(known):
         axes.annotate(

@@ -24,7 +24,7 @@ from core.plots.style import Style
 from core.plots.text import number
 from core.quantities.pictures import LEVELS
 
-MOST_POINTS = 1000  # of an axis; a picture shows no more
+MAX_POINTS = 1000  # of an axis; a picture shows no more
 
 Array = NDArray[np.float64]
 Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
@@ -36,7 +36,7 @@ def draw_contour(
     """Draw the contours; return the axes and the legend's entries."""
     axes = figure.add_subplot()
     across, up = selection.axes
-    columns, rows = thin(across.values.size, MOST_POINTS), thin(up.values.size, MOST_POINTS)
+    columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
     x, y = across.values[columns], up.values[rows]
     part = np.ix_(columns, rows)
     values, regimes = selection.values[part].T, selection.regimes[part].T

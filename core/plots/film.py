@@ -17,7 +17,7 @@ from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajector
 from core.study.shown import Shown, ShownUnits
 
 FRAMES_PER_SECOND = 25
-MOST_FRAMES = 1000
+MAX_FRAMES = 1000
 TURN = 2 * np.pi
 NICE = (1.0, 2.0, 5.0)
 
@@ -28,7 +28,7 @@ AFTER_REST = 1.15  # of the time until a tumbling part rests
 PART_LENGTH = 1.3  # of what the track covers: the model of motion knows no length
 PART_SHAPE = 0.45  # height over length
 TRAVEL = 3.0  # lengths of the part that it should travel
-MOST_CYCLES = 6
+MAX_CYCLES = 6
 CLOSED = 1e-3  # of what the track covers: a course that ends no further from its start repeats
 GAP_SEEN = 0.2  # of the part's height: a largest gap that is less is drawn larger
 
@@ -268,14 +268,14 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
         return 1
     travel = abs(float(dataset["position_along"][-1] - dataset["position_along"][0]))
     wanted = TRAVEL * length / travel if travel > 0 else 2.0
-    return int(np.clip(round(min(wanted, MOST_CYCLES)), 1, max(1, MOST_CYCLES // round(periods))))
+    return int(np.clip(round(min(wanted, MAX_CYCLES)), 1, max(1, MAX_CYCLES // round(periods))))
 
 
 def _frames(seconds: float) -> int:
     """Return how many frames are shown in a time."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
-    if frames > MOST_FRAMES:
-        message = f"the animation would have {frames:,} frames, at most {MOST_FRAMES:,} are drawn"
+    if frames > MAX_FRAMES:
+        message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
         raise PlotError("slow", message, "Give a smaller --slow, or a shorter trajectory")
     return frames
 

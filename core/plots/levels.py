@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from core.plots.names import add_names, gives_way
 from core.plots.parts import cell_edges, set_log
-from core.plots.regime_map import MOST_POINTS, add_borders, fill_cells, share_entries
+from core.plots.regime_map import MAX_POINTS, add_borders, fill_cells, share_entries
 from core.plots.regimes import HATCH_WIDTH, Look
 from core.plots.scale import value_range
 from core.plots.selection import Selection, thin
@@ -44,7 +44,7 @@ def draw_levels(
     """
     axes = figure.add_subplot()
     across, up = selection.axes
-    columns, rows = thin(across.values.size, MOST_POINTS), thin(up.values.size, MOST_POINTS)
+    columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
     across = replace(across, values=across.values[columns])
     up = replace(up, values=up.values[rows])
     part = np.ix_(columns, rows)

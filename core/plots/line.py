@@ -24,9 +24,9 @@ from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, short_label, with_unit
 from core.quantities.pictures import LEVELS
 
-MOST_CURVES = FEW
-MOST_MARKED = 12  # points of a curve that are marked: between them nothing was computed
-MOST_RUNS = 20  # of a regime; the borders of more would hide the curve
+MAX_CURVES = FEW
+MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed
+MAX_RUNS = 20  # of a regime; the borders of more would hide the curve
 STRIP = 0.055  # of the height of the curves
 BAND = 0.4  # strength of the colour of a spread
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
@@ -40,7 +40,7 @@ def draw_line(
 ) -> tuple[Axes, list[Artist]]:
     """Draw the lines; return the axes and the legend's entries for the regimes."""
     across = selection.axes[0]
-    chosen = thin(selection.axes[1].values.size, MOST_CURVES) if len(selection.axes) > 1 else [0]
+    chosen = thin(selection.axes[1].values.size, MAX_CURVES) if len(selection.axes) > 1 else [0]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
     if selection.categories:
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
@@ -69,7 +69,7 @@ def draw_line(
         for look in looks:
             stroke = _style(look, looks, alike or striped)
             _part(axes, across.values, curve, states, look, stroke, colour)
-        if across.values.size <= MOST_MARKED:
+        if across.values.size <= MAX_MARKED:
             axes.plot(across.values, curve, "o", color=colour, markersize=style.width(4), zorder=4)
         _mark_edges(axes, across.values, curve, states, looks, style)
     if selection.spread is not None and selection.spread.any():
@@ -258,7 +258,7 @@ def _spans(
             area.set_hatch_linewidth(HATCH_WIDTH)
     for (before, _, _), (after, start, _) in pairwise(runs):
         leaves = by_value[before].valid != by_value[after].valid
-        if leaves or len(runs) <= MOST_RUNS:
+        if leaves or len(runs) <= MAX_RUNS:
             axes.axvline(
                 edges[start], color=style.ink if leaves else style.quiet,
                 linewidth=style.width(2.0 if leaves else 0.8),

@@ -14,7 +14,7 @@ from core.plots.style import Style
 
 SIZE = (10.0, 7.0)  # inches
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
-MOST_POINTS = 3000  # of one axis; more hide one another
+MAX_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
 DISPLAYED = 1.3  # times the highest order, the end of the spectrum
 EXACT = 1e-9  # of the frequency: an error below is not worth its digits
@@ -71,7 +71,7 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
     curves = fit.periodic(smooth)
-    some = slice(None, None, -(-fit.samples // MOST_POINTS))
+    some = slice(None, None, -(-fit.samples // MAX_POINTS))
     times = milliseconds * fold.phase[some]
     last = panels[-1]
     for panel, axis, values, curve, residual in zip(

@@ -31,8 +31,8 @@ from core.quantities import REGIMES
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
 
-MOST_DESIGNS = 1000
-MOST_COLUMNS = 10
+MAX_DESIGNS = 1000
+MAX_COLUMNS = 10
 SPREAD = 0.3  # of the distance of two values of an axis, either way
 FEW = 40  # values of an axis, about which lines are spread
 TICKS = 5
@@ -149,8 +149,8 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
     best_is = f"{'least' if least else 'largest'} {_name(dataset[output])}"
     if knees.size:
         best_is = "knee of the front" if knees.size == 1 else f"of the knees: {best_is}"
-    if places.size > MOST_DESIGNS:
-        places = np.random.default_rng(0).choice(places, MOST_DESIGNS, replace=False)
+    if places.size > MAX_DESIGNS:
+        places = np.random.default_rng(0).choice(places, MAX_DESIGNS, replace=False)
         places[0] = best if best not in places else places[0]
     places = places[np.argsort(values[places], kind="stable")]
     if least:
@@ -190,7 +190,7 @@ def _names(
     if not names:
         message = f"{output} has one value, there is one design only"
         raise PlotError("dataset", message, "Draw a dataset with ranges")
-    return names[: MOST_COLUMNS - 1]
+    return names[: MAX_COLUMNS - 1]
 
 
 def _outputs(dataset: xarray.Dataset) -> list[str]:

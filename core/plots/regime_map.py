@@ -21,7 +21,7 @@ from core.plots.selection import PlotAxis, Selection, thin
 from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import RGB, Style
 
-MOST_POINTS = 500  # of an axis; a cell is then two points of the picture wide
+MAX_POINTS = 500  # of an axis; a cell is then two points of the picture wide
 BORDER = "#1a1a1a"  # on fills, which are light in every style
 
 
@@ -31,7 +31,7 @@ def draw_map(
     """Draw the map; return the axes and the legend's entries, each with its share of the cells."""
     axes = figure.add_subplot()
     across, up = selection.axes
-    columns, rows = thin(across.values.size, MOST_POINTS), thin(up.values.size, MOST_POINTS)
+    columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
     across = replace(across, values=across.values[columns])
     up = replace(up, values=up.values[rows])
     regimes = selection.regimes[np.ix_(columns, rows)].T

@@ -25,9 +25,9 @@ PAGE = 8.27, 11.69  # inches, A4
 LEFT, RIGHT, TOP, BOTTOM = 0.08, 0.92, 0.955, 0.045
 LINE = 0.0165  # of the page's height
 DPI = 200  # of the picture
-MOST_ROWS = 18  # of a table; more is in the file
+MAX_ROWS = 18  # of a table; more is in the file
 LETTERS = 108  # of a line
-SETTINGS = ("tolerance", "most_periods", "gravity", "hold_down_number", "curvature_number")
+SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
 def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None = None) -> None:
@@ -76,14 +76,14 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     top = at
     write("Drive and part", weight="bold")
     at -= 1.3 * LINE
-    for label, text in _given(dataset, shown)[:MOST_ROWS]:
+    for label, text in _given(dataset, shown)[:MAX_ROWS]:
         write(label)
         write(text, 0.47, ha="right")
         at -= LINE
     lowest, at = at, top
     write("What comes out", 0.53, weight="bold")
     at -= 1.3 * LINE
-    for label, text in _outputs(dataset, shown)[:MOST_ROWS]:
+    for label, text in _outputs(dataset, shown)[:MAX_ROWS]:
         write(label, 0.53)
         write(text, RIGHT, ha="right")
         at -= LINE

@@ -25,7 +25,7 @@ from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import RGB, Style, mix
 from core.plots.text import short_label
 
-MOST_POINTS = 91  # of an axis: every face is a shape in an SVG
+MAX_POINTS = 91  # of an axis: every face is a shape in an SVG
 GREYED = 0.8
 TINT = 0.3
 ELEVATION = 28.0
@@ -40,7 +40,7 @@ def draw_surface(
 ) -> tuple[Axes, list[Artist]]:
     """Draw the surface; return the axes and the legend's entries."""
     first, second = selection.axes
-    rows, columns = thin(first.values.size, MOST_POINTS), thin(second.values.size, MOST_POINTS)
+    rows, columns = thin(first.values.size, MAX_POINTS), thin(second.values.size, MAX_POINTS)
     part = np.ix_(rows, columns)
     x, y = np.meshgrid(first.values[rows], second.values[columns], indexing="ij")
     z, regimes = selection.values[part], selection.regimes[part]

@@ -39,7 +39,7 @@ WALL_PANEL = 1.6
 WALL_HEIGHT = 0.8  # inches that it adds to a picture
 PALE = 0.55
 AT_REST = 1e-9  # of the heights: a position below is rounding
-MOST_PERIODS = 12  # that are told apart by lines
+MAX_PERIODS = 12  # that are told apart by lines
 ORBIT_POINTS = 400
 STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
 ORBIT_PLACE = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
@@ -352,7 +352,7 @@ def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
 def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
     """Draw a line where a period of the drive begins."""
     first, last = np.ceil(shown.time[0] / shown.period), np.floor(shown.time[-1] / shown.period)
-    if last - first > MOST_PERIODS:
+    if last - first > MAX_PERIODS:
         return
     for count in np.arange(first, last + 1):
         axes.axvline(

@@ -19,7 +19,7 @@ from core.plots.style import Style
 from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
 from core.study.shown import ShownUnits
 
-MOST_ROWS = 18
+MAX_ROWS = 18
 SKETCH = 0.8  # width of the sketch over that of the values
 DIGITS = 4
 NO_VALUE = "no value"
@@ -52,7 +52,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     design = dataset.isel(places)
     rows = rows_of(design, units, options.variable)
     note = ""
-    figure = style.sheet(height=max(3.2, 0.27 * min(len(rows), MOST_ROWS) + 1.4))
+    figure = style.sheet(height=max(3.2, 0.27 * min(len(rows), MAX_ROWS) + 1.4))
     if is_pair(dataset):
         bodies, seen = read_bodies(dataset, places), views(dataset)
         grid = figure.add_gridspec(1, 2, width_ratios=(SKETCH, 1.0))
@@ -107,8 +107,8 @@ def _row(array: xarray.DataArray, units: ShownUnits) -> Row:
 
 def _write(axes: Axes, rows: list[Row], style: Style) -> None:
     """Write the rows of a table, the first in large letters."""
-    if len(rows) > MOST_ROWS:
-        rows = [*rows[: MOST_ROWS - 1], (f"{len(rows) - MOST_ROWS + 1} more in the file", "")]
+    if len(rows) > MAX_ROWS:
+        rows = [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
     axes.set(xlim=(0, 1), ylim=(len(rows) - 0.4, -0.6))
     for row, (label, value) in enumerate(rows):
         axes.axhline(row + 0.5, color=style.grid, linewidth=0.6)

@@ -7,10 +7,10 @@ from core.quantities.quantity import Quantity, angle
 AXES = ("along", "across", "normal")
 """Of the track: +x in transport direction, +y off the wall, +z off the floor."""
 
-MOST_ORDERS = 10
+MAX_ORDERS = 10
 """Harmonics of an axis."""
 
-MOST_STEPS = 12
+MAX_STEPS = 12
 """Pieces of constant acceleration in a period."""
 
 _LETTERS = dict(zip(AXES, "xyz", strict=True))
@@ -78,11 +78,11 @@ DRIVE: dict[str, Quantity] = {
         parameter=True, examples=("1.2",),
     ),
     **{f"amplitude_{axis}_{n}": _amplitude(axis, n)
-       for axis in AXES for n in range(1, MOST_ORDERS + 1)},
-    **{f"phase_{axis}_{n}": _phase(axis, n) for axis in AXES for n in range(1, MOST_ORDERS + 1)},
+       for axis in AXES for n in range(1, MAX_ORDERS + 1)},
+    **{f"phase_{axis}_{n}": _phase(axis, n) for axis in AXES for n in range(1, MAX_ORDERS + 1)},
     **{f"acceleration_{axis}_{n}": _level(axis, n)
-       for axis in AXES for n in range(1, MOST_STEPS + 1)},
-    **{f"duration_{n}": _duration(n) for n in range(1, MOST_STEPS + 1)},
+       for axis in AXES for n in range(1, MAX_STEPS + 1)},
+    **{f"duration_{n}": _duration(n) for n in range(1, MAX_STEPS + 1)},
     "wave": Quantity("1", "", "Wave", "The push of the drive on a part, per weight.", bundle=True),
     **{name: limit for axis in AXES for name, limit in _limits(axis).items()},
 }  # fmt: skip

@@ -83,8 +83,10 @@ SETTINGS: dict[str, Quantity] = {
     "tolerance": number(
         "tol", "Tolerance", "Largest error of a periodic state, as a share of the drive."
     ),
-    "most_periods": number(
-        "N", "Most periods", "Most periods of the drive that one point is followed for."
+    "max_periods": number(
+        "N",
+        "Largest number of periods",
+        "Largest number of drive periods that one point is followed for.",
     ),
     "steps_per_period": number(
         "n", "Steps per period", "Time steps in a period of the drive, of the coarser run."

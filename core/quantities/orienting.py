@@ -5,7 +5,7 @@ from __future__ import annotations
 from core.quantities.quantity import Quantity, length, number
 from core.quantities.resting import ASPECTS
 
-MOST_DEVICES = 6
+MAX_DEVICES = 6
 """Places of a line."""
 
 PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if i != j}
@@ -114,7 +114,7 @@ ORIENTING: dict[str, Quantity] = {
     },
     **{
         f"{name}_{place}": quantity
-        for place in range(1, MOST_DEVICES + 1)
+        for place in range(1, MAX_DEVICES + 1)
         for name, quantity in _device(place).items()
     },
     "aspect_sizes": Quantity("m", "", "Sizes", "Sizes of a part in each aspect.", bundle=True),

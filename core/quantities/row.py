@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from core.quantities.quantity import Quantity, length, number, velocity
 
-MOST_NUMBERED = 10
+MAX_NUMBERED = 10
 """Parts that have numbers of their own: as many parameters each as a study has keys to spare."""
-MOST_PARTS = 64
+MAX_PARTS = 64
 """Parts of a row: some 200 collisions a period; longer lanes repeat what such a row does."""
 
 
@@ -87,15 +87,15 @@ NUMBERS = {"part_friction": _friction, "part_mass": _mass, "part_gap": _gap}
 
 ROW: dict[str, Quantity] = {
     "parts": Quantity(
-        "1", "n", "Parts", "Parts of the row.", 2.0, float(MOST_PARTS), parameter=True,
+        "1", "n", "Parts", "Parts of the row.", 2.0, float(MAX_PARTS), parameter=True,
         examples=("8",),
     ),
     **{
         f"{stem}_{n}": of_part(n)
         for stem, of_part in NUMBERS.items()
-        for n in range(1, MOST_NUMBERED + 1)
+        for n in range(1, MAX_NUMBERED + 1)
     },
-    **{f"part_position_{n}": _position(n) for n in range(1, MOST_NUMBERED + 1)},
+    **{f"part_position_{n}": _position(n) for n in range(1, MAX_NUMBERED + 1)},
     "part_restitution": Quantity(
         "1", "e_p", "Restitution between parts",
         "Velocity of parting over that of meeting where two parts strike each other.", 0.0, 1.0,
@@ -126,7 +126,7 @@ ROW: dict[str, Quantity] = {
         "N s", "", "Strokes against the stop",
         "Impulse of all strokes against the stop in a period of the drive.",
     ),
-    **{name: one for n in range(1, MOST_NUMBERED + 1) for name, one in _platoon(n).items()},
+    **{name: one for n in range(1, MAX_NUMBERED + 1) for name, one in _platoon(n).items()},
     "row": Quantity("1", "", "Row", "The parts of a row, from the rear on.", bundle=True),
     "platoons": Quantity(
         "1", "", "Platoons", "Groups of parts that have left each other for ever.", count=True

@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import Any
 
 from core.mechanics import drop_test, orienting
-from core.quantities.orienting import DEVICES, MOST_DEVICES, PAIRS
+from core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
 from core.scenes.devices import AnyOf, Counts, Device, DeviceLine
 from core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
 from core.scenes.shapes import ASPECTS, SHAPES, WORDS
@@ -28,7 +28,7 @@ SIZES: dict[str, Function] = {
     "turned": orienting.turned_aspects,
 }
 _NUMBER = re.compile(rf"({'|'.join(DEVICES)})_(\d)")
-PLACES = range(1, MOST_DEVICES + 1)
+PLACES = range(1, MAX_DEVICES + 1)
 
 RESULTS = (
     Equation("laps", orienting.laps, LINE),

@@ -22,7 +22,7 @@ from core.study.distributions import Distribution, deviation, nominal, tolerance
 
 NEAR = 0.01
 """Of half the tolerance, by which a difference steps to either side; and half of that."""
-MOST_CORNERS = 10
+MAX_CORNERS = 10
 """Parameters up to which all corners of the box are looked at: 1,024."""
 INSIDE = 256
 """Points inside the box that are looked at."""
@@ -104,10 +104,10 @@ class Budget:
         base = middle + unit * (centre - middle)
         rows += [base, *(base + unit * (step * self._steps) for step in (-1.0, -0.5, 0.5, 1.0))]
         inside = points(count, INSIDE, self.seed)[:, 0].T
-        if count <= MOST_CORNERS:
+        if count <= MAX_CORNERS:
             corners = np.array(list(product((0.0, 1.0), repeat=count)))
         else:
-            corners = np.round(points(count, 1 << MOST_CORNERS, self.seed + 1)[:, 0].T)
+            corners = np.round(points(count, 1 << MAX_CORNERS, self.seed + 1)[:, 0].T)
         rows.append(lower + (upper - lower) * np.concatenate([corners, inside]))
         return np.ascontiguousarray(np.concatenate(rows).T)
 

@@ -23,7 +23,7 @@ from core.mechanics.arrays import Array
 from core.plan.draws import points
 from core.sensitivity.replicates import REPLICATES, jackknife
 
-MOST_INPUTS = 40
+MAX_INPUTS = 40
 FLAT = 1e-14
 """Deviation over the size of the values that is rounding: then no input has a share of it."""
 

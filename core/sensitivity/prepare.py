@@ -22,7 +22,7 @@ from core.plan.sketch import Sketch
 from core.quantities import FLAGS, REGIMES
 from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, ResultVariable, answers
 from core.sensitivity.budget import Budget
-from core.sensitivity.indices import MOST_INPUTS
+from core.sensitivity.indices import MAX_INPUTS
 from core.sensitivity.statistics import LEVELS
 from core.study.distributions import Distribution, nominal, tolerance
 from core.study.drive import only_the_plain_sine
@@ -33,9 +33,9 @@ from core.suggestions import suggestion
 PATH_SAMPLES = 64
 """Samples for each of which Morris's screening goes one path."""
 FEWEST_PATHS = 16
-MOST_VALUES = 10_000_000
+MAX_VALUES = 10_000_000
 """Values of one design that are looked at together: they fill a few hundred megabytes."""
-MOST_EVALUATIONS = 2_000_000_000
+MAX_EVALUATIONS = 2_000_000_000
 """Evaluations of a whole study."""
 TOLD_SECONDS = 2e-7
 """What it takes to count a value, beside evaluating it."""
@@ -214,9 +214,9 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
         if name in values:
             fix = f"Remove it there, or under parameters.{name}"
             yield Problem(f"uncertain.{name}", "it is also given as a parameter", fix)
-    if len(uncertain) > MOST_INPUTS:
+    if len(uncertain) > MAX_INPUTS:
         message = f"there are {len(uncertain)} of them"
-        yield Problem("uncertain", message, f"Keep the {MOST_INPUTS} that matter most")
+        yield Problem("uncertain", message, f"Keep the {MAX_INPUTS} that matter most")
     for name in study.outputs:
         if name in FLAGS:
             fix = 'Ask for its probability: [[demands]] regime = "hopping"'
@@ -277,11 +277,11 @@ def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
 def _check_size(prepared: Sensitivity) -> None:
     """Raise `StudyError` if a study takes more than memory and patience hold."""
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
-    if each * outputs > MOST_VALUES:
+    if each * outputs > MAX_VALUES:
         message = f"each design takes {each:,} evaluations of {outputs} outputs"
-        fix = f"Take fewer samples or outputs: {MOST_VALUES:,} values a design at most"
+        fix = f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most"
         raise StudyError([Problem("samples", message, fix)])
-    if each * prepared.cells > MOST_EVALUATIONS:
+    if each * prepared.cells > MAX_EVALUATIONS:
         message = f"{prepared.cells:,} designs take {each:,} evaluations each"
-        fix = f"Take fewer designs or samples: {MOST_EVALUATIONS:,} evaluations at most"
+        fix = f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most"
         raise StudyError([Problem("samples", message, fix)])

@@ -29,7 +29,7 @@ STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
 """The tables that hold unknowns, and what the names of theirs begin with in a result."""
 Prior = Between | Normal
 """What is known of an unknown before: bounds, or a normal distribution that bounds may cut."""
-FEWEST_POINTS, POINTS, MOST_POINTS = 1_000, 20_000, 1_000_000
+FEWEST_POINTS, POINTS, MAX_POINTS = 1_000, 20_000, 1_000_000
 
 _ONE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
 _PRIOR_SCHEMA = {
@@ -159,7 +159,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         description="Most points at which the unknowns are tried; each takes a motion a run.",
         strict=True,
         ge=FEWEST_POINTS,
-        le=MOST_POINTS,
+        le=MAX_POINTS,
     )
 
     def priors(self) -> dict[str, Prior]:

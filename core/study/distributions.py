@@ -27,7 +27,7 @@ OUTSIDE = 0.00135
 """Share beyond either end of the tolerance of a distribution without ends: three deviations."""
 CALIBRATION = "calibration"
 """The key that names the result of a calibration in place of numbers."""
-MOST_TABULATED = 10_000
+MAX_TABULATED = 10_000
 FEWEST_TABULATED = 2
 
 
@@ -198,9 +198,9 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
     if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(f"values and densities of {name} are no lists", "Write two lists")
     count = len(columns[0])
-    if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MOST_TABULATED:
+    if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MAX_TABULATED:
         message = f"{name} has {count:,} values and {len(columns[1]):,} densities"
-        fix = f"Give {FEWEST_TABULATED} to {MOST_TABULATED:,} values, and a density for each"
+        fix = f"Give {FEWEST_TABULATED} to {MAX_TABULATED:,} values, and a density for each"
         raise UnitError(message, fix)
     values = tuple(read_number(name, quantity, value) for value in columns[0])
     if any(after <= before for before, after in pairwise(values)):

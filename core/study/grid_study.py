@@ -164,7 +164,7 @@ else:
     )
 
 
-MOST_SHOWN = 8  # to look a unit up takes long
+MAX_SHOWN = 8  # to look a unit up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
@@ -174,7 +174,7 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
     words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw
     if (
         not isinstance(words, tuple)
-        or len(words) > MOST_SHOWN
+        or len(words) > MAX_SHOWN
         or not all(isinstance(word, str) for word in words)
     ):
         raise refusal(
@@ -191,15 +191,15 @@ _ONE_WORD = {"type": "string", "maxLength": 100}
 _UNITS_SCHEMA = {
     "anyOf": [
         _ONE_WORD,
-        {"type": "array", "items": _ONE_WORD, "maxItems": MOST_SHOWN},
+        {"type": "array", "items": _ONE_WORD, "maxItems": MAX_SHOWN},
         {"type": "null"},
     ]
 }
 
 
-MOST_OUTPUTS = 100
+MAX_OUTPUTS = 100
 OutputName = Annotated[str, Field(max_length=100)]
-OutputNames = Annotated[tuple[OutputName, ...], at_most(MOST_OUTPUTS)]
+OutputNames = Annotated[tuple[OutputName, ...], at_most(MAX_OUTPUTS)]
 
 
 class Study(Frozen):

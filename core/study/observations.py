@@ -22,7 +22,7 @@ from core.study.levels import read_level, refusal
 from core.study.units import UnitError, read_number, share_of
 from core.suggestions import suggestion
 
-MOST_RUNS = 1_000
+MAX_RUNS = 1_000
 OBSERVED = ("conveying_velocity", "feed_rate")
 """Outputs that may have been measured."""
 REGIMES_SEEN = {
@@ -170,8 +170,8 @@ def spread_rows(raw: object) -> object:
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
         rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
-        if len(rows) > MOST_RUNS:
-            raise refusal(f"there are more than {MOST_RUNS:,} runs", "Leave some out")
+        if len(rows) > MAX_RUNS:
+            raise refusal(f"there are more than {MAX_RUNS:,} runs", "Leave some out")
     return rows
 
 
@@ -191,6 +191,6 @@ def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
 ROWS_SCHEMA: dict[str, Any] = {
     "anyOf": [
         {"type": "string", "description": "A CSV or XLSX file in the study's folder."},
-        {"type": "array", "maxItems": MOST_RUNS, "items": {"type": "object"}, "minItems": 1},
+        {"type": "array", "maxItems": MAX_RUNS, "items": {"type": "object"}, "minItems": 1},
     ]
 }

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from core.study.distributions import Distribution
 from core.study.grid_study import (
-    MOST_OUTPUTS,
+    MAX_OUTPUTS,
     PARAMETERS,
     DrivenStudy,
     Frozen,
@@ -87,7 +87,7 @@ class OutputLimit(Frozen):
             yield f"{name}_upper", self.upper
 
 
-MOST_CONSTRAINTS = 20
+MAX_CONSTRAINTS = 20
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 """The variables of a study that names none."""
 
@@ -114,8 +114,8 @@ class OptimiseStudy(DrivenStudy):
         "left out, as far as they are not given and the outputs depend on them.",
     )
     criterion: Criterion = Field(description="What is looked for.", discriminator="kind")
-    constraints: Annotated[tuple[OutputLimit, ...], at_most(MOST_CONSTRAINTS)] = Field(
-        (), description="Bounds that outputs have to keep.", max_length=MOST_CONSTRAINTS
+    constraints: Annotated[tuple[OutputLimit, ...], at_most(MAX_CONSTRAINTS)] = Field(
+        (), description="Bounds that outputs have to keep.", max_length=MAX_CONSTRAINTS
     )
     floor_contact: bool = Field(
         True, description="Whether the part is to stay on the floor, where the scene has one."
@@ -145,7 +145,7 @@ class OptimiseStudy(DrivenStudy):
         strict=True,
     )
     outputs: OutputNames = Field(
-        (), description="Further outputs at the optimum.", max_length=MOST_OUTPUTS
+        (), description="Further outputs at the optimum.", max_length=MAX_OUTPUTS
     )
 
     def intervals(self) -> dict[str, Distribution]:

@@ -30,7 +30,7 @@ QUANTILE = "quantile"
 COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
 ENDS = ("smallest", "largest")
 MOST = 20  # names of shares, or of levels; conditions of one share
-MOST_NAMES = 100
+MAX_NAMES = 100
 
 _CONDITION = re.compile(r"\s*(\w{1,100})\s*(<=|>=|==|!=|<|>)\s*(.{1,200}?)\s*")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
@@ -161,8 +161,8 @@ class LevelSet(_Part):
 class Reduction(_Part):
     """Answers over some axes of a sweep, in place of its cells."""
 
-    over: Annotated[tuple[_Known, ...], at_most(MOST_NAMES), _ordered(QUANTITIES)] = Field(
-        description="The axes that go; all others stay.", min_length=1, max_length=MOST_NAMES
+    over: Annotated[tuple[_Known, ...], at_most(MAX_NAMES), _ordered(QUANTITIES)] = Field(
+        description="The axes that go; all others stay.", min_length=1, max_length=MAX_NAMES
     )
     statistics: Annotated[tuple[_Statistic, ...], at_most(MOST), _ordered(STATISTICS)] = Field(
         (),
@@ -170,14 +170,14 @@ class Reduction(_Part):
         "value lie (argmax, argmin: one variable for each axis that goes).",
         max_length=MOST,
     )
-    of: Annotated[tuple[_Known, ...], at_most(MOST_NAMES)] = Field(
+    of: Annotated[tuple[_Known, ...], at_most(MAX_NAMES)] = Field(
         (),
         description="The outputs that statistics and quantiles are of; all where left out.",
-        max_length=MOST_NAMES,
+        max_length=MAX_NAMES,
     )
     quantiles: Annotated[
-        tuple[_Quantile, ...], at_most(MOST_NAMES), AfterValidator(lambda q: tuple(sorted({*q})))
-    ] = Field((), description="Quantiles of each output, from 0 to 1.", max_length=MOST_NAMES)
+        tuple[_Quantile, ...], at_most(MAX_NAMES), AfterValidator(lambda q: tuple(sorted({*q})))
+    ] = Field((), description="Quantiles of each output, from 0 to 1.", max_length=MAX_NAMES)
     cells: Literal["valid", "all"] = Field(
         "valid",
         description="Which cells count: those whose regime describes a real part, or all. Cells "

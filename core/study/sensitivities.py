@@ -9,7 +9,7 @@ from pydantic import Field, PlainValidator, WithJsonSchema
 
 from core.study.levels import refusal
 
-MOST_PARAMETERS = 30
+MAX_PARAMETERS = 30
 
 
 def _read(raw: object) -> bool | tuple[str, ...] | None:
@@ -17,7 +17,7 @@ def _read(raw: object) -> bool | tuple[str, ...] | None:
     if raw is None or isinstance(raw, bool):
         return raw or None
     names = tuple(raw) if isinstance(raw, list | tuple) else ()
-    if 0 < len(names) <= MOST_PARAMETERS and all(isinstance(name, str) for name in names):
+    if 0 < len(names) <= MAX_PARAMETERS and all(isinstance(name, str) for name in names):
         return tuple(dict.fromkeys(name[:100] for name in names))
     raise refusal(
         f"{reprlib.repr(raw)[:40]} are not names of parameters",
@@ -36,7 +36,7 @@ Sensitivities = Annotated[
                     "type": "array",
                     "items": {"type": "string", "maxLength": 100},
                     "minItems": 1,
-                    "maxItems": MOST_PARAMETERS,
+                    "maxItems": MAX_PARAMETERS,
                 },
                 {"type": "null"},
             ]

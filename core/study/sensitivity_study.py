@@ -8,13 +8,13 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from core.study.distributions import Distribution
-from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, Frozen, OutputName, OutputNames
+from core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputName, OutputNames
 from core.study.levels import OpenLevel, at_most, refusal
 from core.study.uncertain import Uncertain, distributions_of
 
-FEWEST_SAMPLES, MOST_SAMPLES = 256, 1 << 20
-MOST_DEMANDS = 20
-MOST_QUANTILES = 100
+FEWEST_SAMPLES, MAX_SAMPLES = 256, 1 << 20
+MAX_DEMANDS = 20
+MAX_QUANTILES = 100
 ANALYSES = ("distribution", "sobol", "morris", "budget")
 Analysis = Literal["distribution", "sobol", "morris", "budget"]
 
@@ -55,7 +55,7 @@ class SensitivityStudy(DrivenStudy):
         max_length=100,
     )
     outputs: OutputNames = Field(
-        description="Names of the outputs.", min_length=1, max_length=MOST_OUTPUTS
+        description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )
     uncertain: Uncertain = Field(
         description="Parameters that are not known exactly, and their distributions."
@@ -67,16 +67,16 @@ class SensitivityStudy(DrivenStudy):
         "screening of many parameters), budget (what each tolerance does).",
         min_length=1,
     )
-    demands: Annotated[tuple[Demand, ...], at_most(MOST_DEMANDS)] = Field(
+    demands: Annotated[tuple[Demand, ...], at_most(MAX_DEMANDS)] = Field(
         (),
         description="Outputs within bounds, or regimes, whose probability is computed.",
-        max_length=MOST_DEMANDS,
+        max_length=MAX_DEMANDS,
     )
-    quantiles: Annotated[tuple[float, ...], at_most(MOST_QUANTILES)] = Field(
+    quantiles: Annotated[tuple[float, ...], at_most(MAX_QUANTILES)] = Field(
         (0.05, 0.5, 0.95),
         description="Shares of the parts; the result has the value that this share stays below.",
         min_length=1,
-        max_length=MOST_QUANTILES,
+        max_length=MAX_QUANTILES,
     )
     samples: int = Field(
         4096,
@@ -84,7 +84,7 @@ class SensitivityStudy(DrivenStudy):
         "indices take as many again for each parameter, and once more.",
         strict=True,
         ge=FEWEST_SAMPLES,
-        le=MOST_SAMPLES,
+        le=MAX_SAMPLES,
     )
     seed: int = Field(
         0, description="Another seed draws other points.", strict=True, ge=0, le=2**31 - 1

@@ -6,22 +6,22 @@ import reprlib
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, PlainValidator, WithJsonSchema
+from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, Frozen, OutputNames
+from core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputNames
 from core.study.sensitivities import Sensitivities
 
-MOST_SAMPLES = 100_000
+MAX_SAMPLES = 100_000
 LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
 _TRAJECTORY_SCHEMA = {
     "anyOf": [
-        {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
+        {"type": "integer", "minimum": 2, "maximum": MAX_SAMPLES},
         {
             "type": "array",
             "items": {"type": "number", "minimum": 0},
             "minItems": 1,
-            "maxItems": MOST_SAMPLES,
+            "maxItems": MAX_SAMPLES,
         },
         {"type": "null"},
     ]
@@ -31,9 +31,9 @@ _TRAJECTORY_SCHEMA = {
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
     """Return a number of steps, or times in seconds."""
     whole = isinstance(raw, int) and not isinstance(raw, bool)
-    if raw is None or (whole and 2 <= raw <= MOST_SAMPLES):  # type: ignore[operator]
+    if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]
-    if isinstance(raw, list | tuple) and 0 < len(raw) <= MOST_SAMPLES:
+    if isinstance(raw, list | tuple) and 0 < len(raw) <= MAX_SAMPLES:
         numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
         rises = all(before < after for before, after in pairwise(numbers))
         if len(numbers) == len(raw) and rises and numbers[0] >= 0 and numbers[-1] <= LATEST:
@@ -43,15 +43,15 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
         "{message}",
         {
             "message": f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
-            "fix": f"Write a whole number from 2 to {MOST_SAMPLES:,}, or times in seconds that rise"
+            "fix": f"Write a whole number from 2 to {MAX_SAMPLES:,}, or times in seconds that rise"
             " from 0 or later",
         },
     )
 
 
 FEWEST_PERIODS = 8  # no fewer tell a motion that repeats over some from one that does not
-MOST_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then does not
-SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
+MAX_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then does not
+SETTINGS = ("tolerance", "max_periods", "steps_per_period", "slip_speed", "contact_stiffness")
 
 
 class FollowedStudy(DrivenStudy):
@@ -75,12 +75,13 @@ class MotionSettings(Frozen):
         ge=1e-13,
         le=1,
     )
-    most_periods: int | None = Field(
+    max_periods: int | None = Field(
         None,
-        description="Most periods of the drive that one point is followed for.",
+        description="Largest number of drive periods that one point is followed for.",
         strict=True,
         ge=FEWEST_PERIODS,
-        le=MOST_PERIODS,
+        le=MAX_PERIODS,
+        validation_alias=AliasChoices("max_periods", "max_periods"),  # as it was called before
     )
     steps_per_period: int | None = Field(
         None,
@@ -111,7 +112,7 @@ class _Asked(FollowedStudy):
         ("conveying_velocity",),
         description="Names of the outputs.",
         min_length=1,
-        max_length=MOST_OUTPUTS,
+        max_length=MAX_OUTPUTS,
     )
     sensitivities: Sensitivities = None
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 EXACT: Final = 2**53  # whole numbers up to it are floats, so that numpy divides them exactly
-MOST_SLOW: Final = 1_000_000  # values of an axis that Python divides, a tenth of a microsecond each
+MAX_SLOW: Final = 1_000_000  # values of an axis that Python divides, a tenth of a microsecond each
 DIGITS: Final = 15  # of a decimal that no other float can stand for
 SIMPLE: Final = 1_000_000  # largest denominator of a fraction that is no decimal
 
@@ -64,7 +64,7 @@ def evenly(
         found *= stride
         found += offset
         return found / divisor
-    if size <= MOST_SLOW:
+    if size <= MAX_SLOW:
         each = ((offset + k * stride) / divisor for k in range(start, stop))
         return np.fromiter(each, np.float64, stop - start)
     return _approximately(first, last, size, start, stop)

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
-from core.study.grid_study import MOST_OUTPUTS, OutputNames, Study
+from core.study.grid_study import MAX_OUTPUTS, OutputNames, Study
 from core.study.reduction import Reduction
 from core.study.sensitivities import Sensitivities
 
@@ -22,7 +22,7 @@ class SweepStudy(Study):
         max_length=100,
     )
     outputs: OutputNames = Field(
-        description="Names of the outputs.", min_length=1, max_length=MOST_OUTPUTS
+        description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )
     sensitivities: Sensitivities = None
     precision: Literal["double", "single"] | None = Field(

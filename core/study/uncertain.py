@@ -9,7 +9,7 @@ from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, create_mod
 from core.quantities import QUANTITIES, Quantity
 from core.study.distributions import (
     FORMS,
-    MOST_TABULATED,
+    MAX_TABULATED,
     Distribution,
     read_distribution,
 )
@@ -21,7 +21,7 @@ from core.study.units import UnitError
 def _schema(quantity: Quantity) -> dict[str, Any]:
     # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
     value: dict[str, Any] = {"type": ["number", "string"]}
-    many = {"type": "array", "items": value, "minItems": 2, "maxItems": MOST_TABULATED}
+    many = {"type": "array", "items": value, "minItems": 2, "maxItems": MAX_TABULATED}
     kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
     return {
         "title": quantity.label,

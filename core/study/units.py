@@ -23,7 +23,7 @@ PER_MINUTE = frozenset(
     ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
 )
 PERCENT = "%"
-MOST_UNITS = 10  # that the values of one list are written in: to look one up takes long
+MAX_UNITS = 10  # that the values of one list are written in: to look one up takes long
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{0,40}")
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
@@ -127,7 +127,7 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     if _COMMA.match(unit):
         raise UnitError(f"{_shown(text)} has a comma", "Write the number with a point, as in 0.5")
     if unit and unit not in factors:
-        if len(factors) >= MOST_UNITS:
+        if len(factors) >= MAX_UNITS:
             raise UnitError(f"{name} is written in many units", "Write all values in one unit")
         factors[unit] = unit_factor(name, quantity, unit)
     if unit:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MOST_POINTS = 100_000_000  # of one axis; more is a slip of the pen, and would fill the memory
+MAX_POINTS = 100_000_000  # of one axis; more is a slip of the pen, and would fill the memory
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
 
 
@@ -226,10 +226,10 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
         stop, size = _step(name, quantity, start, stop, raw["step"])
     else:
         size = _num(name, raw["num"])
-    if size > MOST_POINTS:
+    if size > MAX_POINTS:
         raise UnitError(
             f"{name} has {size:,} values",
-            f"One axis holds {MOST_POINTS:,} at most; take a larger step",
+            f"One axis holds {MAX_POINTS:,} at most; take a larger step",
         )
     return Span(start, stop, size, "log" if spacing == "log" else "linear")
 
@@ -251,7 +251,7 @@ def _step(
     step = read_number(f"step of {name}", as_difference(quantity), raw)
     first, apart = as_typed(start), as_typed(step)
     steps = (as_typed(stop) - first) / apart
-    if steps > MOST_POINTS:
+    if steps > MAX_POINTS:
         return stop, int(min(steps, Fraction(10**18))) + 1
     whole = round(steps)
     # Numbers that no decimal tells exactly, such as those of radians in degrees, may just miss.

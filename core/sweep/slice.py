@@ -20,7 +20,7 @@ from core.study.values import position_on_axis
 from core.suggestions import Suggestions
 from core.sweep.cells import attributes_of
 
-MOST_AXES = 2
+MAX_AXES = 2
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def _problems(
     if output not in sweep.dims:
         fix = suggest(output, sweep.dims)
         yield Problem("output", f"'{output}' is not an output of this sweep", fix)
-    if not 1 <= len(axes) <= MOST_AXES:
+    if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(
             "axes", f"{len(axes)} axes are free", "Name one or two, as in axes=beta,alpha"
         )

@@ -23,7 +23,7 @@ from core.watch import Watch
 
 AGAINST = "the same equations with 50 digits"
 PIECE = 8  # cells at a time, between two looks at the watch
-MOST_SECONDS_OF_A_PIECE = 1.0  # else one cell at a time
+MAX_SECONDS_OF_A_PIECE = 1.0  # else one cell at a time
 
 
 def accuracy(scene: Scene) -> str:
@@ -148,7 +148,7 @@ def rounding_of(
     """
     watch = watch or Watch()
     size = next(iter(got.values())).size
-    step = 1 if plan.scene.seconds_a_verified_cell > MOST_SECONDS_OF_A_PIECE / PIECE else PIECE
+    step = 1 if plan.scene.seconds_a_verified_cell > MAX_SECONDS_OF_A_PIECE / PIECE else PIECE
     worst: Value | None = None
     zero, not_known, done = 0.0, dict[str, None](), 0
     for start in range(0, size, step):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-MOST_CLICKS = 3
+MAX_CLICKS = 3
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def test_each_question_on_a_phone(page: Page, address: str) -> None:
             clicks += 1
             page.locator(question.then).click()
         answered(page, question)
-        assert clicks <= MOST_CLICKS
+        assert clicks <= MAX_CLICKS
 
 
 def tabbed(page: Page, to: str, most: int = 60) -> None:

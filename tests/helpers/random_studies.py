@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 KINDS = ("sweep", "simulate", "optimise", "sensitivity")
 FILES = sorted(ROOT.glob("configs/*.toml")) + sorted(ROOT.glob("configs/*/*.toml"))
 MEASURED = "measured-drive"  # its drive stands in a file beside it
-MOST_AXES = {"sweep": 3, "simulate": 2, "optimise": 1, "sensitivity": 1}
+MAX_AXES = {"sweep": 3, "simulate": 2, "optimise": 1, "sensitivity": 1}
 COUNTS = {"sweep": (1, 3, 13), "simulate": (1, 3, 11), "optimise": (1, 3), "sensitivity": (1, 3)}
 Content = dict[str, Any]
 
@@ -36,7 +36,7 @@ def random_study(random: np.random.Generator, kind: str, known: list[Content]) -
     random.shuffle(ranged)
     alone = random.random() < 0.15
     for place, name in enumerate(ranged):
-        count = 1 if alone or place >= MOST_AXES[kind] else int(random.choice(COUNTS[kind]))
+        count = 1 if alone or place >= MAX_AXES[kind] else int(random.choice(COUNTS[kind]))
         values = _values(random, content["parameters"][name], count)
         content["parameters"][name] = values if len(values) > 1 else values[0]
     if kind == "optimise" and random.random() < 0.25:

@@ -16,7 +16,7 @@ from core.motion.methods.events import energy_by_events, motion_by_events
 from core.motion.methods.spatial_events import spatial_path
 from core.motion.waves import TURN, Wave
 
-SETTINGS = {"tolerance": 1e-12, "most_periods": 300}
+SETTINGS = {"tolerance": 1e-12, "max_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)
 DRIVES = ("sine", "harmonics", "steps")
 WORKS = ["conveying_velocity", "friction_power", "impact_power", "drive_power", "drive_work"]

@@ -49,7 +49,7 @@ def groups_of(family: str) -> Groups:
 @cache
 def of(family: str) -> Judged:
     """Return the cells of a family, judged."""
-    return judged(groups_of(family), most_periods=MOST, periods=PERIODS)
+    return judged(groups_of(family), max_periods=MOST, periods=PERIODS)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -96,7 +96,7 @@ def test_periodic_is_what_one_more_cycle_confirms(family):
         multiple, speed = found.table[cell, COLUMN.multiple], found.speed[cell]
         turn = 2.0 * np.pi * multiple
         path, _ = spatial_path(
-            Groups(*numbers), Contacts(wall=True), tolerance=1e-12, most_periods=MOST,
+            Groups(*numbers), Contacts(wall=True), tolerance=1e-12, max_periods=MOST,
             phases=np.array([0.0, turn, 2.0 * turn]),
         )  # fmt: skip
         close = 1e-8 * speed + found.table[cell, COLUMN.error]
@@ -154,7 +154,7 @@ def courses(row: np.ndarray, contacts: Contacts) -> list[tuple[float, float, int
 @pytest.mark.parametrize("scene", sorted(CONTACTS))
 def test_what_repeats_does_so_again_and_what_does_not_does_not(scene, form):
     groups, contacts = driven(scene, form), CONTACTS[scene]
-    settings = {"tolerance": 1e-12, "most_periods": float(MOST)}
+    settings = {"tolerance": 1e-12, "max_periods": float(MOST)}
     found = motion_by_events(groups, contacts, **settings)
     periodic, restless = (
         np.flatnonzero(found.status == STATUS[name]) for name in ("periodic", "aperiodic")
@@ -189,11 +189,11 @@ def test_series_of_a_slip_in_a_line_are_those_of_the_plane(sideways):
     groups = drives.feeder_parts(IN_A_LINE, 28, 0.0)
     level = {"gravity_number_along": 0.0, "gravity_number_normal": 1.0}
     groups = groups._replace(gravity_number_across=0.0, **(level if sideways else {}))
-    flat = planar_motion(groups.flat(), tolerance=1e-12, most_periods=MOST)
+    flat = planar_motion(groups.flat(), tolerance=1e-12, max_periods=MOST)
     push = {"drive_number_along": 0.0, "drive_number_across": groups.drive_number_along}
     found = spatial_motion(
         groups._replace(**push) if sideways else groups, Contacts(),
-        tolerance=1e-12, most_periods=MOST,
+        tolerance=1e-12, max_periods=MOST,
     )  # fmt: skip
     both = (flat.status == STATUS["periodic"]) & (found.status == STATUS["periodic"])
     assert both.sum() >= 0.9 * IN_A_LINE

@@ -67,7 +67,7 @@ def test_a_reference_on_its_way_has_no_mean_and_followed_further_the_right_one()
     early, _, _, status = moved(**part, method="reference")
     assert np.isnan(early)
     assert status == "limit_reached"
-    for settings in ({}, {"method": "reference", "most_periods": 1000}):
+    for settings in ({}, {"method": "reference", "max_periods": 1000}):
         velocity, error, multiple, status = moved(**part, **settings)
         assert (multiple, status) == (2, "periodic")
         assert abs(velocity - 23.7885049e-3) <= error + 5e-11

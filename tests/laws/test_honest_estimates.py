@@ -79,7 +79,7 @@ def test_a_slide_that_gains_speed_for_ever_is_no_mean() -> None:
         drive_number_along=np.array(1.4281), drive_number_normal=np.array(2.5282),
         gravity_number_along=np.array(-0.0781), gravity_number_normal=np.array(0.9969),
         friction_static=np.array(0.0844), friction_kinetic=np.array(0.0572),
-        restitution=np.array(0.5754), tolerance=np.array(1e-12), most_periods=np.array(1000.0),
+        restitution=np.array(0.5754), tolerance=np.array(1e-12), max_periods=np.array(1000.0),
     )  # fmt: skip
     assert found.status == STATUS["runaway"]
     assert np.isnan(found.velocity)

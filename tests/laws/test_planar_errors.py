@@ -24,7 +24,7 @@ def followed(family):
         if one["family"] == family:
             c, s, gs, gn, static, kinetic = one["groups"]
             motion = planar_motion(
-                Groups(c, s, gs, gn, static, kinetic), tolerance=1e-12, most_periods=1000.0
+                Groups(c, s, gs, gn, static, kinetic), tolerance=1e-12, max_periods=1000.0
             )
             yield motion, float(one["velocity"]), math.hypot(c, s), (c, s, static)
 

@@ -37,7 +37,7 @@ def cells(count: int, seed: int, **fixed) -> dict[str, np.ndarray]:
         "friction_kinetic": values["friction"],
         "restitution": values["restitution"],
         "tolerance": np.full(count, 1e-12),
-        "most_periods": np.full(count, 200.0),
+        "max_periods": np.full(count, 200.0),
     }
 
 

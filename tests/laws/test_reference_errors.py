@@ -46,11 +46,11 @@ def test_a_part_on_its_way_to_the_wall_does_not_repeat() -> None:
         frequency=33.0, amplitude=1.32e-3, degrees=(18.0, 17.0, -1.0, 14.0), friction=0.6,
         restitution=0.2, radius=0.8,
     )  # fmt: skip
-    found = reference_motion(**groups, most_periods=60)
+    found = reference_motion(**groups, max_periods=60)
     assert found.status == STATUS["aperiodic"]
     assert abs(float(found.velocity) * scale - 0.0914) < float(found.error) * scale < 0.05
     # Followed only until it hops alike, it is known not to be there yet.
-    short = reference_motion(**groups, most_periods=11)
+    short = reference_motion(**groups, max_periods=11)
     assert short.status == STATUS["aperiodic"]
     assert abs(float(short.velocity) * scale - 0.0914) < float(short.error) * scale
 
@@ -118,7 +118,7 @@ def test_no_stated_error_is_too_small_in_the_plane() -> None:
     ratios, stated = [], []
     for cell in range(count):
         one = {name: float(values[cell]) for name, values in groups.items()}
-        found = reference_motion(**one, most_periods=60)
+        found = reference_motion(**one, max_periods=60)
         assert exact.status[cell] not in REPEATS or found.status in REPEATS
         if exact.status[cell] in REPEATS:
             assert found.multiple == exact.multiple[cell]
@@ -131,11 +131,11 @@ def test_no_stated_error_is_too_small_in_the_plane() -> None:
     assert np.median(stated) < 1e-11
 
 
-@pytest.mark.parametrize("most_periods", [1, 2, 5])
+@pytest.mark.parametrize("max_periods", [1, 2, 5])
 @pytest.mark.parametrize("name", MEAN_VELOCITIES)
-def test_what_was_not_shown_to_repeat_has_an_error(name: str, most_periods: int) -> None:
+def test_what_was_not_shown_to_repeat_has_an_error(name: str, max_periods: int) -> None:
     case = MEAN_VELOCITIES[name]
-    found = reference_motion(**case.groups(), most_periods=most_periods)
+    found = reference_motion(**case.groups(), max_periods=max_periods)
     off = float(found.velocity) - case.value * case.circular_frequency / GRAVITY
     assert float(found.error) > 0.0
     assert abs(off) <= float(found.error) + 1e-12  # the worked values have 13 digits

@@ -127,7 +127,7 @@ def test_statuses() -> None:
     assert rest.stick == pytest.approx(1.0)
     wild = reference_motion(
         drive_number_along=3.0, drive_number_across=0.0, drive_number_normal=5.0, **level,
-        restitution=0.6, most_periods=12,
+        restitution=0.6, max_periods=12,
     )  # fmt: skip
     assert wild.status == STATUS["aperiodic"]
     assert wild.spread > 0.0

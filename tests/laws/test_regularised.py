@@ -30,7 +30,7 @@ GROUPS = {name: case.groups() for name, case in MEAN_VELOCITIES.items()}
 
 def motion(given: dict, **changes):
     settings = {
-        "slip_speed": 1e-4, "contact_stiffness": 1e8, "tolerance": 1e-6, "most_periods": 60,
+        "slip_speed": 1e-4, "contact_stiffness": 1e8, "tolerance": 1e-6, "max_periods": 60,
         "solver": "Radau", "planar": True,
     }  # fmt: skip
     return regularised_motion(**{**given, **settings, **changes})
@@ -275,12 +275,12 @@ def test_what_has_no_mean_says_so(monkeypatch):
     # At rest on the track at phase 0: the mean is the amplitude of the drive's velocity.
     # No friction damps the errors of some hundred steps of 1e-6.
     assert smooth.velocity == pytest.approx(given["drive_number_along"], rel=1e-3)
-    short = motion(given, most_periods=2)
+    short = motion(given, max_periods=2)
     assert short.status == STATUS["limit_reached"]
     assert np.isfinite(short.velocity)
     for solver in SOLVERS:
         with monkeypatch.context() as patch:
-            patch.setattr(regularised, "MOST_EVALUATIONS", 50)
+            patch.setattr(regularised, "MAX_EVALUATIONS", 50)
             assert motion(given, solver=solver).status == STATUS["limit_reached"]
 
 

@@ -14,7 +14,7 @@ from many_digits import mp, mpf
 
 POINTS = 150
 EPS = np.finfo(float).eps
-MOST_ULP = 8
+MAX_ULP = 8
 SCENE = SCENES["cylinder-rolling"]
 OUTPUTS = [name for name in SCENE.outputs("derived") if name != "regime"]
 NO_VALUE_BUT_ROUNDING = {"force_pitch"}
@@ -136,4 +136,4 @@ def worst_ulp(points: dict[str, np.ndarray]) -> dict[str, float]:
 @pytest.mark.parametrize("kind", [ordinary, extreme])
 def test_outputs_are_right_to_a_few_ulp_times_their_condition(kind):
     worst = worst_ulp(kind(np.random.default_rng(9), POINTS))
-    assert {name: ulp for name, ulp in worst.items() if ulp > MOST_ULP} == {}
+    assert {name: ulp for name, ulp in worst.items() if ulp > MAX_ULP} == {}

@@ -17,7 +17,7 @@ from core.motion.methods.reference import reference_motion
 from core.motion.methods.spatial_events import spatial_motion, spatial_path
 from core.motion.result import STATUS, Motion
 
-SETTINGS = {"tolerance": 1e-12, "most_periods": 300}
+SETTINGS = {"tolerance": 1e-12, "max_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)
 
 
@@ -62,7 +62,7 @@ def test_means_are_those_of_the_reference(contacts, curved):
     given = random_groups(6, 5, wall=contacts.wall, curved=curved)
     found = spatial_motion(given, contacts, **SETTINGS)
     parts, _ = each(given)
-    alone = [reference_motion(part, contacts, most_periods=60) for part in parts]
+    alone = [reference_motion(part, contacts, max_periods=60) for part in parts]
     other = Motion._make(
         np.array([np.asarray(n).item() for n in column]) for column in zip(*alone, strict=True)
     )

@@ -18,8 +18,8 @@ from core.motion.waves import ALONG, NORMAL, TURN, Wave
 from random_waves import parts, shifted
 
 G = 9.81
-PLANAR = {"tolerance": 1e-12, "most_periods": 1000.0}
-SPATIAL = {"tolerance": 1e-10, "most_periods": 400.0}
+PLANAR = {"tolerance": 1e-12, "max_periods": 1000.0}
+SPATIAL = {"tolerance": 1e-10, "max_periods": 400.0}
 REPEATS = [STATUS["periodic"], STATUS["at_rest"]]
 WAVES = [(harmonics, 1), (harmonics, 2), (harmonics, 5), (harmonics, 8), (steps, 2), (steps, 7)]
 ASKED = ["conveying_velocity", "conveying_velocity_error"]

@@ -159,7 +159,7 @@ def test_weak_friction_under_two_frequencies() -> None:
         wave = harmonics((ALONG, 1, 1.0, 0.0), (ALONG, 2, 2 * share, 0.0))
         off = []
         for weak in (0.08, 0.02):
-            found = reference_motion(driven(wave, kinetic=weak), most_periods=300)
+            found = reference_motion(driven(wave, kinetic=weak), max_periods=300)
             off.append(abs(abs(float(found.velocity)) - share))
         assert off[1] < 0.3 * off[0] < 0.01
 
@@ -433,7 +433,7 @@ def test_a_wave_that_does_not_close_is_no_drive() -> None:
 
 def stiff(groups: Groups) -> Motion:
     return regularised_motion(
-        groups, slip_speed=1e-3, contact_stiffness=1e6, tolerance=1e-6, most_periods=60,
+        groups, slip_speed=1e-3, contact_stiffness=1e6, tolerance=1e-6, max_periods=60,
         solver="LSODA", planar=groups.planar,
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ HOURS: dict[str, Any] = {
     "kind": "simulate",
     "scene": "rectangle-on-plane",
     "method": "reference",
-    "most_periods": 100_000,
+    "max_periods": 100_000,
     "parameters": {
         "frequency": 50,
         "amplitude": "2.1 mm",

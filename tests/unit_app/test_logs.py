@@ -195,8 +195,8 @@ def test_a_crowd_that_goes_does_not_fill_the_log(client, lines, monkeypatch):
             with pytest.raises(AssertionError):
                 client.get("/left")
 
-    come_and_go(observe.MOST_LEFT_LINES + 5)
-    assert len(lines()) == observe.MOST_LEFT_LINES
+    come_and_go(observe.MAX_LEFT_LINES + 5)
+    assert len(lines()) == observe.MAX_LEFT_LINES
     now = 1.5
     come_and_go(1)
     *_, told, line = lines()

@@ -326,7 +326,7 @@ for scene, more in tracks.items():
             hops = {"outputs": ["efficiency", "hop_height"]}
             for rest in ({}, {"trajectory": 10}, hops, energy):
                 parameters = {"frequency": 50, "friction": 0.3, **drive, **more}
-                study = {"kind": "simulate", "scene": scene, "method": method, "most_periods": 20}
+                study = {"kind": "simulate", "scene": scene, "method": method, "max_periods": 20}
                 tabulate(prepare_content(study | {"parameters": parameters} | rest))
 print(stopwatch.spent - spent)
 import numba

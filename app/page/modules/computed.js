@@ -12,8 +12,8 @@ const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer v
 const LINE = 201;
 const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
-const MOST_KEPT = 32; // slices, of 0.4 MB
-const MOST_UNDER_WAY = 2;
+const MAX_KEPT = 32; // slices, of 0.4 MB
+const MAX_UNDER_WAY = 2;
 // What is asked for beside the course of a part, where the scene has it.
 const AT_A_POINT = ["conveying_velocity", "throw_number", "hop_height", "platoons"];
 
@@ -186,7 +186,7 @@ export class Source {
 
   // Ask for a place of a slider while another is being drawn: `compute` then finds it under way.
   ahead(view, dragged) {
-    if (view.kind === "sweep" && this.underWay < MOST_UNDER_WAY) {
+    if (view.kind === "sweep" && this.underWay < MAX_UNDER_WAY) {
       this.sliced(view, dragged).catch(() => {}); // `compute` asks again, and tells
     }
   }
@@ -207,7 +207,7 @@ export class Source {
       found.catch(() => this.slices.delete(text));
     }
     this.slices.set(text, found); // the last one used is the last one dropped
-    if (this.slices.size > MOST_KEPT) this.slices.delete(this.slices.keys().next().value);
+    if (this.slices.size > MAX_KEPT) this.slices.delete(this.slices.keys().next().value);
     return found;
   }
 

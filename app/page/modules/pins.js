@@ -3,7 +3,7 @@
 import { designAt, valuesAt } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { Refusal } from "./service.js";
-import { MOST_PINS } from "./view.js";
+import { MAX_PINS } from "./view.js";
 import { capital, label, number, shown, words } from "./words.js";
 
 export const LETTERS = ["A", "B", "C", "D"];
@@ -20,7 +20,7 @@ export class Pins {
 
   pin(view) {
     const pins = view.pins ?? [];
-    if (pins.length < MOST_PINS) this.onpins([...pins, { ...view.values, ...valuesAt(view, view.point) }]);
+    if (pins.length < MAX_PINS) this.onpins([...pins, { ...view.values, ...valuesAt(view, view.point) }]);
   }
 
   async show(view, scene) {

@@ -5,10 +5,10 @@ import { bestFromQuery, bestToQuery } from "./criterion.js";
 import { QUESTIONS } from "./questions.js";
 import { SETS } from "./sets.js";
 
-const MOST_CHARACTERS = 4000;
+const MAX_CHARACTERS = 4000;
 
-const MOST_RUNS = 50;
-export const MOST_PINS = 4;
+const MAX_RUNS = 50;
+export const MAX_PINS = 4;
 export const KINDS = ["simulate", "sweep"];
 
 /**
@@ -82,7 +82,7 @@ export function fromLink(hash) {
   const complaints = [];
   const text = hash.replace(/^#/, "");
   if (!text) return { wanted: {}, complaints };
-  if (text.length > MOST_CHARACTERS) {
+  if (text.length > MAX_CHARACTERS) {
     return { wanted: {}, complaints: ["The link is too long to be one of this page."] };
   }
   const query = new URLSearchParams(text);
@@ -133,11 +133,11 @@ export function fromLink(hash) {
   }
   const runs = query.get("runs");
   if (runs !== null) {
-    const read = runs.split(",").slice(0, MOST_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
+    const read = runs.split(",").slice(0, MAX_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
     if (read.length > 1 && read.every((run) => run.length === 2 && run.every(Number.isFinite))) wanted.runs = read;
     else complaints.push("The link gives runs that are no pairs of numbers.");
   }
-  const pins = query.getAll("pin").slice(0, MOST_PINS).map(pinOf);
+  const pins = query.getAll("pin").slice(0, MAX_PINS).map(pinOf);
   if (pins.includes(null)) complaints.push("The link pins a design that has no numbers.");
   if (pins.length) wanted.pins = pins.filter((pin) => pin !== null);
   const best = bestFromQuery(query, complaints);

@@ -5,7 +5,7 @@ import { choiceField } from "./fields.js";
 import { SETS } from "./sets.js";
 
 const CHOICES = ["ellipse", "harmonics", "steps", "recorded"];
-const MOST_BYTES = 2_000_000;
+const MAX_BYTES = 2_000_000;
 
 export class Waves {
   // `onchange(patch)` hears of another drive.
@@ -42,7 +42,7 @@ export class Waves {
   // The columns by their names: those that end in x or say along, and in z or say normal.
   async read(file) {
     if (!file) return;
-    if (file.size > MOST_BYTES) {
+    if (file.size > MAX_BYTES) {
       this.said.textContent = "The file is too large: 20,000 rows are the most.";
       return;
     }

@@ -7,8 +7,8 @@ import { button, choiceField, numberInput, tick } from "./fields.js";
 import { usual } from "./view.js";
 import { capital, label, number, sentence, shown, words } from "./words.js";
 
-const MOST_LIMITS = 20;
-const MOST_POINTS = 200;
+const MAX_LIMITS = 20;
+const MAX_POINTS = 200;
 
 export class Wishes {
   // `onchange(best)` hears of what is wished for otherwise.
@@ -94,8 +94,8 @@ export class Wishes {
                 "aria-label": null,
                 check: (value) => {
                   if (!isPoints) return value >= 0 ? "" : "It has to be at least 0";
-                  const isFit = Number.isInteger(value) && value >= 2 && value <= MOST_POINTS;
-                  return isFit ? "" : `It has to be a whole number from 2 to ${MOST_POINTS}`;
+                  const isFit = Number.isInteger(value) && value >= 2 && value <= MAX_POINTS;
+                  return isFit ? "" : `It has to be a whole number from 2 to ${MAX_POINTS}`;
                 },
               },
             ),
@@ -135,7 +135,7 @@ export class Wishes {
       element(
         "div",
         { class: "buttons" },
-        best.limits.length < MOST_LIMITS
+        best.limits.length < MAX_LIMITS
           ? button("Add a limit", () => add({ output: view.output }, next), { id: "add-limit" })
           : null,
         ...levels.map(({ name, level, begins }) =>

@@ -36,7 +36,7 @@ assert set(STATES) == set(State.__args__)  # type: ignore[attr-defined]
 
 LOOK = 0.25  # s between looks at a job whose events are followed
 SIGN_OF_LIFE = 15.0  # s after which an idle stream says that it is alive
-MOST_LISTED = 1000
+MAX_LISTED = 1000
 NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
 
 
@@ -109,7 +109,7 @@ def list_jobs(
             description="Only jobs that ran for at most this many seconds.",
         ),
     ] = None,
-    limit: Annotated[int, Query(ge=1, le=MOST_LISTED)] = 100,
+    limit: Annotated[int, Query(ge=1, le=MAX_LISTED)] = 100,
     offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
 ) -> Response:
     """Return jobs, the latest first."""

@@ -17,7 +17,7 @@ from fastapi.responses import Response
 from app.jobs.admission import Admission
 from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, Job
-from app.jobs.manifest import MOST_JSON_VALUES
+from app.jobs.manifest import MAX_JSON_VALUES
 from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
 from app.web.accept import preferred
@@ -162,7 +162,7 @@ def is_small(prepared: Prepared, settings: Settings) -> bool:
     """True if a study is replied to at once: it is short, and so is its result."""
     return (
         prepared.seconds <= settings.max_synchronous_seconds
-        and prepared.stored * len(prepared.dims) <= MOST_JSON_VALUES
+        and prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
     )
 
 

@@ -104,7 +104,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     """Return error and time of all methods that follow the motion of a study."""
     scene, grid = simulation.plan.scene, simulation.grid
     settings = {
-        name: value for name, value in simulation.study.settings().items() if name == "most_periods"
+        name: value for name, value in simulation.study.settings().items() if name == "max_periods"
     }
     exact = "events" if "events" in scene.variants else None
     parts = SHARES["both"] + (SHARES["events"] if exact else 0)

@@ -26,8 +26,8 @@ from core.study.values import Points
 from core.sweep import Sweep
 from core.watch import Watch
 
-MOST_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
-MOST_CELLS_MOTION = 2_000  # of one whose cells take milliseconds
+MAX_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
+MAX_CELLS_MOTION = 2_000  # of one whose cells take milliseconds
 LIBRARIES = ("numpy", "numba", "scipy", "mpmath", "netCDF4")
 
 
@@ -181,7 +181,7 @@ def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
 
 def _storage(prepared: Prepared, watch: Watch) -> Measured:
     is_fast = prepared.not_lazy is None or prepared.plan.variant == "events"
-    most = MOST_CELLS if is_fast else MOST_CELLS_MOTION
+    most = MAX_CELLS if is_fast else MAX_CELLS_MOTION
     half = watch.part(0.5)
     # Half of the time to compute the result, half to write it; what is missing by then is NaN.
     first = half

@@ -98,7 +98,7 @@ def subnormal_amplitudes() -> list[Case]:
         "efficiency of a part that slides down, A0 = 1e-310 m", family,
         "a speed over next to nothing",
         {**motion("time-stepping", "efficiency", frequency=50.0, amplitude=1e-310, beta=0.0,
-                  friction=0.1, gamma=0.0, steps_per_period=100, most_periods=20), },
+                  friction=0.1, gamma=0.0, steps_per_period=100, max_periods=20), },
         "efficiency", Truth(0.0, 0.0, "held"), ("at_rest",),
     ))  # fmt: skip
     for amplitude in (0.0, 1e-320):

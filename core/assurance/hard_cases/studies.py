@@ -90,7 +90,7 @@ def motion(method: str = "events", output: str = "conveying_velocity", /, **give
     """Return a simulation of a block on a plane; settings stand among the parameters."""
     settings: Content = {
         name: given.pop(name)
-        for name in ("slip_speed", "contact_stiffness", "tolerance", "most_periods",
+        for name in ("slip_speed", "contact_stiffness", "tolerance", "max_periods",
                      "steps_per_period")
         if name in given
     }  # fmt: skip

@@ -53,18 +53,18 @@ class EventPath(NamedTuple):
 
 
 def planar_motion(
-    groups: Groups, *, tolerance: ArrayLike, most_periods: ArrayLike, watch: Watch | None = None
+    groups: Groups, *, tolerance: ArrayLike, max_periods: ArrayLike, watch: Watch | None = None
 ) -> Motion:
     """Return the motion that a part falls into from rest on the floor, theory 13.2 to 13.8.
 
     Exact but for rounding where the motion repeats: every flow is closed, every event is isolated.
     `tolerance` bounds the error of the sliding velocity at the start of the cycle, as a share of
-    the drive; `most_periods` bounds how long an aperiodic motion is followed. Equal cells are
+    the drive; `max_periods` bounds how long an aperiodic motion is followed. Equal cells are
     computed once; restitution plays no part in a cell that never lifts off.
     """
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
     plain = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
-    cells, shape = cells_of(plain, tolerance=tolerance, most_periods=most_periods)
+    cells, shape = cells_of(plain, tolerance=tolerance, max_periods=max_periods)
     return motion_of(*run_cells(planar.solve_cells, cells, watch=watch), shape)
 
 
@@ -72,7 +72,7 @@ def planar_path(
     groups: Groups,
     *,
     tolerance: float,
-    most_periods: float,
+    max_periods: float,
     phases: Array,
     watch: Watch | None = None,
 ) -> EventPath:
@@ -82,7 +82,7 @@ def planar_path(
     ----------
     groups : Groups
         Of one part.
-    tolerance, most_periods : float
+    tolerance, max_periods : float
         As in `planar_motion`.
     phases : ndarray, shape (n,)
         Phases from the start of a period of the drive, at least 0; beyond the cycle's end it goes
@@ -91,7 +91,7 @@ def planar_path(
     watch : Watch, optional
         May stop it; all is NaN then.
     """
-    (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
+    (cell,), _ = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
     with (watch or Watch()).flag() as stop:
         pieces, shift, way, repeats = planar.follow(cell, stop)
     samples = planar.sample(pieces, cell, shift, phases, repeats)
@@ -119,14 +119,14 @@ def motion_by_events(
     contacts: Contacts,
     *,
     tolerance: ArrayLike,
-    most_periods: ArrayLike,
+    max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
     """Return the motion from rest: in closed form in the plane, else by Taylor series.
 
     A cylinder that slides along its axis moves as a block does.
     """
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    settings = {"tolerance": tolerance, "max_periods": max_periods}
     plane = in_plane(groups, contacts)
     if plane.all():
         return planar_motion(groups, **settings, watch=watch)
@@ -158,7 +158,7 @@ def energy_by_events(
     motion: Motion,
     *,
     tolerance: ArrayLike,
-    most_periods: ArrayLike,
+    max_periods: ArrayLike,
     watch: Watch | None = None,
     averages: bool = False,
 ) -> Energy:
@@ -179,7 +179,7 @@ def energy_by_events(
             contacts.wall, float(contacts.rolling), piece, rows, status, stop
         )
 
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    settings = {"tolerance": tolerance, "max_periods": max_periods}
     plane = in_plane(groups, contacts)
     wanders = averages & np.isin(motion.status, [STATUS["aperiodic"], STATUS["sensitive"]])
     rows, shape = cells_of(
@@ -206,11 +206,11 @@ def _follow(contacts: Contacts) -> Follow:
     """Return the equation."""
 
     def motion(
-        *, groups: Groups, tolerance: Array, most_periods: Array, watch: Watch | None = None
+        *, groups: Groups, tolerance: Array, max_periods: Array, watch: Watch | None = None
     ) -> Motion:
         """Return the motion from rest from event to event, theory 13.2 to 13.8, 13.13."""
         return motion_by_events(
-            groups, contacts, tolerance=tolerance, most_periods=most_periods, watch=watch
+            groups, contacts, tolerance=tolerance, max_periods=max_periods, watch=watch
         )
 
     return motion
@@ -224,13 +224,13 @@ def _energy(contacts: Contacts) -> Follow:
         groups: Groups,
         motion: Motion,
         tolerance: Array,
-        most_periods: Array,
+        max_periods: Array,
         watch: Watch | None = None,
     ) -> Energy:
         """Return what friction, impacts and the drive do over a cycle, theory 13.15."""
         silent = None if watch is None else replace(watch, progress=None)
         return energy_by_events(
-            groups, contacts, motion, tolerance=tolerance, most_periods=most_periods, watch=silent
+            groups, contacts, motion, tolerance=tolerance, max_periods=max_periods, watch=silent
         )
 
     return energy
@@ -240,7 +240,7 @@ def _course(contacts: Contacts) -> FollowCourse:
     """Return what gives the course over a cycle of a part."""
 
     def course(asked: TrajectoryRequest) -> TrajectoryValues:
-        settings = {name: asked.setting(name) for name in ("tolerance", "most_periods")}
+        settings = {name: asked.setting(name) for name in ("tolerance", "max_periods")}
         if not in_plane(asked.groups, contacts):
             return spatial_course(asked, contacts, **settings)
         _, phases = asked.times()
@@ -257,10 +257,10 @@ def _price(cells: Priced) -> Price:
     """Return the price: in closed form next to nothing, by series some microseconds a period."""
     waves = cells.orders * (1.0 + cells.orders)
     flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3
-    flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("most_periods")
+    flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("max_periods")
     wide = (1.0 + cells.orders) * (3.0 if cells.contacts.wall else 1.0) * 6e-6
     spatial = 2e-4 + 0.6 * wide * cells.periods(60.0)
-    allowed = cells.setting("most_periods")
+    allowed = cells.setting("max_periods")
     most = np.where(
         cells.across, 1e-3 + 10.0 * wide * allowed, 1e-3 + (1.0 + waves) * 3e-6 * allowed
     )
@@ -273,7 +273,7 @@ EVENTS = Method(
     source="theory 13.2-13.8, 13.13",
     accuracy="rounding, where the motion repeats",
     seconds_a_cell=_price,
-    defaults={"tolerance": 1e-12, "most_periods": 1000.0},
+    defaults={"tolerance": 1e-12, "max_periods": 1000.0},
     course=_course,
     energy=_energy,
     checked_by=("reference", "time-stepping"),

@@ -24,7 +24,7 @@ from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
-SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
 ROUNDING = 1e-12
 """Of the friction that there is: so little more is none."""
 

@@ -22,7 +22,7 @@ from core.motion.methods import events
 from core.motion.methods.events import motion_by_events
 from core.motion.price import Price, Priced
 from core.motion.result import ANSWERED, STATUS
-from core.quantities.row import MOST_NUMBERED
+from core.quantities.row import MAX_NUMBERED
 from core.scenes import Constraint
 from core.watch import Watch
 
@@ -138,7 +138,7 @@ class RowMotion(NamedTuple):
 
 
 def row_motion(
-    groups: Groups, parts: RowParts, most_periods: Array, watch: Watch | None = None,
+    groups: Groups, parts: RowParts, max_periods: Array, watch: Watch | None = None,
     *, steps: int | None = None,
 ) -> RowMotion:  # fmt: skip
     """Return the motion of rows that start at rest on the track.
@@ -147,7 +147,7 @@ def row_motion(
     are refused before. With `steps` it is followed by so many time steps of a period, as are rows
     of one friction then.
     """
-    rows, shape = _cells(groups, parts, most_periods)
+    rows, shape = _cells(groups, parts, max_periods)
     room, columns = len(parts.friction), len(compiled.rows.RowColumns._fields)
     width = columns + 2 * room
     alike = _alike(rows, room)
@@ -247,7 +247,7 @@ def _as_one(
 
 _HEAD_NAMES = (
     "drive_number_along", "drive_number_normal", "gravity_number_along", "gravity_number_normal",
-    "part_restitution", "most_periods", "stop", "stop_gap", "room", "parts",
+    "part_restitution", "max_periods", "stop", "stop_gap", "room", "parts",
 )  # fmt: skip
 _HEAD = len(_HEAD_NAMES)
 
@@ -256,7 +256,7 @@ def _head(name: str) -> int:
     return _HEAD_NAMES.index(name)
 
 
-def _cells(groups: Groups, parts: RowParts, most_periods: Array) -> tuple[Array, tuple[int, ...]]:
+def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, tuple[int, ...]]:
     """Return the rows of the kernel, and the shape of the cells."""
     room = len(parts.friction)
     own = [np.isnan(one) for one in parts.friction]
@@ -276,7 +276,7 @@ def _cells(groups: Groups, parts: RowParts, most_periods: Array) -> tuple[Array,
     rows, shape = table(
         (
             *drive, groups.gravity_number_along,
-            groups.gravity_number_normal, parts.restitution, most_periods,
+            groups.gravity_number_normal, parts.restitution, max_periods,
             float(STOPS.index(parts.stop)), parts.stop_gap, float(room),
             parts.number, *static, *kinetic, *parts.mass, *parts.gap,
         )
@@ -290,10 +290,10 @@ def _follow(contacts: Contacts) -> Follow:
     del contacts
 
     def motion(
-        *, groups: Groups, row: RowParts, most_periods: Array, watch: Watch | None = None
+        *, groups: Groups, row: RowParts, max_periods: Array, watch: Watch | None = None
     ) -> RowMotion:
         """Return the motion of a row of parts, once it repeats."""
-        return row_motion(groups, row, most_periods, watch)
+        return row_motion(groups, row, max_periods, watch)
 
     return motion
 
@@ -321,7 +321,7 @@ def _course(contacts: Contacts) -> FollowCourse:
         scale = asked.scale("length_scale")
         values = {
             f"part_position_{n + 1}": (places[:, n] + starts[n]) * scale + n * pitch
-            for n in range(min(parts, MOST_NUMBERED))
+            for n in range(min(parts, MAX_NUMBERED))
         }
         return TrajectoryValues(times, values, {})
 
@@ -333,18 +333,18 @@ def _price(cells: Priced) -> Price:
     row: RowParts = cells.known["row"]
     count = np.asarray(row.number, dtype=float)
     period = EVENT_SECONDS * count * (4.0 + count)
-    return Price(40.0 * period, np.asarray(cells.setting("most_periods")) * 3.0 * period)
+    return Price(40.0 * period, np.asarray(cells.setting("max_periods")) * 3.0 * period)
 
 
 def _follow_steps(contacts: Contacts) -> Follow:
     del contacts
 
     def motion(
-        *, groups: Groups, row: RowParts, steps_per_period: Array, most_periods: Array,
+        *, groups: Groups, row: RowParts, steps_per_period: Array, max_periods: Array,
         watch: Watch | None = None,
     ) -> RowMotion:  # fmt: skip
         """Return the motion of a row of parts by time stepping with isotonic contact."""
-        return row_motion(groups, row, most_periods, watch, steps=int(steps_per_period))
+        return row_motion(groups, row, max_periods, watch, steps=int(steps_per_period))
 
     return motion
 
@@ -352,7 +352,7 @@ def _follow_steps(contacts: Contacts) -> Follow:
 def _price_steps(cells: Priced) -> Price:
     """Return the price: two runs, of 3 times the steps together."""
     row: RowParts = cells.known["row"]
-    steps = 3.0 * cells.setting("steps_per_period") * cells.setting("most_periods")
+    steps = 3.0 * cells.setting("steps_per_period") * cells.setting("max_periods")
     most = STEP_SECONDS * (2.0 + np.asarray(row.number, dtype=float)) * steps
     return Price(0.6 * most, most)
 
@@ -364,7 +364,7 @@ EVENTS = Method(
     accuracy="exact up to rounding, some 1e-12 of the drive, where the motion repeats; the error "
     "of the mean of batches of periods where it does not",
     seconds_a_cell=_price,
-    defaults={"most_periods": PERIODS},
+    defaults={"max_periods": PERIODS},
     course=_course,
     checked_by=("time-stepping",),
 )
@@ -374,7 +374,7 @@ TIME_STEPPING = Method(
     source="theory 17.4",
     accuracy="of first order in the step",
     seconds_a_cell=_price_steps,
-    defaults={"steps_per_period": 1000.0, "most_periods": 100.0},
+    defaults={"steps_per_period": 1000.0, "max_periods": 100.0},
     checked_by=("events",),
     most_steps=25_000_000 * 4,
     refuses=(

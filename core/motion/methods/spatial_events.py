@@ -28,7 +28,7 @@ def spatial_motion(
     contacts: Contacts,
     *,
     tolerance: ArrayLike,
-    most_periods: ArrayLike,
+    max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
     """Return the motion that a part falls into from rest on the floor, touching the wall.
@@ -44,12 +44,12 @@ def spatial_motion(
         A part that rolls has no wall here.
     tolerance : array_like
         Of the state's return after a cycle, as a share of the drive's speed.
-    most_periods : array_like
+    max_periods : array_like
         Periods after which a motion counts as aperiodic.
     watch : Watch, optional
         May stop it.
     """
-    cells, shape = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
+    cells, shape = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
 
     def kernel(
         piece: NDArray[np.float64],
@@ -69,7 +69,7 @@ def spatial_path(
     contacts: Contacts,
     *,
     tolerance: float,
-    most_periods: float,
+    max_periods: float,
     phases: Array,
     watch: Watch | None = None,
 ) -> tuple[Path, NDArray[np.int8]]:
@@ -87,17 +87,17 @@ def spatial_path(
         raise ValueError("phases must be at least 0, and ascend")
     if phases.size and phases[-1] > MAX_TURNS * 2 * np.pi:
         raise ValueError(f"phases reach beyond {MAX_TURNS:,} periods")
-    (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
+    (cell,), _ = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
     with (watch or Watch()).flag() as stop:
         samples = compiled.track.follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
     return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
 
 
 def spatial_course(
-    asked: TrajectoryRequest, contacts: Contacts, *, tolerance: float, most_periods: float
+    asked: TrajectoryRequest, contacts: Contacts, *, tolerance: float, max_periods: float
 ) -> TrajectoryValues:
     """Return the course of one part over a cycle, or as asked."""
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    settings = {"tolerance": tolerance, "max_periods": max_periods}
     _, phases = asked.times()
     path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)
     start = path.position[0, 0]

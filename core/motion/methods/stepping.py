@@ -54,7 +54,7 @@ def stepped_motion(
     planar: bool = False,
     absolute_speed: bool = True,
     steps_per_period: int = 1000,
-    most_periods: int = 200,
+    max_periods: int = 200,
     tolerance: float = 1.0,
     watch: Watch | None = None,
 ) -> Motion:
@@ -95,7 +95,7 @@ def stepped_motion(
         relative to the track.
     steps_per_period : int
         Steps of the coarser run, at least 8.
-    most_periods : int
+    max_periods : int
         Periods after which a motion counts as aperiodic, at least 8.
     tolerance : float
         What counts as coming back, in terms of the largest change of velocity in one step.
@@ -113,8 +113,8 @@ def stepped_motion(
     ValueError
         If a count is out of its range.
     """
-    _check(steps_per_period, most_periods, tolerance, contacts)
-    cells, shape = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
+    _check(steps_per_period, max_periods, tolerance, contacts)
+    cells, shape = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
     fine = 2 * steps_per_period + 1  # odd, so that no middle of a step is one of both
     grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
     sines = [sines_at(*grid) for grid in grids]
@@ -212,7 +212,7 @@ def stepped_path(
     steps = (asked[-1] - asked[0]) / step
     if steps > MAX_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MAX_STEPS:,}")
-    (row,), _ = cells_of(groups, tolerance=0.0, most_periods=0.0)
+    (row,), _ = cells_of(groups, tolerance=0.0, max_periods=0.0)
     cell, columns = np.split(row, [compiled.stepping.GROUPS])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
@@ -230,11 +230,11 @@ def stepped_path(
     return Path(asked, places, speeds)
 
 
-def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts: Contacts) -> None:
+def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:
     """Raise if a count or a plain number is out of its range."""
-    if steps_per_period < 8 or most_periods < 8:
-        raise ValueError("steps_per_period and most_periods must be at least 8")
-    if 4 * steps_per_period * most_periods > MAX_STEPS:
+    if steps_per_period < 8 or max_periods < 8:
+        raise ValueError("steps_per_period and max_periods must be at least 8")
+    if 4 * steps_per_period * max_periods > MAX_STEPS:
         raise ValueError(f"a cell may take {MAX_STEPS:,} steps at most")
     rolling = contacts.rolling
     if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(tolerance + rolling)):
@@ -245,7 +245,7 @@ def _follow(contacts: Contacts) -> Follow:
     """Return the equation; where nothing pushes a part across, nothing across is carried."""
 
     def motion(
-        *, groups: Groups, steps_per_period: Array, most_periods: Array, watch: Watch | None = None
+        *, groups: Groups, steps_per_period: Array, max_periods: Array, watch: Watch | None = None
     ) -> Motion:
         """Return the motion from rest by the midpoint rule of Moreau and Jean, theory 13.9."""
         return stepped_motion(
@@ -253,7 +253,7 @@ def _follow(contacts: Contacts) -> Follow:
             contacts,
             planar=not contacts.wall and groups.planar,
             steps_per_period=int(steps_per_period),
-            most_periods=int(most_periods),
+            max_periods=int(max_periods),
             watch=watch,
         )
 
@@ -270,7 +270,7 @@ def _course(contacts: Contacts) -> FollowCourse:
     def course(asked: TrajectoryRequest) -> TrajectoryValues:
         _, phases = asked.times()
         steps = 2 * int(asked.setting("steps_per_period")) + 1
-        before = 2 * np.pi * asked.setting("most_periods")
+        before = 2 * np.pi * asked.setting("max_periods")
         path = stepped_path(
             asked.groups,
             contacts,
@@ -306,7 +306,7 @@ def _price(cells: Priced) -> Price:
     spatial = cells.contacts.wall or not cells.groups.planar
     each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP
     drives = (2e-3 if cells.groups.wave is not None else 0.0) + 1e-7 * cells.orders * steps
-    allowed = cells.setting("most_periods")
+    allowed = cells.setting("max_periods")
     likely = 0.5 * (drives + steps * each * cells.periods(60.0))
     return Price(likely, drives + 2.0 * steps * each * allowed)
 
@@ -317,7 +317,7 @@ TIME_STEPPING = Method(
     source="theory 13.1, 13.9",
     accuracy="of first order in the step; of second for a planar motion without hops",
     seconds_a_cell=_price,
-    defaults={"steps_per_period": 1000.0, "most_periods": 200.0},
+    defaults={"steps_per_period": 1000.0, "max_periods": 200.0},
     course=_course,
     most_steps=MAX_STEPS,
     checked_by=("events", "reference"),

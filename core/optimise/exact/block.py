@@ -10,7 +10,7 @@ from core.optimise.exact.answers import PlaneOptimum
 from core.optimise.exact.candidates import Candidate, fastest_slide
 
 # Newton's steps for the tilted optimum; more are needed only where two roots all but meet.
-MOST_STEPS = 60
+MAX_STEPS = 60
 
 
 def plane_physical_fastest(
@@ -59,7 +59,7 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
     p2, k1 = np.where(exists, p2, 1.0), np.where(exists, k, 0.5)
     x = np.zeros_like(k1)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         root = np.sqrt(p2 + (k1 * x) ** 2)
         t = k1 * x / root
         slope = A * (p2 / root + 2 * k1 * x * t) - 2 * k1 * x - mu * g

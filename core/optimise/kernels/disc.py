@@ -39,8 +39,8 @@ STEPS_WITHIN = 64  # with other bounds, which can leave narrow windows
 SPECIAL = 4  # angles added: of friction, where a turned drive starts first, and where it is best
 SAMPLES = STEPS_WITHIN + SPECIAL + 1
 RETREATS = 16  # equal steps of D_x on the way to a smaller a_y
-MOST_INNER = 40  # Newton steps in D_x
-MOST_OUTER = 160  # steps that close in on a sign change
+MAX_INNER = 40  # Newton steps in D_x
+MAX_OUTER = 160  # steps that close in on a sign change
 HALVINGS = 20  # of an interval that hides a maximum
 LAST_DIGIT = 2e-16
 FLAT_SLOPE = 5e-16  # a slope over beta is a sum of terms of order 1, each rounded
@@ -133,7 +133,7 @@ def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tu
     """
     q, m = at.q, at.m
     X, low = high, max(least, 0.0)
-    for _ in range(MOST_INNER):
+    for _ in range(MAX_INNER):
         R2 = q * q - k * k - 2 * k * X
         R = math.sqrt(R2)
         slope = 1.0 - m / R - m * k * X / (R * R2)
@@ -166,7 +166,7 @@ def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float
 def _last_within(start: float, end: float, k: float, at: Level, e: float) -> float:
     """Return the last D_x from `end` towards `start` that keeps |a_y| <= e; `end` does."""
     over, under = _across(start, k, at) - e, _across(end, k, at) - e
-    for step in range(MOST_OUTER):
+    for step in range(MAX_OUTER):
         trial = (start * under - end * over) / (under - over)
         if step % 3 == 2 or not min(start, end) < trial < max(start, end):
             trial = (start + end) / 2
@@ -267,7 +267,7 @@ def _turned_top(k: float, g: float, mu: float) -> float:
     if not (k > 0 and p2 > 0 and A * math.sqrt(p2) > mu * g):
         return 0.0
     x = 0.0
-    for _ in range(MOST_INNER):
+    for _ in range(MAX_INNER):
         root = math.sqrt(p2 + (k * x) ** 2)
         t = k * x / root
         slope = A * (p2 / root + 2 * k * x * t) - 2 * k * x - mu * g
@@ -343,7 +343,7 @@ def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tupl
     block does not slide within its limits counts as past the change: it ends at the last that does.
     """
     t = a
-    for step in range(MOST_OUTER):
+    for step in range(MAX_OUTER):
         before = t
         t = (a + b) / 2 if step % 3 == 2 else (a * fb - b * fa) / (fb - fa)
         if not min(a, b) < t < max(a, b):

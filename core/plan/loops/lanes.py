@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from core.plan.grid import Grid
 from core.plan.loops.fused import Values, laid_out, mark_compiled, missing, run_stages
-from core.plan.loops.program import MOST_VALUES, edge_of, program_of
+from core.plan.loops.program import MAX_VALUES, edge_of, program_of
 from core.plan.loops.source import LONGEST_ROW
 from core.plan.loops.trace import Traced
 from core.plan.plan import Plan
 
 DEPTH = 240
 """Most cells that a lane gathers: their sum is that exact, and counts fit in 8 bits."""
-LANES, MOST_LANES = 1024, 1 << 15
+LANES, MAX_LANES = 1024, 1 << 15
 """Lanes of a tile, and their number where few cells go to each."""
 TILE_CELLS = 1 << 18
 """Most cells of a tile: some hundred microseconds."""
@@ -85,7 +85,7 @@ class LaneOrder:
         period = math.prod(shape[name] for name in inner[1:])
         piece = LONGEST_ROW // period * period
         gone = math.prod(shape[name] for name in (*outer, *inner[:1]) if name in goes)
-        lanes = min(max(LANES, most // min(DEPTH, gone)), MOST_LANES, most)
+        lanes = min(max(LANES, most // min(DEPTH, gone)), MAX_LANES, most)
         gathers = bool(inner) and inner[0] in goes
         steps = {name: shape[name] for name in inner[1:]}
         if gathers:
@@ -161,7 +161,7 @@ class LaneLoop:
         names = tuple(name for name, _ in updates)
         with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
             values = Values(traced, plan, grid)
-            special = values.special(edge_of(traced, names, shape, (), MOST_VALUES))
+            special = values.special(edge_of(traced, names, shape, (), MAX_VALUES))
             self._program = program_of(
                 traced, names, shape, special, tuple(update for _, update in updates)
             )

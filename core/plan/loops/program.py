@@ -25,7 +25,7 @@ FEW_CELLS = 4096
 """What numpy computes in some microseconds is not worth a loop."""
 OWN_GRID = 16
 """A function that no loop has is taken on its own grid where that is so many times smaller."""
-MOST_VALUES = 1 << 20
+MAX_VALUES = 1 << 20
 """Most values of an array that numpy makes for lanes, of which a grid can have any number."""
 
 Shape = tuple[tuple[str, int], ...]
@@ -130,7 +130,7 @@ def program_of(
     With `updates`, a name of `UPDATES` for each result, they take cells into lanes.
     """
     lengths = dict(shape)
-    most = MOST_VALUES if updates else None
+    most = MAX_VALUES if updates else None
     _, nodes = _renewed(traced, names, edge_of(traced, names, shape, (), most), special)
     order = order_of(tuple(lengths), lengths, nodes, LONGEST_ROW if updates else math.inf)
     lanes = None

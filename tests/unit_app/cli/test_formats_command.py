@@ -150,7 +150,7 @@ def test_what_a_format_cannot_hold_is_told_before_it_is_computed(tmp_path, monke
     result = run("run", study, "-o", tmp_path / "x.xlsx")
     assert result.exit_code == 2
     assert "3,600,000 rows in a sheet of Excel, the limit is 1,048,575" in result.output
-    monkeypatch.setattr("core.dataset.matlab.MOST_BYTES", 1000)
+    monkeypatch.setattr("core.dataset.matlab.MAX_BYTES", 1000)
     result = run("run", study, "-o", tmp_path / "x.mat")
     assert result.exit_code == 2
     assert "bytes in a MAT file" in result.output

@@ -159,7 +159,7 @@ def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
         key, _ = store.add(prepare_content(study).study)
         return Work(key, "simulate", 1, 1, 0.0, "")
 
-    most = {"method": "reference", "most_periods": 100_000}
+    most = {"method": "reference", "max_periods": 100_000}
     long = [posted(50.0 + n, **most) for n in range(4)]
     short = [posted(60.0 + n) for n in range(3)]
     waiting, active = [*long, *short], set()
@@ -170,7 +170,7 @@ def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
     assert taken == [*long[:2], *short[:2]]
     assert priority_classes.next(waiting, active - {short[0].key}) == short[0]
     # Much that is priced meanwhile changes nothing.
-    monkeypatch.setattr(module, "MOST_KNOWN", len(active))
+    monkeypatch.setattr(module, "MAX_KNOWN", len(active))
     for n in range(5):
         priority_classes.next([*waiting, posted(70.0 + n)], active)
     assert priority_classes.next(waiting, active) is None

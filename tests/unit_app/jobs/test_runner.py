@@ -15,7 +15,7 @@ import pytest
 
 from app.jobs import work
 from app.jobs.admission import Admission
-from app.jobs.dispatcher import MOST_TORN
+from app.jobs.dispatcher import MAX_TORN
 from app.jobs.errors import OtherVersionError, TornBlockError
 from app.jobs.ledger import ACTIVE, Job, Ledger
 from app.jobs.runner import Runner
@@ -317,7 +317,7 @@ def test_a_disk_that_loses_blocks_is_given_up(tmp_path):
     workers = Workers(write_result=torn)
     job = carried_out(tmp_path, workers)
     assert (job.problem["status"], job.problem["kind"]) == (507, "storage")
-    assert workers.calls.count("write_result") == MOST_TORN
+    assert workers.calls.count("write_result") == MAX_TORN
 
 
 def test_many_damaged_blocks_are_computed_again(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import vibrafeed
-from core.intake.recorded import MOST_ROWS_SENT
+from core.intake.recorded import MAX_ROWS_SENT
 from recordings import DRIVE, csv_of, signal_of
 
 PATH = "/processes/simulate/execution"
@@ -52,7 +52,7 @@ def test_no_file_of_the_server_is_read(client, tmp_path):
 
 
 def test_a_long_recording_is_refused_before_it_is_fitted(client):
-    rows = np.zeros(MOST_ROWS_SENT + 1, dtype=int)
+    rows = np.zeros(MAX_ROWS_SENT + 1, dtype=int)
     (told,) = refused(client, study(data="ax,az\n" + "\n".join(f"{row},0" for row in rows), rate=1))
     assert told["place"] == "drive.data"
     assert told["message"] == "it has 20,001 rows, the limit over HTTP is 20,000"

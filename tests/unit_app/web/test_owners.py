@@ -328,13 +328,13 @@ class TestWrongKeys:
             problem(house.asking(f"vf_{number}")("GET", "/scenes"), 401)
         assert waits == sorted(waits)
         assert waits[0] == 0
-        assert waits[-1] == wrong_keys.MOST_WAIT
+        assert waits[-1] == wrong_keys.MAX_WAIT
         count = len(waits)
         assert right("GET", "/scenes").status_code == 200
         assert len(waits) == count
 
     def test_too_many_that_wait_are_refused_at_once(self, house, monkeypatch):
-        monkeypatch.setattr(wrong_keys, "MOST_WAITING", 0)
+        monkeypatch.setattr(wrong_keys, "MAX_WAITING", 0)
         house.key("lab")
         reply = house.asking("vf_wrong")("GET", "/scenes")
         assert problem(reply, 429)["type"] == "urn:vibrafeed:problem:wrong-keys"

@@ -49,7 +49,7 @@ def random_groups(count: int) -> Groups:
 
 def test_four_numbers_tell_the_whole_motion():
     groups = random_groups(3000)
-    motion = planar_motion(groups, tolerance=1e-12, most_periods=1000)
+    motion = planar_motion(groups, tolerance=1e-12, max_periods=1000)
     numbers, unit = numbers_of(groups)
     found = exact(numbers)
     np.testing.assert_allclose(found.velocity * unit, motion.velocity, rtol=0, atol=2e-11)

@@ -211,8 +211,8 @@ def test_what_a_format_cannot_hold(awkward, tmp_path, monkeypatch):
     with pytest.raises(LimitError, match="MATLAB reads it"):
         FORMATS[".mat"].check(1, 2**31)
     FORMATS[".csv"].check(10**12, 10**15)
-    monkeypatch.setattr(workbook, "MOST_ROWS", 5)
-    monkeypatch.setattr(matlab, "MOST_BYTES", 100)
+    monkeypatch.setattr(workbook, "MAX_ROWS", 5)
+    monkeypatch.setattr(matlab, "MAX_BYTES", 100)
     for suffix in (".xlsx", ".mat"):
         with pytest.raises(LimitError):
             write_result(awkward, str(tmp_path / f"x{suffix}"), history="")

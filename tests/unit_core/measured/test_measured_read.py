@@ -204,12 +204,12 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
     assert refused(file) == [
         "recording: the file holds no text. Export the recording as CSV, in UTF-8."
     ]
-    monkeypatch.setattr("core.measured.read.MOST_BYTES", 1000)
+    monkeypatch.setattr("core.measured.read.MAX_BYTES", 1000)
     file.write_bytes(TEXT.encode())
     for source in (file, TEXT):
         assert "MB, the limit is 0 MB. Cut it" in refused(source)[0]
     monkeypatch.undo()
-    monkeypatch.setattr("core.measured.read.MOST_ROWS", 100)
+    monkeypatch.setattr("core.measured.read.MAX_ROWS", 100)
     assert refused(TEXT)[0].startswith("recording: it has more than 100 rows. Cut it")
 
 

@@ -171,7 +171,7 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
         "drive.file: no file is read here. Give data = the text of the recording's CSV."
     ]
     prepare_content(study())
-    monkeypatch.setattr(measured, "MOST_ROWS_SENT", 700)
+    monkeypatch.setattr(measured, "MAX_ROWS_SENT", 700)
     assert refused(study(), files=False) == [
         "drive.data: it has 800 rows, the limit over HTTP is 700. Cut it: one second of "
         "recording is enough."

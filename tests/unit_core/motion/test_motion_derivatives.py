@@ -32,7 +32,7 @@ POINT = {
 def cell(c, s, friction=0.3, static=None, restitution=0.0, gs=0.02):
     static = friction if static is None else static
     groups = Groups(c, s, gs, 1.0, static, friction, restitution)
-    return cells_of(groups, tolerance=1e-12, most_periods=1000.0)[0]
+    return cells_of(groups, tolerance=1e-12, max_periods=1000.0)[0]
 
 
 # --- the kernel
@@ -115,7 +115,7 @@ def hopping(count, seed, more):
         normal / np.tan(beta), normal, np.sin(gamma), np.cos(gamma),
         kinetic * pick.uniform(1.0, more, count), kinetic, 0.0,
     )  # fmt: skip
-    return cells_of(Groups(*columns), tolerance=1e-12, most_periods=1000.0)[0]
+    return cells_of(Groups(*columns), tolerance=1e-12, max_periods=1000.0)[0]
 
 
 @pytest.mark.parametrize(("more", "jumps"), [(1.0, 0), (1.6, 5)])

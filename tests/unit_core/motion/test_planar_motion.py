@@ -12,7 +12,7 @@ from benchmarks.worked_values import HOPS, MEAN_VELOCITIES, REFERENCE_SPEEDS
 from core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}
-SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
 
 
 def groups(

@@ -30,19 +30,19 @@ def price(*given, **changed):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_they_grow_with_the_periods_of_a_motion_that_seldom_repeats(method):
-    few, many = (price(method, most_periods=n) for n in (500, 20_000))
+    few, many = (price(method, max_periods=n) for n in (500, 20_000))
     if method == "regularised":  # until the evaluations of a cell are spent
-        assert few <= many == price(method, most_periods=100_000) < 600
+        assert few <= many == price(method, max_periods=100_000) < 600
     else:
         assert 5 * few < many < 100 * few
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_motion_that_repeats_does_not_cost_what_is_allowed(method):
-    few, many = (price(method, parameters=SLIDES, most_periods=n) for n in (500, 20_000))
+    few, many = (price(method, parameters=SLIDES, max_periods=n) for n in (500, 20_000))
     assert many < 2 * few
     prepared = [
-        prepare_content(study(method, parameters=SLIDES, most_periods=n)) for n in (100, 20_000)
+        prepare_content(study(method, parameters=SLIDES, max_periods=n)) for n in (100, 20_000)
     ]
     few, many = (one.most_seconds for one in prepared)
     assert many > (1.2 if method == "regularised" else 5) * few
@@ -79,7 +79,7 @@ def test_they_follow_the_numbers_of_the_cells_and_not_what_is_given():
 
 
 def test_the_study_that_took_hours_is_no_small_one():
-    assert price("reference", most_periods=100_000) > 5
+    assert price("reference", max_periods=100_000) > 5
     content = {
         "kind": "optimise", "scene": "rectangle-on-plane", "parameters": {**HOPS},
         "criterion": {"kind": "maximise", "output": "conveying_velocity"},
@@ -109,9 +109,9 @@ def test_they_cost_little_themselves():
 def test_the_work_grows_as_the_price_does():
     """Measured, with room for a machine that does much else and is another one."""
     said, took = [], []
-    measured(study("reference", most_periods=8))  # loads what it needs
+    measured(study("reference", max_periods=8))  # loads what it needs
     for periods in (20, 2000):
-        content = study("reference", most_periods=periods)
+        content = study("reference", max_periods=periods)
         likely, _, seconds = measured(content)
         said.append(likely)
         took.append(seconds)

@@ -198,7 +198,7 @@ def test_the_limit_of_traction_by_the_whole_path():
         normal, drag = random.uniform(-0.9, 0.9), random.choice([0.0, 0.01])
         one = contact(along=along, normal=normal, uphill=uphill, drag=drag)
         groups = block_groups(one)
-        motion = motion_by_events(groups, Contacts(), tolerance=1e-12, most_periods=1000)
+        motion = motion_by_events(groups, Contacts(), tolerance=1e-12, max_periods=1000)
         needed = traction_by_samples(one, groups)
         if motion.status != STATUS["periodic"]:
             continue
@@ -214,7 +214,7 @@ def test_the_limit_of_traction_by_the_whole_path():
 def traction_by_samples(one, groups):
     """Return the largest friction over load that rolling takes, at many phases of the path."""
     phases = np.linspace(0, TURN, 40_001)
-    path = planar_path(groups.single(), tolerance=1e-12, most_periods=1000, phases=phases)
+    path = planar_path(groups.single(), tolerance=1e-12, max_periods=1000, phases=phases)
     way = np.sign(path.velocity_along)
     push = float(one.along) * np.sin(phases) - float(one.uphill)
     load = float(one.load) - float(one.normal) * np.sin(phases)

@@ -262,7 +262,7 @@ def test_what_excludes_each_other_is_said(more, place):
 def test_a_row_is_verified_by_the_other_method():
     found = vibrafeed.simulate(
         **DRIVEN, part_friction_1=[0.3, 0.4], part_friction_2=0.35, verify=2,
-        outputs=["conveying_velocity"], most_periods=80,
+        outputs=["conveying_velocity"], max_periods=80,
     )  # fmt: skip
     assert found.attrs["verified_against"] == "the method time-stepping"
     assert "verified_failed" not in found.attrs

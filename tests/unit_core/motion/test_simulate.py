@@ -95,7 +95,7 @@ class TestMethods:
         assert away <= float(found.conveying_velocity_error)
 
     def test_a_block_and_a_cylinder_differ_across_the_track_only(self):
-        changes = {"parameters": {"alpha": "30 deg"}, "most_periods": 40}
+        changes = {"parameters": {"alpha": "30 deg"}, "max_periods": 40}
         block, cylinder = run(**changes), run(scene="cylinder-on-plane", **changes)
         assert float(block.conveying_velocity) != float(cylinder.conveying_velocity)
 
@@ -207,7 +207,7 @@ class TestDatasets:
     def test_the_course_by_time_stepping(self):
         times = np.linspace(0, 1 / 60, 401).tolist()
         exact = run(trajectory=times)
-        steps = run(method="time-stepping", trajectory=times, most_periods=40)
+        steps = run(method="time-stepping", trajectory=times, max_periods=40)
         # First order: a step of 2 pi/2001, in which the velocity changes by the drive's 5.8 g at
         # most; the errors of some ten events and of the cycle before them add up.
         bar = 5.8 * 2 * np.pi / 2001 * 10

@@ -25,15 +25,15 @@ PIN = {
     "restitution": 0.4, "frequency": 50, "amplitude": "1 mm", "beta": 30,
 }  # fmt: skip
 ENDLESS = {
-    "events": ("rectangle-on-plane", WAVE, {"most_periods": 1_000_000}),
-    "events in space": ("rectangle-on-track", CURVE, {"most_periods": 1_000_000}),
+    "events": ("rectangle-on-plane", WAVE, {"max_periods": 1_000_000}),
+    "events in space": ("rectangle-on-track", CURVE, {"max_periods": 1_000_000}),
     "time-stepping": (
-        "rectangle-on-track", CURVE, {"most_periods": 25_000, "steps_per_period": 1000}
+        "rectangle-on-track", CURVE, {"max_periods": 25_000, "steps_per_period": 1000}
     ),
-    "reference": ("rectangle-on-plane", HOPS, {"most_periods": 1_000_000}),
-    "regularised": ("rectangle-on-plane", HOPS, {"most_periods": 1_000_000}),
-    "regularised-BDF": ("rectangle-on-plane", HOPS, {"most_periods": 1_000_000}),
-    "regularised-LSODA": ("rectangle-on-plane", HOPS, {"most_periods": 1_000_000}),
+    "reference": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
+    "regularised": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
+    "regularised-BDF": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
+    "regularised-LSODA": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
     "events tumbling": ("rectangle-isolated", {**PIN, "duration": 10_000}, {}),
     "time-stepping tumbling": ("rectangle-isolated", {**PIN, "duration": 10_000}, {}),
 }  # fmt: skip

@@ -293,7 +293,7 @@ def conveying(points):
         friction_kinetic=np.asarray(mu),
         restitution=np.asarray(0.0),
         tolerance=np.asarray(1e-12),
-        most_periods=np.asarray(1000.0),
+        max_periods=np.asarray(1000.0),
     )
     values = np.full(len(points), np.nan)
     values[kept] = motion.velocity * 9.81 / w

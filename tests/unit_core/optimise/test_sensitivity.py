@@ -330,9 +330,9 @@ def test_motion_at_the_edge_of_its_regime_has_no_derivative():
 def test_aperiodic_motion_has_no_derivative():
     point = {
         "frequency": 50.0, "amplitude": 2.1e-3, "beta": 0.5, "friction": 0.4, "gravity": 9.81,
-        "restitution": 0.6, "most_periods": 50.0,
+        "restitution": 0.6, "max_periods": 50.0,
     }  # fmt: skip
-    settings = {"most_periods": point.pop("most_periods")}
+    settings = {"max_periods": point.pop("max_periods")}
     assert settings
     one = motion_sensitivities(
         "rectangle-on-plane", None, ["conveying_velocity"], point, ["amplitude"]

@@ -19,7 +19,7 @@ from core.motion.prepare import choose_system
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
-from core.quantities.row import MOST_NUMBERED
+from core.quantities.row import MAX_NUMBERED
 from core.quantities.row import NUMBERS as OF_PARTS
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
@@ -377,12 +377,12 @@ class TestScenes:
                 for v in scene.variants for eq in scene.variants[v]
                 for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
-        used |= {f"{stem}_{n + 1}" for stem in OF_PARTS for n in range(MOST_NUMBERED)}
+        used |= {f"{stem}_{n + 1}" for stem in OF_PARTS for n in range(MAX_NUMBERED)}
         for kind in ("amplitude", "acceleration"):
             shape, _ = shape_of(name for name in NUMBERS_OF_DRIVES if name.startswith(kind))
             used |= {*shape.inputs, "wave"}
         configs = Path(__file__).parents[3] / "configs"
-        used |= {f"part_position_{n + 1}" for n in range(4, MOST_NUMBERED)}  # of longer rows
+        used |= {f"part_position_{n + 1}" for n in range(4, MAX_NUMBERED)}  # of longer rows
         for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml", "row.toml"):
             used |= set(run_study(load_study(configs / study)).variables)
         front = run_study(load_study(configs / "optimise-pareto.toml"))

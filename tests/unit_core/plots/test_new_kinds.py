@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 
 import vibrafeed
 from core.plots import draw
-from core.plots.parallel import MOST_DESIGNS, read_designs
+from core.plots.parallel import MAX_DESIGNS, read_designs
 from core.plots.thresholds import find_thresholds
 from core.study.shown import ShownUnits
 from layout import judge
@@ -110,19 +110,19 @@ class TestLevels:
 class TestParallel:
     def test_a_line_a_design_and_the_best_in_any_case(self, designs: xarray.Dataset):
         found = read_designs(designs, ShownUnits(), None)
-        assert found.total == designs.conveying_velocity.size > MOST_DESIGNS
+        assert found.total == designs.conveying_velocity.size > MAX_DESIGNS
         assert [column.name for column in found.columns] == [
             "amplitude", "drive elevation", "friction coefficient", "conveying velocity",
         ]  # fmt: skip
         speed = found.columns[-1].values
-        assert speed.size == MOST_DESIGNS
+        assert speed.size == MAX_DESIGNS
         largest = designs.conveying_velocity
         assert speed[found.best] == 1000 * float(largest.max())
         where = largest.where(largest == largest.max(), drop=True)
         assert found.columns[1].values[found.best] == float(where.beta[0])
         figure = draw(designs, kind="parallel")
         lines = next(a for a in figure.axes[0].collections if isinstance(a, LineCollection))
-        assert len(lines.get_segments()) == MOST_DESIGNS
+        assert len(lines.get_segments()) == MAX_DESIGNS
         judge(figure)
 
     def test_a_value_may_be_held(self, designs: xarray.Dataset):

@@ -15,7 +15,7 @@ import pytest
 
 from core.intake import prepare_content
 from core.kinds import tabulate
-from core.plan.loops.lanes import DEPTH, MOST_LANES
+from core.plan.loops.lanes import DEPTH, MAX_LANES
 from core.quantities import REGIMES
 from core.reduce.answers import answers
 from core.reduce.run import Units
@@ -188,7 +188,7 @@ def within_the_bound(mean: float, line: np.ndarray) -> None:
         return
     exact = sum(map(Fraction, some)) / len(some)
     size = sum(abs(Fraction(value)) for value in some) / len(some)
-    additions = min(DEPTH + math.log2(MOST_LANES), len(some))
+    additions = min(DEPTH + math.log2(MAX_LANES), len(some))
     assert abs(Fraction(mean) - exact) <= Fraction(additions + 1) / 2**53 * size
 
 

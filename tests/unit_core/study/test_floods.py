@@ -68,7 +68,7 @@ FLOODS = {
 }  # fmt: skip
 
 
-MOST_CALLS = 10
+MAX_CALLS = 10
 """Of functions, for a character of the body; 2.4 at most today."""
 
 
@@ -86,7 +86,7 @@ def test_a_flood_of_mistakes_is_refused_soon_and_in_few_words(name):
 
         work = calls(prepare)
     # At most some calls for each value; each of these took thousands when every name was looked up.
-    assert work < MOST_CALLS * len(body)
+    assert work < MAX_CALLS * len(body)
     assert len(caught[0].problems) <= 250
     assert searched.call_count <= 3 * suggestions.SEARCHED
 

@@ -101,7 +101,7 @@ def test_three_ways_agree(monkeypatch):
     assert whole.tolist() == [float(f"{k / 1000:.3f}") for k in range(100, 701)]
     monkeypatch.setattr(spacing, "EXACT", 0)
     assert evenly(*ends).tobytes() == whole.tobytes()
-    monkeypatch.setattr(spacing, "MOST_SLOW", 0)
+    monkeypatch.setattr(spacing, "MAX_SLOW", 0)
     rough = evenly(*ends)
     assert rough.tobytes() == np.linspace(*ends).tobytes()
     assert evenly(*ends, 600, 601).tolist() == [0.7]

@@ -166,7 +166,7 @@ def test_what_cannot_be_judged_is_told_and_why():
             "beta": 30,
             "friction": [1e-4, 0.1],
         },
-        "most_periods": 100,
+        "max_periods": 100,
         "verify": 2,
     }
     words = told(slow)

@@ -83,8 +83,8 @@ def pieces_of(
     elif count > 0:
         _, _, used = follow_cycle(rows, count, u, drive, sums, log)
     elif status in UNKNOWN and lifts(drive):
-        e, most_periods = cell.restitution, int(cell.most_periods)
-        _, count, _ = normal_cycle(drive, phase, e, most_periods, math.inf, rows)
+        e, max_periods = cell.restitution, int(cell.max_periods)
+        _, count, _ = normal_cycle(drive, phase, e, max_periods, math.inf, rows)
         shown, span = 0, 0.0
         while shown < count and span < SHOWN_PERIODS * TURN:
             shown += 1

@@ -305,18 +305,18 @@ def from_phases(
     gives.
     """
     drive, e = rounded(drive), kept(cell.restitution)
-    most_periods = int(cell.most_periods)
-    starts = min(MAX_STARTS, max(PHASES, most_periods // PERIODS_A_START))
+    max_periods = int(cell.max_periods)
+    starts = min(MAX_STARTS, max(PHASES, max_periods // PERIODS_A_START))
     found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
     count, cycles, known = 0, 0, 0.0
     least, most = math.inf, -math.inf
-    periods = max(1, most_periods // PHASES)
+    periods = max(1, max_periods // PHASES)
     travel = np.empty(int((1.0 - SETTLING) * periods))
     for number in range(starts):
         if number >= PHASES:
             if cycles == 0:
                 break
-            periods, travel = max(1, most_periods // starts), travel[:0]
+            periods, travel = max(1, max_periods // starts), travel[:0]
         patience = PATIENCE if number < SEARCHES else 0
         patience = MORE_PATIENCE if cycles > 0 else patience
         run = long_run(number, phase, periods, patience, drive, e, travel, rows, sums, stop)

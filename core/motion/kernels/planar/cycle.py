@@ -207,7 +207,7 @@ def find_cycle(
 
 @compiled
 def normal_cycle(
-    drive: Drive, start: float, e: float, most_periods: int, most_growth: float, rows: Floats
+    drive: Drive, start: float, e: float, max_periods: int, most_growth: float, rows: Floats
 ) -> tuple[int, int, int]:
     """Return the cycle that the part falls into from rest on the floor at phase `start`.
 
@@ -252,7 +252,7 @@ def normal_cycle(
             hops, periods = find_cycle(drive, e, rows, count, tau, w)
             if hops:
                 return 0, hops, periods
-        if count >= SEARCH_HOPS and total > TURN * min(SEARCH_PERIODS, most_periods):
+        if count >= SEARCH_HOPS and total > TURN * min(SEARCH_PERIODS, max_periods):
             return 0, count, 0
     return 0, count, (0 if total > TURN * FEWEST_PERIODS else -1)
 

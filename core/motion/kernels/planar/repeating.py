@@ -117,7 +117,7 @@ def repeating(
         keep_speed(drive, phase, rows, count, periods, sums)
     else:
         u, error, cycles, status = settle(
-            rows, count, u, drive, cell.tolerance, int(cell.most_periods), sums, log, stop
+            rows, count, u, drive, cell.tolerance, int(cell.max_periods), sums, log, stop
         )
         if cycles == 0:
             return status, 0.0

@@ -28,7 +28,7 @@ def settle(
     u: float,
     drive: Drive,
     tolerance: float,
-    most_periods: int,
+    max_periods: int,
     sums: Floats,
     log: Floats,
     stop: Stop,
@@ -44,7 +44,7 @@ def settle(
     """
     if drive.mu_s == drive.mu_k:
         return settle_bracketed(rows, count, u, drive, tolerance, sums, log)
-    return settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log, stop)
+    return settle_followed(rows, count, u, drive, tolerance, max_periods, sums, log, stop)
 
 
 @compiled
@@ -102,7 +102,7 @@ def settle_followed(
     u: float,
     drive: Drive,
     tolerance: float,
-    most_periods: int,
+    max_periods: int,
     sums: Floats,
     log: Floats,
     stop: Stop,
@@ -116,7 +116,7 @@ def settle_followed(
     scale = sizes(drive)[0] + abs(drive.gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
     slopes = np.empty(LONGEST_MULTIPLE + 1)
-    for cycle in range(max(8, most_periods)):
+    for cycle in range(max(8, max_periods)):
         if raised(stop):
             break
         after, slope, used = follow_cycle(rows, count, u, drive, sums, log)

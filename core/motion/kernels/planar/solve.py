@@ -94,8 +94,8 @@ def solve(
     before the second, which starts at that velocity; the log holds its last pass. Where no cycle is
     found, `result` is left as it was, and the status is `UNREPEATED`.
     """
-    e, most_periods = cell.restitution, int(cell.most_periods)
-    first, count, periods = normal_cycle(drive, phase, e, most_periods, MAX_GROWTH, rows)
+    e, max_periods = cell.restitution, int(cell.max_periods)
+    first, count, periods = normal_cycle(drive, phase, e, max_periods, MAX_GROWTH, rows)
     if periods < 1:
         status = UNREPEATED if periods == 0 else STATUS.limit_reached
         first, count, u = 0, 0, 0.0

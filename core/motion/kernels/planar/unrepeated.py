@@ -42,8 +42,8 @@ def reach_way(
     of these very numbers, though neighbouring ones go other ways.
     """
     own, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
-    most_periods = int(cell.most_periods)
-    found = normal_cycle(drive, phase, cell.restitution, most_periods, LAST_DIGIT, rows)
+    max_periods = int(cell.max_periods)
+    found = normal_cycle(drive, phase, cell.restitution, max_periods, LAST_DIGIT, rows)
     first, count, periods = found
     if periods < 1:
         return

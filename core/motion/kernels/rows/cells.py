@@ -41,7 +41,7 @@ AGREES = 1e-12
 """Of the drive: states that are no farther apart are the same. Rounding leaves some 1e-15."""
 BATCHES = 16
 """Of the second half of a motion that does not repeat; their means give its error."""
-MOST_EVENTS = 100_000
+MAX_EVENTS = 100_000
 """Of a period: a row of 64 parts has some hundreds, so this is one that sticks in its rounding."""
 
 
@@ -124,7 +124,7 @@ def one_period(
         air, taken, impulse = happened(row, drive, event, tau, air, restitution)
         lost, struck = lost + taken, struck + impulse
         events += 1
-        if events > MOST_EVENTS:
+        if events > MAX_EVENTS:
             return air, FAILED
 
 

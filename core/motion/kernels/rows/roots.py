@@ -14,7 +14,7 @@ from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.flow import TURN, flow, phase_to
 
-MOST_STEPS = 100
+MAX_STEPS = 100
 """Of a bracketed iteration of Newton: bisection alone needs 60 for a turn."""
 SAME = 1e-12
 """Of phase: what is nearer to now is now."""
@@ -48,7 +48,7 @@ def refined(
     """
     at_low = _value(order, x, v, C, k, tau, low)
     d = 0.5 * (low + high)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         value = _value(order, x, v, C, k, tau, d)
         if value == 0.0:
             return d

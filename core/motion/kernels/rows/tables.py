@@ -16,7 +16,7 @@ Whole = NDArray[np.int64]
 Head = namedtuple(
     "Head",
     "drive_number_along drive_number_normal gravity_number_along gravity_number_normal "
-    "part_restitution most_periods stop stop_gap room parts",
+    "part_restitution max_periods stop stop_gap room parts",
 )
 """The first columns of a cell; static friction, kinetic friction, mass and the gap in front of
 each part follow, each with room for as many parts as the longest row of a study has, then the

@@ -57,7 +57,7 @@ def run(
     copy(state, states[0, :width])
     seen = states[:, :width]
     done = 0
-    for period in range(int(cell.most_periods)):
+    for period in range(int(cell.max_periods)):
         if raised(stop):
             return STATUS.not_computed
         tally = tallies[period]

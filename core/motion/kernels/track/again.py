@@ -33,7 +33,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop
     cell = cell_of(group)
     samples = np.full((phases.size, SAMPLE), math.nan)
     samples[:, SAMPLE - 1] = MODE.unknown
-    history, work = new_history(int(cell.most_periods), stop), new_work()
+    history, work = new_history(int(cell.max_periods), stop), new_work()
     found, state, hold = to_cycle(group, wall, rolling, FINE, history, work)
     if found.status == STATUS.limit_reached:
         return samples

@@ -229,7 +229,7 @@ def to_cycle(
     cell = cell_of(row)
     drive.set_drive(cell, row, work)
     state, hold = at_rest()
-    most = int(cell.most_periods)
+    most = int(cell.max_periods)
     found = settle(cell, wall, rolling, series, most, state, hold, history, work)
     if found.multiple > 0:
         first = found.done - found.multiple

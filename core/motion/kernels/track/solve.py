@@ -100,7 +100,7 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
     for value in row:
         total += value
     weightless = cell.gravity_number_normal <= 0.0
-    if not math.isfinite(total) or weightless or int(cell.most_periods) < 1:
+    if not math.isfinite(total) or weightless or int(cell.max_periods) < 1:
         return STATUS.limit_reached, False
     rubs = cell.friction_kinetic + cell.friction_static > 0.0
     if wall:

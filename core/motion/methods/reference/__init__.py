@@ -79,7 +79,7 @@ def reference_motion(
     contacts: Contacts = BLOCK_ON_FLOOR,
     *,
     absolute_speed: bool = True,
-    most_periods: int = 100,
+    max_periods: int = 100,
     watch: Watch | None = None,
 ) -> Motion:
     """Return the motion of one part once it repeats, with its error; arrays of no dimension.
@@ -101,7 +101,7 @@ def reference_motion(
     absolute_speed : bool
         Whether the centripetal acceleration is that of the speed in space; else of the speed
         relative to the track.
-    most_periods : int
+    max_periods : int
         Periods after which the motion counts as aperiodic.
     watch : Watch, optional
         May stop it.
@@ -116,7 +116,7 @@ def reference_motion(
     if max(np.abs(part).max(initial=0.0) for part in _numbers(groups)) > LARGEST:
         return _nothing("limit_reached")
     run = ReferenceRun(ReferenceLaws(groups, contacts, absolute_speed), watch or Watch())
-    for _ in range(most_periods):
+    for _ in range(max_periods):
         try:
             run.follow()
             if run.rests:
@@ -213,7 +213,7 @@ def _result(
 def _follow(contacts: Contacts) -> Follow:
     """Return the equation: every cell of the groups broadcast, one after another."""
 
-    def motion(*, groups: Groups, most_periods: Array, watch: Watch | None = None) -> Motion:
+    def motion(*, groups: Groups, max_periods: Array, watch: Watch | None = None) -> Motion:
         """Return the motion from rest by collocation between events, theory 13.9.
 
         For single points: a cell takes up to some seconds.
@@ -231,7 +231,7 @@ def _follow(contacts: Contacts) -> Follow:
                 continue
             try:
                 *rows[cell], status[cell] = reference_motion(
-                    part, contacts, most_periods=int(most_periods), watch=watch
+                    part, contacts, max_periods=int(max_periods), watch=watch
                 )
             except StoppedError:
                 break
@@ -249,7 +249,7 @@ def _slides_away(part: Groups, contacts: Contacts) -> bool:
 
 def _price(cells: Priced) -> Price:
     """Return the price: of a motion that repeats to find its cycle, of another all its periods."""
-    allowed = cells.setting("most_periods")
+    allowed = cells.setting("max_periods")
     wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
     waves = 1.0 + 2.0 * cells.orders
     finding = 0.008 * wide * waves * np.where(cells.hops, 3.0, 1.0)
@@ -264,7 +264,7 @@ REFERENCE = Method(
     source="theory 13.1",
     accuracy="about twelve digits, where the motion repeats",
     seconds_a_cell=_price,
-    defaults={"most_periods": 100.0},
+    defaults={"max_periods": 100.0},
     checked_by=("events", "time-stepping"),
     refuses=tuple(
         Constraint(

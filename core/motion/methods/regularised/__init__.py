@@ -65,14 +65,14 @@ LOOSER = 10.0
 
 
 def followed(
-    cell: Cell, solver: str, tolerance: float, most_periods: int, watch: Watch | None = None
+    cell: Cell, solver: str, tolerance: float, max_periods: int, watch: Watch | None = None
 ) -> tuple[RegularisedRun, Orbit, float]:
     """Return the run, the motion once it repeats, and how close two states then are."""
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
     run = RegularisedRun(cell, solver, tolerance, MAX_EVALUATIONS, watch or Watch())
-    return run, orbit_of(run, cell.rest(), most_periods, closeness), closeness
+    return run, orbit_of(run, cell.rest(), max_periods, closeness), closeness
 
 
 def _cell_motion(
@@ -80,7 +80,7 @@ def _cell_motion(
     coarse: tuple[Cell, Cell],
     solver: str,
     tolerance: float,
-    most_periods: int,
+    max_periods: int,
     watch: Watch,
 ) -> dict[str, float | str]:
     """Return the fields of `Motion` for one cell, the status by its name."""
@@ -91,7 +91,7 @@ def _cell_motion(
     if frictionless and any(cell.gravity[:-1]):
         return {**nothing, "status": "runaway"}
 
-    run, orbit, closeness = followed(cell, solver, tolerance, most_periods, watch)
+    run, orbit, closeness = followed(cell, solver, tolerance, max_periods, watch)
     unfinished = {**nothing, "velocity": orbit.velocity, "status": orbit.status}
     if orbit.status != "periodic":
         return unfinished
@@ -105,7 +105,7 @@ def _cell_motion(
         orbit_of(
             RegularisedRun(changed, solver, looser * tolerance, MAX_EVALUATIONS, watch),
             orbit.states[-1],
-            most_periods,
+            max_periods,
             max(wider * closeness, 100 * looser * tolerance),
         ).velocity
         - orbit.velocity
@@ -133,7 +133,7 @@ def regularised_motion(
     slip_speed: ArrayLike,
     contact_stiffness: ArrayLike,
     tolerance: ArrayLike,
-    most_periods: ArrayLike,
+    max_periods: ArrayLike,
     solver: str,
     planar: bool,
     watch: Watch | None = None,
@@ -156,7 +156,7 @@ def regularised_motion(
     tolerance : array_like
         Relative error of a step of the integrator; up to a thousandth of the slip speed, lest the
         integrator's scatter hide what the laws' errors are.
-    most_periods : array_like of int
+    max_periods : array_like of int
         Periods of the drive after which a cell is given up.
     solver : str
         One of `SOLVERS`. LSODA takes the least time, but may stay with its explicit formula after
@@ -193,7 +193,7 @@ def regularised_motion(
         "slip_speed": slip_speed,
         "contact_stiffness": contact_stiffness,
         "tolerance": tolerance,
-        "most_periods": most_periods,
+        "max_periods": max_periods,
     }
     rows, shape = cells_of(groups, **settings)
     fields = {name: np.full(shape, np.nan) for name in Motion._fields[:-1]}
@@ -237,7 +237,7 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
     """
 
     def price(cells: Priced) -> Price:
-        allowed = cells.setting("most_periods")
+        allowed = cells.setting("max_periods")
         finer = (cells.setting("tolerance") / TOLERANCE) ** -tolerance
         finer = finer * (cells.setting("slip_speed") / SLIP_SPEED) ** -slip
         each = seconds / 100.0 * finer * np.maximum(1.0, cells.orders) ** waves
@@ -263,7 +263,7 @@ def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
             slip_speed: Array,
             contact_stiffness: Array,
             tolerance: Array,
-            most_periods: Array,
+            max_periods: Array,
             watch: Watch | None = None,
         ) -> Motion:
             """Return the motion with regularised friction on a stiff floor.
@@ -275,7 +275,7 @@ def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
                 slip_speed=slip_speed,
                 contact_stiffness=contact_stiffness,
                 tolerance=tolerance,
-                most_periods=most_periods,
+                max_periods=max_periods,
                 solver=solver,
                 planar=groups.planar,
                 watch=watch,
@@ -291,7 +291,7 @@ def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
         seconds_a_cell=seconds_a_cell,
         defaults={
             "tolerance": TOLERANCE,
-            "most_periods": 100.0,
+            "max_periods": 100.0,
             "slip_speed": SLIP_SPEED,
             "contact_stiffness": 1e8,
         },

@@ -157,7 +157,7 @@ class Orbit:
         return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
 
 
-def orbit_of(run: RegularisedRun, state: Array, most_periods: int, closeness: float) -> Orbit:
+def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: float) -> Orbit:
     """Return the motion once it repeats, or what there is when the periods are used up."""
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
@@ -192,7 +192,7 @@ def orbit_of(run: RegularisedRun, state: Array, most_periods: int, closeness: fl
         return float(np.mean([s[0] for s in states[-periods:]])) / PERIOD
 
     try:
-        for done in range(1, most_periods + 1):
+        for done in range(1, max_periods + 1):
             states.append(run.period(states[-1]).end)
             # The first state has no travel of its own, and the rate takes one period more.
             for multiple in range(1, min(LARGEST_MULTIPLE, done - 2) + 1):
