@@ -12,11 +12,25 @@ def data_folder() -> Path:
 
     That is `XDG_DATA_HOME`, or `~/.local/share`; `~/Library/Application Support` on macOS.
     """
-    base = Path(os.environ.get("XDG_DATA_HOME", ""))
+    usual = "Library/Application Support" if sys.platform == "darwin" else ".local/share"
+    return _folder("XDG_DATA_HOME", usual) or Path("data")
+
+
+def cache_folder() -> Path:
+    """Return where the system keeps what programs can make again; `.cache` where there is no home.
+
+    That is `XDG_CACHE_HOME`, or `~/.cache`; `~/Library/Caches` on macOS.
+    """
+    usual = "Library/Caches" if sys.platform == "darwin" else ".cache"
+    return _folder("XDG_CACHE_HOME", usual) or Path(".cache")
+
+
+def _folder(variable: str, usual: str) -> Path | None:
+    """Return our part of the folder that a variable names, or of the usual one in the home."""
+    base = Path(os.environ.get(variable, ""))
     if not base.is_absolute():  # the standard says that others are ignored
-        usual = "Library/Application Support" if sys.platform == "darwin" else ".local/share"
         try:
             base = Path.home() / usual
         except RuntimeError:
-            return Path("data")
+            return None
     return base / "vibrafeed"

@@ -21,11 +21,12 @@ from app.jobs.admission import Admission
 from app.jobs.cluster import Cluster
 from app.jobs.keys import Keys
 from app.jobs.ledger import Ledger
+from app.jobs.process_pool import ProcessPool
 from app.jobs.runner import Runner
 from app.jobs.store import Store
 from app.jobs.writer import Writer
 from app.settings import Settings
-from app.web import guard, openapi, problems
+from app.web import calculations, guard, openapi, problems
 from app.web.compress import Compress
 from app.web.metrics import Metrics, watch_jobs
 from app.web.observe import Observe
@@ -43,7 +44,7 @@ from app.web.routes import (
     sweeps,
     zarr,
 )
-from app.web.shares import Shares
+from app.web.shares import PLACES, Shares
 from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
@@ -64,7 +65,8 @@ def create_app(settings: Settings) -> FastAPI:
     cluster = Cluster(settings.scheduler, settings.workers)
     runner = Runner(ledger, store, cluster, settings)
     admission = Admission(ledger, store, settings, runner.wake, runner.waits)
-    writer = Writer(store, admission.make_room, settings)
+    process_pool = ProcessPool(PLACES, (calculations.__name__,))
+    writer = Writer(store, admission.make_room, settings, process_pool)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -79,7 +81,7 @@ def create_app(settings: Settings) -> FastAPI:
         await runner.stop()  # first of all: others may go on with the work
         stopping.set()
         await tidying
-        await asyncio.to_thread(writer.close)
+        await asyncio.to_thread(process_pool.close)
         store.close()
         ledger.close()
         if spans is not None:
@@ -100,6 +102,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.admission = admission
     app.state.keys = keys
     app.state.shares = Shares()
+    app.state.process_pool = process_pool
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.warmth = Warmth()  # started where the service is served

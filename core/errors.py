@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 MAX_PROBLEMS = 100  # that are told one by one
 
@@ -62,6 +63,9 @@ class StudyError(VibrafeedError):
         self.problems = tuple(dict.fromkeys(problems))
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.problems,)  # it may come from another process
+
 
 class LimitError(VibrafeedError):
     """A request is larger than a limit.
@@ -80,6 +84,9 @@ class LimitError(VibrafeedError):
         self.limit, self.asked, self.allowed, self.fix = limit, asked, allowed, fix
         self.message = f"the study asks for {asked:,} {limit}, the limit is {allowed:,}"
         super().__init__(f"{self.message}. {fix}.")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.limit, self.asked, self.allowed, self.fix)
 
 
 class StoppedError(VibrafeedError):

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from app.jobs import audit, work
 from app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
+from app.jobs.job_looks import JobLooks
 from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Job, Ledger
 from app.jobs.quota import Quota
@@ -57,6 +58,7 @@ class Admission:
         self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
         self._scrubbed = ""  # the study that was looked at last
         self.ownership = self._quota.ownership
+        self.looks = JobLooks(ledger)
 
     def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -191,9 +193,7 @@ class Admission:
     def job(self, number: str, who: Key) -> Job | None:
         """Return a job that somebody may read; None if there is none."""
         job = self.ledger.job(number)
-        if job is None or who.sees_all or job.shared or job.owner == who.name:
-            return job
-        return None
+        return job if job is not None and is_readable(job, who) else None
 
     def may_read(self, key: str, who: Key) -> bool:
         """True if somebody may read a study."""
@@ -321,6 +321,11 @@ class Admission:
     def used_bytes(self) -> int:
         """Return what all studies take on the disk, counted a minute ago at most."""
         return self._quota.used()
+
+
+def is_readable(job: Job, who: Key) -> bool:
+    """True if somebody may read a job."""
+    return who.sees_all or job.shared or job.owner == who.name
 
 
 def _check_owner(job: Job, who: Key) -> None:

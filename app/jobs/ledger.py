@@ -13,7 +13,7 @@ import json
 import sqlite3
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -187,6 +187,11 @@ class Ledger:
         """Return a job, or None if there is no such job."""
         rows = self._read(JOB.where(JOBS.c.id == number))
         return job_of(rows[0]) if rows else None
+
+    def by_number(self, numbers: Sequence[str]) -> dict[str, Job]:
+        """Return the jobs of some numbers, by these; what there is not is left out."""
+        rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
+        return {row.id: job_of(row) for row in rows}
 
     def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
         """Return jobs, the latest first."""

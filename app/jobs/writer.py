@@ -5,20 +5,24 @@ from __future__ import annotations
 import asyncio
 import math
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Awaitable, Callable
+from pathlib import Path
 
-from app.jobs.keys import NOBODY, Key
+from app.jobs.errors import NoRoomError
+from app.jobs.keys import Key
 from app.jobs.manifest import NETCDF, Manifest
+from app.jobs.process_pool import ProcessPool
 from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError
 from core.kinds import tabulate
 from core.plan.prepared import Prepared
 
+TIMES = 10.0  # as long as a reply may take: a file is finished though its price was too low
+
 
 class Writer:
-    """Owns the NetCDF library in the server: it crashes if two threads of a process use it.
+    """Has files written in processes: the NetCDF library crashes if two threads of one use it.
 
     Parameters
     ----------
@@ -28,32 +32,50 @@ class Writer:
         Makes room for a study of an identifier, so many bytes, and whoever asks for it.
     settings : Settings
         The service's.
+    process_pool : ProcessPool
+        Where they are computed and written.
     """
 
     def __init__(
-        self, store: Store, make_room: Callable[[str, int, Key], None], settings: Settings
+        self,
+        store: Store,
+        make_room: Callable[[str, int, Key], None],
+        settings: Settings,
+        process_pool: ProcessPool,
     ):
         self._store, self._make_room, self._settings = store, make_room, settings
-        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="netcdf")
+        self._process_pool = process_pool
 
-    async def result(self, key: str, sweep: Prepared, who: Key = NOBODY) -> Manifest:
-        """Return the manifest of the result of a sweep; the first call computes and writes it.
+    async def write(
+        self, key: str, sweep: Prepared, who: Key, look: Callable[[], Awaitable[None]]
+    ) -> Manifest:
+        """Compute a sweep and write its file, unless it is there; return its manifest.
 
-        A result that is there does not wait for what is being written, and no thread of the routes
-        waits.
+        `look` is awaited now and then; if it raises, the work is ended.
 
         Raises
         ------
         LimitError
-            If the sweep is not there and is too large, or takes too long, for one reply.
+            If the sweep is too large, or takes too long, for one reply.
+        StoppedError
+            If it takes ten times as long as was thought.
         NoRoomError
             If the file would not fit.
         """
-        known = await self.known(key)
+        self.check(sweep)
+        known = await asyncio.to_thread(self._store.manifest, key)
         if known is not None:
             return known
-        self.check(sweep)
-        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep, who))
+        await asyncio.to_thread(self._make_room, key, sweep.bytes, who)
+        # Should it have made room for another meanwhile.
+        await asyncio.to_thread(self._store.add, sweep.study)
+        directory = str(self._settings.data_directory.resolve())
+        most = TIMES * self._settings.max_execution_seconds
+        await self._process_pool(written, directory, key, seconds=most, look=look)
+        manifest = await asyncio.to_thread(self._store.manifest, key)
+        if manifest is None:
+            raise NoRoomError("The file has just made room for another; ask again.")
+        return manifest
 
     async def known(self, key: str) -> Manifest | None:
         """Return the manifest of the result of a sweep; None if it is not made yet, or broken.
@@ -85,18 +107,13 @@ class Writer:
             fix = "POST the study to /processes/sweep/execution: that makes a job of it"
             raise LimitError("seconds in one reply", math.ceil(seconds), math.floor(most), fix)
 
-    def close(self) -> None:
-        """Finish the write under way, and take no more."""
-        self._thread.shutdown(cancel_futures=True)
 
-    def _write(self, key: str, sweep: Prepared, who: Key) -> Manifest:
-        known = self._store.manifest(key)
-        if known is not None:
-            return known
-        self._make_room(key, sweep.bytes, who)
-        table = tabulate(sweep)
-        seconds = table.price["elapsed_seconds"]
-        self._store.add(sweep.study)  # should it have made room for another meanwhile
-        return self._store.finish(
-            key, table, process="sweep", cells=sweep.cells, blocks=1, seconds=seconds
-        )
+def written(directory: str, key: str) -> None:
+    """Compute a sweep of a data directory, and write its file."""
+    store = Store(Path(directory))
+    if store.manifest(key) is not None:  # somebody else asked for it, too
+        return
+    sweep = store.sweep(key)
+    table = tabulate(sweep)
+    seconds = table.price["elapsed_seconds"]
+    store.finish(key, table, process="sweep", cells=sweep.cells, blocks=1, seconds=seconds)

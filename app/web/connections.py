@@ -2,7 +2,7 @@
 
 A client that sends its request, or reads its reply, too slowly is cut off; where there are too many
 connections, one without a request under way makes room for the next, so that whoever comes last is
-heard, /healthz too.
+heard, /healthz too. A body in crumbs costs a thousand times what it holds, and is refused.
 """
 
 from __future__ import annotations
@@ -18,6 +18,11 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 HEAD_SECONDS = 10.0  # for the head of a request, and before its body has to keep its rate
 BODY_RATE = 10_000.0  # bytes/s of a body, at least
 SEND_SECONDS = 20.0  # for a piece of a reply (`app.web.outgoing.PIECE`) to leave
+
+MOST_HEAD = 16_384  # bytes of the head of a request: each of its lines takes its time
+# Of a body in chunks: each takes as long as 10 kB of a body at one piece.
+FREE_CHUNKS, LEAST_CHUNK = 2_000, 16  # chunks of any size, and bytes on average of those beyond
+FREE_BYTES = 512_000  # that may have come beside twice the body: sizes and extensions of chunks
 
 ACCEPTED_AT_ONCE = 64  # between two of them connections that make room are really closed
 SPARE = 64  # connections beyond the requests that may be under way
@@ -40,11 +45,45 @@ def most_requests(open_files: int) -> int:
     return max(1, (open_files - OTHER_FILES - SPARE) // 2)
 
 
+class ThriftyParser(h11.Connection):
+    """h11's, which refuses a body whose chunks or their extensions cost more than they hold."""
+
+    def __init__(self) -> None:
+        super().__init__(h11.SERVER, MOST_HEAD)
+        self._chunks = self._body = self._raw = 0
+        self._is_padded = False
+
+    def receive_data(self, data: bytes) -> None:
+        """Take bytes of the client."""
+        self._is_padded = self._raw > FREE_BYTES + 2 * self._body  # all of it has been read
+        self._raw += len(data)
+        super().receive_data(data)
+
+    def next_event(self) -> Any:
+        """Return what comes next in them.
+
+        Raises
+        ------
+        h11.RemoteProtocolError
+            If it is no HTTP, or a body in crumbs.
+        """
+        event = super().next_event()
+        if isinstance(event, h11.Request):
+            self._chunks = self._body = self._raw = 0
+        elif isinstance(event, h11.Data):
+            self._chunks += event.chunk_start
+            self._body += len(event.data)
+            if self._is_padded or self._chunks > FREE_CHUNKS + self._body // LEAST_CHUNK:
+                raise h11.RemoteProtocolError("The body comes in crumbs.")
+        return event
+
+
 class Connection(H11Protocol):
     """uvicorn's, with an eye on the time that its client takes."""
 
     def __init__(self, *arguments: Any, **options: Any):
         super().__init__(*arguments, **options)
+        self.conn = ThriftyParser()
         self._most = self.config.app.state.settings.max_requests + SPARE  # type: ignore[union-attr]
         self._since = self._sent = self.loop.time()
         self._received = 0

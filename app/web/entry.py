@@ -20,7 +20,8 @@ from app.web.wrong_keys import WrongKeys
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
-MAX_GIVEN = 2  # in one request: each takes a look at all keys
+MOST_GIVEN = 2  # in one request: each takes a look at all keys
+OF_KEY = "key "  # begins the name of an owner who has a key
 SOON = 0.01  # s between looks at whether another request has read the keys
 
 
@@ -28,6 +29,12 @@ def path_of(scope: Scope) -> str:
     """Return the path as the routes see it, without that under which a proxy shows the service."""
     path: str = scope.get("path", "")
     return path.removeprefix(scope.get("root_path", ""))
+
+
+def owner_of(scope: Scope) -> str:
+    """Return on whose account a request goes: its key's, and without keys its address's."""
+    name = getattr(scope.get("state", {}).get("key"), "name", "")
+    return f"{OF_KEY}{name}" if name else str((scope.get("client") or ("",))[0])
 
 
 class Entry:

@@ -21,7 +21,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.jobs import disk
 from app.jobs.keys import Keys
 from app.settings import Settings
-from app.web.entry import SAFE_METHODS, Entry, path_of
+from app.web.entry import OF_KEY, SAFE_METHODS, Entry, owner_of, path_of
 from app.web.problems import STATUS, TooLargeError
 from app.web.replies import problem_document, problems
 
@@ -32,9 +32,11 @@ DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
-MAX_QUERY = 8_192  # bytes; reading a query takes longer than it is long
-MAX_NAMES = 256  # of a query
-SHARE = 4  # one key has at most this part of the requests that may be under way
+MOST_QUERY = 8_192  # bytes; reading a query takes longer than it is long
+MOST_NAMES = 256  # of a query
+# One key has at most this part of the requests that may be under way; without keys one address
+# leaves so much to others.
+SHARE = 4
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
@@ -201,34 +203,35 @@ class Limits:
     def __init__(self, app: ASGIApp, settings: Settings):
         self.app = app
         self.most = settings.max_requests
-        self.most_of_one = max(1, self.most // SHARE)
         self.most_bytes = settings.max_body_bytes
         self.under_way = 0
-        self.of_keys: Counter[str] = Counter()
+        self.of_owners: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it without reading its body."""
         if scope["type"] != "http" or path_of(scope) in HEALTH:
             await self.app(scope, receive, send)
             return
-        name = getattr(scope.get("state", {}).get("key"), "name", "")
-        refusal = self._refusal(scope, name)
+        owner = owner_of(scope)
+        refusal = self._refusal(scope, owner)
         if refusal is not None:
             await refusal(scope, receive, send)
             return
         self.under_way += 1
-        self.of_keys[name] += 1
+        self.of_owners[owner] += 1
         try:
             await self.app(scope, receive, send)
         finally:
             self.under_way -= 1
-            self.of_keys[name] -= 1
-            if not self.of_keys[name]:
-                del self.of_keys[name]
+            self.of_owners[owner] -= 1
+            if not self.of_owners[owner]:
+                del self.of_owners[owner]
 
-    def _refusal(self, scope: Scope, name: str) -> Response | None:
-        if name and self.of_keys[name] >= self.most_of_one:
-            detail = f"{self.most_of_one:,} requests of your key are under way, its share of all."
+    def _refusal(self, scope: Scope, owner: str) -> Response | None:
+        part = self.most // SHARE
+        share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
+        if share <= self.of_owners[owner] and self.under_way < self.most:
+            detail = f"{share:,} requests of yours are under way, your share of all."
             return problem_document(
                 429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
             )

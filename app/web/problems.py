@@ -23,6 +23,7 @@ from app.jobs.errors import (
     QueueFullError,
     TooManyJobsError,
 )
+from app.jobs.process_pool import EndedError
 from app.web.replies import problem_document
 from core.errors import (
     LimitError,
@@ -82,6 +83,7 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     GoneError: (410, "gone", "The result is gone"),
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
+    EndedError: (503, "busy", "The service is busy"),
     FetchingError: (503, "busy", "The service is busy"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),

@@ -74,6 +74,7 @@ class Server(uvicorn.Server):
                 same.listen(QUEUE)
         if self.config.app.state.settings.warm_at_start:  # type: ignore[union-attr]
             self.config.app.state.warmth.start()  # type: ignore[union-attr]
+            self._first = asyncio.create_task(self.config.app.state.process_pool.start())  # type: ignore[union-attr]
 
     async def on_tick(self, counter: int) -> bool:
         """Look after connections and memory, ten times a second and once."""

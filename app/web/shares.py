@@ -11,18 +11,20 @@ import asyncio
 import itertools
 import os
 from collections import Counter
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
-from typing import cast
+from typing import Any, TypeVar, cast
 
 from fastapi import Depends, Request, params
 from starlette.requests import ClientDisconnect
 
-from app.jobs.keys import Key
-from app.web.dependencies import Body, WhoOf
+from app.jobs.process_pool import ProcessPool
+from app.web.dependencies import Body
+from app.web.entry import owner_of
 
 CORES = os.cpu_count() or 1
 PLACES = CORES + 1  # routes have a thread more: descriptions and small slices do not wait
+_T = TypeVar("_T")
 BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more request pass
 
 
@@ -85,7 +87,7 @@ class Shares:
 
 
 @asynccontextmanager
-async def place_of(request: Request, who: Key, size: int = 0) -> AsyncIterator[None]:
+async def place_of(request: Request, size: int = 0) -> AsyncIterator[None]:
     """Have a place for a request whose body has a size [bytes]; without keys its address owns it.
 
     Raises
@@ -93,17 +95,35 @@ async def place_of(request: Request, who: Key, size: int = 0) -> AsyncIterator[N
     ClientDisconnect
         If the client has left while it waited: nothing is computed for nobody.
     """
-    address = request.client.host if request.client else ""
-    owner = f"key {who.name}" if who.name else address
     shares = cast(Shares, request.app.state.shares)
-    async with shares.place(owner, size // BYTES_A_TURN):
-        if await request.is_disconnected():
-            raise ClientDisconnect
+    async with shares.place(owner_of(request.scope), size // BYTES_A_TURN):
+        await look_at(request)()
         yield
 
 
-async def _placed(request: Request, who: WhoOf, body: Body) -> AsyncIterator[None]:
-    async with place_of(request, who, len(body)):
+async def calculated(
+    request: Request, function: Callable[..., _T], *arguments: Any, seconds: float
+) -> _T:
+    """Return what a function returns in a process; it ends with the time, or with the client.
+
+    Whoever calls has a place.
+    """
+    pool = cast(ProcessPool, request.app.state.process_pool)
+    return await pool(function, *arguments, seconds=seconds, look=look_at(request))
+
+
+def look_at(request: Request) -> Callable[[], Awaitable[None]]:
+    """Return what raises `ClientDisconnect` once the client of a request has left."""
+
+    async def look() -> None:
+        if await request.is_disconnected():
+            raise ClientDisconnect
+
+    return look
+
+
+async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
+    async with place_of(request, len(body)):
         yield
 
 

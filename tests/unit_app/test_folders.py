@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from app.cli.serve import _tell_of_older_data
-from app.folders import data_folder
+from app.folders import cache_folder, data_folder
 from app.settings import Settings
 
 
@@ -35,6 +35,21 @@ def test_a_user_without_home_has_a_folder_here(monkeypatch):
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     monkeypatch.setattr(Path, "home", lambda: (_ for _ in ()).throw(RuntimeError("no home")))
     assert data_folder() == Path("data")
+
+
+@pytest.mark.parametrize(
+    ("platform", "variable", "folder"),
+    [
+        ("linux", "", "/home/ann/.cache/vibrafeed"),
+        ("linux", "/var/tmp", "/var/tmp/vibrafeed"),
+        ("darwin", "", "/home/ann/Library/Caches/vibrafeed"),
+    ],
+)
+def test_the_cache_folder_is_the_platforms(platform, variable, folder, monkeypatch):
+    monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.setenv("HOME", "/home/ann")
+    monkeypatch.setenv("XDG_CACHE_HOME", variable)
+    assert cache_folder() == Path(folder)
 
 
 def test_studies_in_the_folder_of_before_are_named(tmp_path, monkeypatch, capsys):

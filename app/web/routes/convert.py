@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from app.web.dependencies import BaseOf, Body, once
+from app.web.calculations import converted
+from app.web.dependencies import BaseOf, Body, SettingsOf, once
 from app.web.execution import PROCESSES, AnyStudy
 from app.web.replies import component, problems
-from app.web.shares import placed
-from core.intake import prepare_content, read_json
-from core.intake.forms import FORMS, to_curl
+from app.web.shares import calculated, placed
 
 router = APIRouter(tags=["processes"])
 
@@ -43,8 +42,10 @@ TEXT = "text/plain"
     },
     dependencies=[once(), placed()],
 )
-def convert(
+async def convert(
+    request: Request,
     body: Body,
+    settings: SettingsOf,
     base: BaseOf,
     to: Annotated[
         Literal["toml", "json", "curl", "python"],
@@ -52,7 +53,7 @@ def convert(
     ],
 ) -> Response:
     """Check a study, and return it as `vibrafeed convert` writes it; curl asks this service."""
-    content = cast(dict[str, Any], read_json(body))
-    prepare_content(content)
-    text = to_curl(content, base) if to == "curl" else FORMS[to](content)
+    text = await calculated(
+        request, converted, body, to, base, seconds=settings.max_execution_seconds
+    )
     return Response(text, media_type=TEXT)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import datetime
 from typing import Annotated, Literal
 from urllib.parse import urlencode
@@ -14,7 +14,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
-from app.jobs.admission import Admission
+from app.jobs.admission import Admission, is_readable
 from app.jobs.keys import NOBODY, Key, Keys
 from app.jobs.ledger import ACTIVE, STATES, Wanted
 from app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, once
@@ -189,13 +189,14 @@ async def follow_job(
     await asyncio.to_thread(find_job, admission, number)
     keys: Keys = request.app.state.keys
 
-    def over() -> bool:
-        """Whether the service stops, or the key is in force no more; may look at the ledger."""
+    async def over() -> bool:
+        """Whether the service stops, or the key is in force no more."""
         if request.app.state.stopping.is_set():
             return True
         if who == NOBODY:
             return False
-        keys.look()
+        if keys.is_due:
+            await asyncio.to_thread(keys.look)
         found = keys.of_hash(who.hash)
         return found is None or not found.stands(time.time())
 
@@ -205,12 +206,12 @@ async def follow_job(
 
 
 async def _events(
-    admission: Admission, number: str, who: Key, base: str, over: Callable[[], bool]
+    admission: Admission, number: str, who: Key, base: str, over: Callable[[], Awaitable[bool]]
 ) -> AsyncIterator[bytes]:
     told, at = None, time.monotonic()
-    while not await asyncio.to_thread(over):
-        job = await asyncio.to_thread(admission.job, number, who)
-        if job is None:
+    while not await over():
+        job = await admission.looks.job(number)
+        if job is None or not is_readable(job, who):
             return
         if (job.state, job.done) != told:
             told, at = (job.state, job.done), time.monotonic()

@@ -17,10 +17,9 @@ from fastapi.responses import Response
 from app.jobs.admission import Admission
 from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, Job
-from app.jobs.manifest import MAX_JSON_VALUES
-from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
 from app.web.accept import preferred
+from app.web.calculations import executed, read_study
 from app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
 from app.web.documents import (
     CONFORMANCE,
@@ -33,18 +32,13 @@ from app.web.documents import (
     process_list,
     status_info,
 )
-from app.web.execution import ACCURACY, PROCESSES, Execution, Process, read_execution
+from app.web.execution import ACCURACY, PROCESSES, Process
 from app.web.outcomes import results_reply
 from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
-from app.web.shares import place_of
-from core.dataset.document import to_document
-from core.intake import prepare_content, read_json
-from core.kinds import is_whole, tabulate
-from core.plan.prepared import Prepared
-from core.watch import Watch
+from app.web.shares import calculated, place_of
 
 router = APIRouter(tags=["processes"])
 
@@ -114,8 +108,7 @@ async def execute(
     """Carry out the study in a body at once, or as a job."""
     base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
-    async with place_of(request, who, len(body)):
-        begun = await run_in_threadpool(_begin, name, body, wishes, settings, admission, who)
+    begun = await _reply_or_job(request, name, body, settings, admission, who)
     if isinstance(begun, Response):
         return begun
     job = begun
@@ -134,50 +127,26 @@ async def execute(
     return reply
 
 
-def _begin(
-    name: str, body: bytes, wishes: Preferences, settings: Settings, admission: Admission, who: Key
+async def _reply_or_job(
+    request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
 ) -> Response | Job:
     """Return the dataset of a short study, or the job that it has become."""
-    asked, prepared = _read(name, body, settings)
+    wishes = preferences(request.headers.getlist("prefer"))
+    async with place_of(request, len(body)):
+        if name != ACCURACY and not wishes.respond_async:
+            seconds = settings.max_execution_seconds + settings.grace_seconds
+            content = await calculated(
+                request, executed, name, body, settings, who.cells, seconds=seconds
+            )
+            if content is not None:
+                return Response(content, media_type=JSON)
+        return await run_in_threadpool(_post, name, body, settings, admission, who)
+
+
+def _post(name: str, body: bytes, settings: Settings, admission: Admission, who: Key) -> Job:
+    _, prepared = read_study(name, body, settings)
     prepared.check_limits(cells=who.cells, bytes_=None)
-    if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
-        return _carry_out(asked, prepared, settings)
     return admission.post(prepared, name, who)
-
-
-def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
-    """Return what a body asks for, and its study; raise if it cannot be carried out."""
-    asked = read_execution(read_json(body), name)
-    prepared = prepare_content(asked.study)
-    if name == ACCURACY:  # it takes some cells of a grid
-        prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
-    elif is_in_parts(prepared, settings):
-        check_length(prepared, settings)
-    else:
-        prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    return asked, prepared
-
-
-def is_small(prepared: Prepared, settings: Settings) -> bool:
-    """True if a study is replied to at once: it is short, and so is its result."""
-    return (
-        prepared.seconds <= settings.max_synchronous_seconds
-        and prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
-    )
-
-
-def _carry_out(asked: Execution, prepared: Prepared, settings: Settings) -> Response:
-    """Return the dataset of a study, computed here and now."""
-    watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
-    table = tabulate(prepared, watch)
-    content: dict[str, Any] = {
-        "complete": is_whole(table),
-        "cells": prepared.cells,
-        **to_document(table),
-    }
-    if asked.as_document:
-        content = {"dataset": {"value": content, "mediaType": "application/json"}}
-    return json_reply(content)
 
 
 async def _waited(
@@ -191,8 +160,7 @@ async def _waited(
         with contextlib.suppress(
             OSError, sqlite3.OperationalError
         ):  # the client is to learn of its job
-            found = await asyncio.to_thread(admission.ledger.job, job.id)
-            job = found or job
+            job = await admission.looks.job(job.id) or job
     return job
 
 

@@ -205,6 +205,23 @@ def test_schema_is_json_that_accepts_the_example():
         assert "frequency" in properties
 
 
+def test_the_schema_is_kept_until_a_source_changes(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    printed = run("schema").output
+    (kept,) = (tmp_path / "vibrafeed").glob("schema-*.json")
+    assert kept.read_text() == printed.rstrip("\n")
+    kept.write_text("{}")
+    assert run("schema").output == "{}\n"  # it is not made again
+    for number in range(10):
+        monkeypatch.setattr("app.cli.schema._digest", lambda number=number: f"other{number}")
+        monkeypatch.setattr("core.schema.study_schema", lambda: {"other": True})
+        assert json.loads(run("schema").output) == {"other": True}
+    assert len(list((tmp_path / "vibrafeed").iterdir())) == 8
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))  # nothing can be kept there
+    assert json.loads(run("schema").output) == {"other": True}
+
+
 def test_settings_come_from_the_environment(monkeypatch):
     monkeypatch.setenv("VIBRAFEED_MAX_CELLS", "1234")
     assert json.loads(run("serve", "--show-settings").output)["max_cells"] == 1234

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import json
 import re
@@ -17,9 +18,10 @@ from pydantic import ValidationError
 from typer.testing import CliRunner
 
 from app.cli import app as commands
-from app.jobs.keys import new_key
+from app.jobs.keys import NOBODY, new_key
 from app.main import create_app
 from app.settings import TEST_SWITCHES, Settings, unknown_variables
+from app.web import guard
 from app.web.guard import SAFE, is_loopback
 from local_client import local_client
 
@@ -316,6 +318,38 @@ class TestLimits:
             for thread in threads:
                 thread.join(20)
             assert client.get("/scenes").status_code == 200
+
+    def test_one_address_leaves_room_to_others(self):
+        async def of(limits, address, go):
+            sent = []
+
+            async def send(message):
+                sent.append(message)
+
+            scope = {
+                "type": "http", "method": "GET", "path": "/scenes", "query_string": b"",
+                "headers": [], "client": (address, 1), "state": {"key": NOBODY},
+            }  # fmt: skip
+            await limits(scope, None, send)
+            return sent[0]["status"] if sent else None  # None: it was let through
+
+        async def main():
+            go = asyncio.Event()
+
+            async def app(scope, receive, send):
+                await go.wait()
+
+            limits = guard.Limits(app, Settings(max_requests=8))
+            crowd = [asyncio.create_task(of(limits, "127.0.0.1", go)) for _ in range(10)]
+            await asyncio.sleep(0)
+            other = asyncio.create_task(of(limits, "127.0.0.2", go))
+            await asyncio.sleep(0)
+            go.set()
+            return [await one for one in crowd], await other
+
+        crowd, other = asyncio.run(main())
+        assert crowd == [None] * 6 + [429] * 4
+        assert other is None
 
     def test_failed_requests_are_not_counted_for_ever(self, tmp_path):
         client = serving(tmp_path, max_requests=1)

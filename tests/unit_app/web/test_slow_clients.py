@@ -56,13 +56,18 @@ class Wire:
     """A transport that is told how much is unsent."""
 
     def __init__(self):
-        self.unsent, self.is_cut = 0, False
+        self.unsent, self.is_cut, self.sent = 0, False, b""
 
     def get_write_buffer_size(self):
         return self.unsent
 
     def abort(self):
         self.is_cut = True
+
+    def write(self, data):
+        self.sent += data
+
+    close = abort
 
     def is_closing(self):
         return self.is_cut
@@ -117,6 +122,41 @@ def test_a_body_has_its_rate(connect):
     assert is_cut(connect, slow, HEAD_SECONDS + 1)
     assert not is_cut(connect, steady, HEAD_SECONDS + 9)
     assert is_cut(connect, steady, HEAD_SECONDS + 11)
+
+
+CHUNKED = HEAD[: HEAD.index(b"Content")] + b"Transfer-Encoding: chunked\r\n\r\n"
+
+
+@pytest.mark.parametrize("extension", [b"", b";x=" + bytes([120]) * 1_000])
+def test_a_body_in_crumbs_is_refused(connect, extension):
+    crumbs = connect()
+    crumbs.data_received(CHUNKED)
+    crumb = b"1" + extension + b"\r\nx\r\n"
+    for _ in range(30):
+        if crumbs.transport.is_closing():
+            break
+        crumbs.data_received(crumb * 100)
+    assert b"400 Bad Request" in crumbs.transport.sent
+    assert len(crumbs.cycle.body) <= connections.FREE_CHUNKS + 200  # and no more of it was read
+
+
+@pytest.mark.parametrize("size", [40, 65_536])
+def test_a_body_in_honest_chunks_is_read(connect, size):
+    honest = connect()
+    honest.data_received(CHUNKED)
+    chunk = b"%x\r\n%s\r\n" % (size, bytes(size))
+    count = 900_000 // size
+    honest.data_received(chunk * count)
+    honest.data_received(b"0\r\n\r\n")
+    assert not honest.transport.is_closing()
+    assert len(honest.cycle.body) == size * count
+    assert not honest.cycle.more_body
+
+
+def test_a_head_of_thousands_of_lines_is_refused(connect):
+    one = connect()
+    one.data_received(b"GET / HTTP/1.1\r\n" + b"a:\r\n" * 5_000)
+    assert b"400 Bad Request" in one.transport.sent
 
 
 def test_a_piece_of_a_reply_has_its_time(connect):
@@ -275,7 +315,7 @@ def test_head_of_a_file_that_is_not_made_computes_nothing(client, address, monke
     begun = threading.Event()
     writer = client.app.state.writer
     with monkeypatch.context() as patch:
-        patch.setattr(writer, "_write", lambda *_: begun.set())
+        patch.setattr(writer, "write", lambda *_: begun.set())
         head = client.head(f"{address}/netcdf")
     assert head.status_code == 200
     assert not begun.is_set()

@@ -1,0 +1,199 @@
+"""A pool of processes for what computes at once: each can be ended, whatever it is doing.
+
+A thread cannot be ended, and one that computes holds the interpreter, for which everybody else then
+waits. The processes are forked from one that has imported what they need: another takes the place
+of an ended one within some hundredths of a second.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+import pickle
+import signal
+import time
+import traceback
+from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.connection import Connection
+from typing import Any, TypeVar
+
+from core.errors import StoppedError, VibrafeedError
+
+LOOK = 0.5  # s between looks at whether somebody still wants the result
+CALLS = 500  # after so many another process takes its place: memory does not pile up
+POLITE = 5  # niceness: the event loop comes first
+
+_T = TypeVar("_T")
+
+
+class EndedError(VibrafeedError):
+    """A process of the pool has died of what it computed."""
+
+
+class ProcessPool:
+    """Runs functions in processes of its own.
+
+    Parameters
+    ----------
+    most : int
+        How many calls there are at a time, at most; a process each.
+    modules : tuple of str
+        What the processes have imported when they start.
+    """
+
+    def __init__(self, most: int, modules: tuple[str, ...]):
+        self._context = multiprocessing.get_context("forkserver")
+        self._context.set_forkserver_preload(list(modules))
+        self._threads = ThreadPoolExecutor(most, thread_name_prefix="process-pool")
+        self._idle: list[_Process] = []
+        self._is_closed = False
+
+    async def start(self) -> None:
+        """Have a process ready before the first call."""
+        self._keep(await self._new())
+
+    async def __call__(
+        self,
+        function: Callable[..., _T],
+        *arguments: Any,
+        seconds: float,
+        look: Callable[[], Awaitable[None]] | None = None,
+    ) -> _T:
+        """Return what a function returns in a process, which ends with the call if need be.
+
+        Parameters
+        ----------
+        function, arguments
+            A function of a module, and what it takes; both are pickled, as is the result.
+        seconds : float
+            After this long the process is ended.
+        look : callable, optional
+            Is awaited now and then; if it raises, the process is ended.
+
+        Raises
+        ------
+        StoppedError
+            If it takes longer.
+        EndedError
+            If the process dies.
+        Exception
+            What the function raises.
+        """
+        process = self._ready() or await self._new()
+        loop = asyncio.get_running_loop()
+        call = loop.run_in_executor(self._threads, process.call, function, arguments)
+        until = time.monotonic() + seconds
+        try:
+            while True:
+                left = until - time.monotonic()
+                if (await asyncio.wait({call}, timeout=max(0.0, min(LOOK, left))))[0]:
+                    return call.result()
+                if left <= 0:
+                    raise StoppedError(f"It was ended after {seconds:g} s.")
+                if look is not None:
+                    await look()
+        finally:
+            if call.done() and process.calls < CALLS:
+                self._keep(process)
+            else:
+                process.kill()
+                await asyncio.wait({call})  # it finds the end of the process
+                process.close()
+
+    def close(self) -> None:
+        """End all processes."""
+        self._is_closed = True
+        while self._idle:
+            process = self._idle.pop()
+            process.kill()
+            process.close()
+        self._threads.shutdown(cancel_futures=True)
+
+    async def _new(self) -> _Process:
+        return await asyncio.get_running_loop().run_in_executor(
+            self._threads, _Process, self._context
+        )
+
+    def _ready(self) -> _Process | None:
+        """Return a process that waits for a call; None if there is none."""
+        while self._idle:
+            process = self._idle.pop()
+            if process.is_alive():
+                return process
+            process.close()
+        return None
+
+    def _keep(self, process: _Process) -> None:
+        if self._is_closed:
+            process.kill()
+            process.close()
+        else:
+            self._idle.append(process)
+
+
+class _Process:
+    """A process that carries out one call after another."""
+
+    def __init__(self, context: multiprocessing.context.ForkServerContext):
+        self._pipe, there = context.Pipe()
+        self._process = context.Process(target=_carry_out, args=(there,), daemon=True)
+        self._process.start()
+        there.close()
+        self.calls = 0
+
+    def is_alive(self) -> bool:
+        """True if it can take another call."""
+        return self._process.is_alive()
+
+    def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+        """Return what a function returns there; raise what it raises."""
+        self.calls += 1
+        try:
+            self._pipe.send((function, arguments))
+            is_right, result = self._pipe.recv()
+        except (OSError, EOFError) as error:
+            self.calls = CALLS  # it is not used again
+            raise EndedError("The process has died, perhaps for want of memory.") from error
+        if is_right:
+            return result
+        raise result
+
+    def kill(self) -> None:
+        """End it, whatever it is doing."""
+        self._process.kill()
+
+    def close(self) -> None:
+        """Forget it; to be called once it is ended and no call waits for it."""
+        self._pipe.close()
+
+
+def _carry_out(pipe: Connection) -> None:
+    """Carry out calls until the other end is closed, also by its death."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
+    os.nice(POLITE)
+    while True:
+        try:
+            function, arguments = pipe.recv()
+        except EOFError:
+            return
+        try:
+            reply = True, function(*arguments)
+            content = pickle.dumps(reply, protocol=pickle.HIGHEST_PROTOCOL)
+        except Exception as error:
+            content = pickle.dumps((False, _told(error)))
+        pipe.send_bytes(content)
+
+
+def _told(error: Exception) -> Exception:
+    """Return an error that can be raised elsewhere, with where it came from if it is unforeseen."""
+    if not isinstance(error, VibrafeedError):
+        error.add_note(traceback.format_exc())
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        told = RuntimeError(repr(error))
+        told.add_note(traceback.format_exc())
+        return told
+    return error

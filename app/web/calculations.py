@@ -1,0 +1,80 @@
+"""What the service computes at once, as functions that processes of its pool carry out.
+
+They take and return bytes, texts and numbers: a prepared study cannot be sent.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any, cast
+
+import orjson
+
+from app.jobs.manifest import MOST_JSON_VALUES
+from app.jobs.parts import check_length, is_in_parts
+from app.settings import Settings
+from app.web.execution import ACCURACY, Execution, read_execution
+from core.dataset.document import to_document
+from core.intake import prepare_content, read_json
+from core.intake.forms import FORMS, to_curl
+from core.kinds import is_whole, tabulate
+from core.plan.prepared import Prepared
+from core.watch import Watch
+
+
+def converted(body: bytes, to: str, base: str) -> str:
+    """Return a study in another form; curl asks the service at an address."""
+    content = cast(dict[str, Any], read_json(body))
+    prepare_content(content)
+    return to_curl(content, base) if to == "curl" else FORMS[to](content)
+
+
+def executed(name: str, body: bytes, settings: Settings, most_cells: int | None) -> bytes | None:
+    """Return the reply to a short study, as JSON; None if it is to become a job.
+
+    Parameters
+    ----------
+    name : str
+        The process.
+    body : bytes
+        The execute request.
+    settings : Settings
+        The service's.
+    most_cells : int or None
+        What the key may ask for.
+    """
+    asked, prepared = read_study(name, body, settings)
+    prepared.check_limits(cells=most_cells, bytes_=None)
+    if not _is_short(prepared, settings):
+        return None
+    watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
+    table = tabulate(prepared, watch)
+    content: dict[str, Any] = {
+        "complete": is_whole(table),
+        "cells": prepared.cells,
+        **to_document(table),
+    }
+    if asked.as_document:
+        content = {"dataset": {"value": content, "mediaType": "application/json"}}
+    return orjson.dumps(content, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
+    """Return what a body asks for, and its study; raise if it cannot be carried out."""
+    asked = read_execution(read_json(body), name)
+    prepared = prepare_content(asked.study)
+    if name == ACCURACY:  # it takes some cells of a grid
+        prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
+    elif is_in_parts(prepared, settings):
+        check_length(prepared, settings)
+    else:
+        prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
+    return asked, prepared
+
+
+def _is_short(prepared: Prepared, settings: Settings) -> bool:
+    """True if a study is replied to at once: it is short, and so is its result."""
+    return (
+        prepared.seconds <= settings.max_synchronous_seconds
+        and prepared.stored * len(prepared.dims) <= MOST_JSON_VALUES
+    )

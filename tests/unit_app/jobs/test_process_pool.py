@@ -1,0 +1,131 @@
+"""What runs in the processes of a pool comes back, is ended, or has ended by itself."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+
+import pytest
+
+from app.jobs.process_pool import CALLS, EndedError, ProcessPool
+from core.errors import LimitError, Problem, StoppedError, StudyError
+from waiting import wait_for
+
+
+def hold(path=None):
+    """Hold the interpreter; nothing but the end of the process ends it."""
+    if path is not None:
+        path.write_text(str(os.getpid()))
+    pow(7, 7 ** (10**7))
+
+
+def fail(error):
+    raise error
+
+
+def die():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def local_lambda():
+    return lambda: None
+
+
+def carried_out(*calls):
+    """Return what each coroutine function, given a pool, returns or raises, one after another."""
+
+    async def main():
+        pool = ProcessPool(2, (__name__,))
+        try:
+            return [(await asyncio.gather(call(pool), return_exceptions=True))[0] for call in calls]
+        finally:
+            pool.close()
+
+    return asyncio.run(main())
+
+
+def is_there(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_a_function_returns_from_another_process_which_is_used_again():
+    first, second = carried_out(*[lambda pool: pool(os.getpid, seconds=60)] * 2)
+    assert first == second != os.getpid()
+    wait_for(lambda: not is_there(first))  # the pool is closed
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        StudyError([Problem("parameters.beta", "it is too steep", "Use less", about="beta")]),
+        LimitError("cells", 10, 5, "Use fewer"),
+        StoppedError("It takes too long."),
+        ValueError("a mistake of ours"),
+    ],
+)
+def test_errors_come_back_as_they_were(error):
+    [found] = carried_out(lambda pool: pool(fail, error, seconds=60))
+    assert type(found) is type(error)
+    assert str(found) == str(error)
+    assert getattr(found, "problems", None) == getattr(error, "problems", None)
+
+
+def test_what_cannot_be_sent_is_told():
+    found, after = carried_out(
+        lambda pool: pool(local_lambda, seconds=60), lambda pool: pool(os.getppid, seconds=60)
+    )
+    assert "lambda" in str(found)
+    assert after
+
+
+def test_what_takes_too_long_is_ended_and_others_go_on(tmp_path):
+    path = tmp_path / "pid"
+    held, after = carried_out(
+        lambda pool: pool(hold, path, seconds=2), lambda pool: pool(os.getpid, seconds=60)
+    )
+    assert isinstance(held, StoppedError)
+    if path.exists():  # on a busy machine it may not have begun
+        assert after != int(path.read_text())
+        wait_for(lambda: not is_there(int(path.read_text())))
+
+
+def test_what_nobody_wants_any_more_is_ended():
+    async def look():
+        raise InterruptedError
+
+    [found] = carried_out(lambda pool: pool(hold, seconds=10**6, look=look))
+    assert isinstance(found, InterruptedError)
+
+
+def test_a_process_that_dies_is_told_and_replaced():
+    died, after = carried_out(
+        lambda pool: pool(die, seconds=60), lambda pool: pool(os.getpid, seconds=60)
+    )
+    assert isinstance(died, EndedError)
+    assert isinstance(after, int)
+
+
+def test_an_idle_process_that_died_is_not_used():
+    async def killed(pool):
+        pid = await pool(os.getpid, seconds=60)
+        os.kill(pid, signal.SIGKILL)
+        wait_for(lambda: not any(process.is_alive() for process in pool._idle))
+        return pid, await pool(os.getpid, seconds=60)
+
+    [(first, second)] = carried_out(killed)
+    assert first != second
+
+
+def test_memory_does_not_pile_up():
+    async def many(pool):
+        first = await pool(os.getpid, seconds=60)
+        pool._idle[0].calls = CALLS - 1
+        return first, await pool(os.getpid, seconds=60), await pool(os.getpid, seconds=60)
+
+    [(first, last, other)] = carried_out(many)
+    assert first == last != other
