@@ -22,6 +22,8 @@ from typing import Any
 from app.jobs.manifest import MANIFEST, NETCDF, fingerprint
 from app.jobs.store import Store
 
+PATIENCE = 240.0  # s for a server to start: others may load the machine
+
 
 @dataclass(frozen=True)
 class Served:
@@ -113,7 +115,7 @@ def _limit_files(most: int) -> None:
 
 
 def _wait_for(server: Served) -> None:
-    until = time.monotonic() + 60
+    until = time.monotonic() + PATIENCE
     while True:
         try:
             server.get("/healthz")

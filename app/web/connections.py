@@ -21,8 +21,8 @@ SEND_SECONDS = 20.0  # for a piece of a reply (`app.web.outgoing.PIECE`) to leav
 
 MOST_HEAD = 16_384  # bytes of the head of a request: each of its lines takes its time
 # Of a body in chunks: each takes as long as 10 kB of a body at one piece.
-FREE_CHUNKS, LEAST_CHUNK = 2_000, 16  # chunks of any size, and bytes on average of those beyond
-FREE_BYTES = 512_000  # that may have come beside twice the body: sizes and extensions of chunks
+FREE_CHUNKS, LEAST_CHUNK = 500, 16  # chunks of any size, and bytes on average of those beyond
+FREE_BYTES = 64_000  # that may have come beside twice the body: sizes and extensions of chunks
 
 ACCEPTED_AT_ONCE = 64  # between two of them connections that make room are really closed
 SPARE = 64  # connections beyond the requests that may be under way

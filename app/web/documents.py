@@ -6,6 +6,7 @@ address of the service.
 
 from __future__ import annotations
 
+import functools
 import time
 from datetime import UTC, datetime
 from pathlib import PurePath
@@ -164,7 +165,7 @@ def description(name: str, process: Process, base: str) -> dict[str, Any]:
             "study": {
                 "title": "The study",
                 "description": "A study, as in a file of the command line.",
-                "schema": process.study.model_json_schema(),
+                "schema": _schema_of(process.study),
             }
         },
         "outputs": {
@@ -180,6 +181,12 @@ def description(name: str, process: Process, base: str) -> dict[str, Any]:
             }
         },
     }
+
+
+@functools.cache
+def _schema_of(study: type[BaseModel]) -> dict[str, Any]:
+    """Return the schema of a model of studies, which takes half a second to make."""
+    return study.model_json_schema()
 
 
 def status_info(

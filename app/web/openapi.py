@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import hashlib
+import threading
 from typing import Any
 
-from fastapi import FastAPI
+import orjson
+from fastapi import FastAPI, Request
+from fastapi.responses import Response
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from app.web.downloads import ASK_AGAIN, etag_of, not_modified
 from app.web.execution import PROCESSES, AnyStudy
 from app.web.replies import ProblemDocument, component, execution_name
 from app.web.sharing import Sharing
+
+PATH = "/openapi.json"
 
 
 def operation_id(route: APIRoute) -> str:
@@ -20,8 +27,28 @@ def operation_id(route: APIRoute) -> str:
 
 
 def install(app: FastAPI) -> None:
-    """Add to the document the models that routes refer to."""
+    """Add to the document the models that routes refer to; serve it from memory.
+
+    FastAPI would make it in the event loop, and write its megabyte anew for everybody who asks.
+    """
     plain = app.openapi
+    texts: dict[tuple[str, bool], bytes] = {}
+    lock = threading.Lock()
+    routes = app.router.routes
+    routes[:] = [route for route in routes if getattr(route, "path", "") != PATH]
+
+    @app.api_route(PATH, methods=["GET", "HEAD"], include_in_schema=False)
+    def document(request: Request) -> Response:
+        root, needs_key = request.scope.get("root_path", ""), request.app.state.keys.are_needed
+        with lock:
+            if (root, needs_key) not in texts:
+                servers = {"servers": [{"url": root}]} if root else {}
+                texts[root, needs_key] = orjson.dumps(app.openapi() | servers)
+            content = texts[root, needs_key]
+        etag = etag_of(hashlib.sha256(content).hexdigest())
+        headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
+        there = not_modified(request, etag, ASK_AGAIN)
+        return there or Response(content, media_type="application/json", headers=headers)
 
     def openapi() -> dict[str, Any]:
         is_new = app.openapi_schema is None

@@ -68,6 +68,7 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to listen; let many wait, of whom few are taken in at a time."""
+        prepare_routes(self.config.app)  # type: ignore[arg-type]
         await super().startup(sockets)
         for listener in (one for server in self.servers for one in server.sockets):
             with socket.socket(fileno=os.dup(listener.fileno())) as same:
@@ -94,6 +95,16 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
         if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
             await asyncio.wait(self.server_state.tasks, timeout=1)
+
+
+def prepare_routes(app: FastAPI) -> None:
+    """Have FastAPI look at the signatures of all routes now.
+
+    It would when a request first comes by them, in the event loop, and that takes a second.
+    """
+    nowhere = {"type": "http", "method": "GET", "path": "/-", "root_path": "", "headers": []}
+    for route in app.router.routes:
+        route.matches(nowhere)
 
 
 def _end() -> None:

@@ -23,7 +23,7 @@ from app.web.dependencies import Body
 from app.web.entry import owner_of
 
 CORES = os.cpu_count() or 1
-PLACES = CORES + 1  # routes have a thread more: descriptions and small slices do not wait
+PLACES = min(CORES, 8) + 1  # routes have a thread more: descriptions and small slices do not wait
 _T = TypeVar("_T")
 BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more request pass
 
@@ -42,7 +42,7 @@ class Shares:
         How many of them one owner has at most.
     """
 
-    def __init__(self, places: int = PLACES, of_one: int = CORES):
+    def __init__(self, places: int = PLACES, of_one: int = PLACES - 1):
         self._places, self._of_one = places, of_one
         self._taken: Counter[str] = Counter()
         self._served: dict[str, int] = {}  # the turn in which each owner that is here was served

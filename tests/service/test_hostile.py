@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from benchmarks import hostile
+from benchmarks import attacks, hostile
 
 # Without the bounds memory passes 2 GB and stays there, and the log has a line for each client.
 MEMORY = {"peak": 1.5e9, "after": 8e8, "log": 1_000_000}
@@ -16,10 +16,10 @@ BY_NIGHT = hostile.Limits(health=8, small=12, **MEMORY)
 
 
 def test_silent_clients_take_no_memory_and_others_are_answered():
-    assert hostile.suffered(hostile.silent, 15).missed(BY_DAY) == []
+    assert hostile.suffered(attacks.silent, 15).missed(BY_DAY) == []
 
 
 @pytest.mark.night
-@pytest.mark.parametrize(("attack", "seconds"), [(hostile.silent, 15), (hostile.deaf_slices, 14)])
+@pytest.mark.parametrize(("attack", "seconds"), [(attacks.silent, 15), (attacks.deaf_slices, 14)])
 def test_others_are_answered_soon_and_memory_comes_back(attack, seconds):
     assert hostile.suffered(attack, seconds).missed(BY_NIGHT) == []

@@ -7,7 +7,6 @@ import threading
 
 from app.main import create_app
 from app.settings import Settings
-from app.web.routes import convert
 from app.web.shares import Shares
 from local_client import local_client
 
@@ -68,20 +67,20 @@ def test_who_leaves_gives_back_the_place_and_the_turn():
     asyncio.run(run())
 
 
-def test_conversions_run_no_more_at_once_than_there_are_places(tmp_path, monkeypatch):
+def test_conversions_run_no_more_at_once_than_there_are_places(tmp_path):
     """A conversion that blocks keeps another from starting; it starts once the first is over."""
     free, under_way, most = threading.Event(), [], []
 
-    def blocked(content):
-        under_way.append(content)
+    async def blocked(function, *arguments, **options):
+        under_way.append(function)
         most.append(len(under_way))
-        assert free.wait(60)
+        assert await asyncio.to_thread(free.wait, 60)
         under_way.pop()
         return "text"
 
-    monkeypatch.setitem(convert.FORMS, "toml", blocked)
     app = create_app(Settings(data_directory=tmp_path))
-    app.state.shares = Shares(places=2, of_one=1)
+    app.state.shares, app.state.process_pool = Shares(places=2, of_one=1), blocked
+    blocked.close = lambda: None
     study = {
         "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
         "parameters": {"frequency": 50, "amplitude": "0.3 mm", "beta": 20, "friction": 0.3},
