@@ -70,6 +70,32 @@ def test_r_reads_csv(places, motion):
     assert regimes.split() == expected["regime"]
 
 
+@pytest.mark.night
+def test_r_reads_netcdf(places, motion):
+    """With ncdf4, which is Debian's r-cran-ncdf4; its first dimension is the file's last."""
+    code = f"""
+        if (!requireNamespace('ncdf4', quietly = TRUE)) quit()
+        f <- ncdf4::nc_open('{places[".nc"]}')
+        v <- ncdf4::ncvar_get(f, 'conveying_velocity')
+        cat(rev(dim(v)), '\n', sprintf('%.17g', as.vector(v)), '\n')
+        cat(sprintf('%.17g', ncdf4::ncvar_get(f, 'amplitude')), '\n')
+        cat(as.vector(ncdf4::ncvar_get(f, 'regime')), '\n')
+        cat(ncdf4::ncatt_get(f, 'conveying_velocity', 'units')$value, '\n')
+        cat(ncdf4::ncatt_get(f, 0, 'Conventions')$value, '\n')
+    """
+    lines = said("Rscript", "--vanilla", "-e", code).splitlines()
+    if not lines:
+        pytest.skip("ncdf4 is not installed")
+    shape, speeds, amplitudes, regimes, units, conventions = lines
+    found = motion.variables["conveying_velocity"].values
+    assert numbers(shape) == list(found.shape)
+    assert numbers(speeds) == found.ravel().tolist()
+    assert numbers(amplitudes) == motion.coordinates["amplitude"].values.tolist()
+    assert numbers(regimes) == motion.variables["regime"].values.ravel().tolist()
+    assert units.strip() == "m s-1"
+    assert "CF-1.11" in conventions
+
+
 def test_libreoffice_reads_excel(places, motion, tmp_path: Path):
     # 44: commas; 34: quotes; 76: UTF-8; the two words: texts unquoted, numbers with all digits.
     form = "csv:Text - txt - csv (StarCalc):44,34,76,1,,0,false,false"
