@@ -433,7 +433,7 @@ def _long_study(n: int) -> dict[str, object]:
             "friction": 0.4,
             "restitution": 0.6,
         },
-        "most_periods": 100_000,
+        "max_periods": 100_000,
     }
 
 

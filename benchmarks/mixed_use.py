@@ -23,7 +23,7 @@ from app.web.execution import PROCESSES
 from benchmarks.attacks import LARGE, SMALL, varied
 from benchmarks.serving import Served, served
 
-MOST_GROWTH = 1.05
+MAX_GROWTH = 1.05
 TENTHS = 10
 FORMS = ("json", "json", "binary", "csv", "parquet", "xlsx")
 GRID = {"start": 0, "stop": 60, "num": 60}
@@ -164,8 +164,8 @@ def main() -> int:
     sizes = [median(some) for some in memory if some]
     print("memory in each tenth:", ", ".join(f"{size / 1e6:.0f}" for size in sizes), "MB")
     growth = sizes[-1] / sizes[1]
-    print(f"from the second to the last: {growth:.3f} times; at most {MOST_GROWTH:g}")
-    return int(bool(user.failed) or growth > MOST_GROWTH)
+    print(f"from the second to the last: {growth:.3f} times; at most {MAX_GROWTH:g}")
+    return int(bool(user.failed) or growth > MAX_GROWTH)
 
 
 if __name__ == "__main__":

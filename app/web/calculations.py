@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import orjson
 
-from app.jobs.manifest import MOST_JSON_VALUES
+from app.jobs.manifest import MAX_JSON_VALUES
 from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
 from app.web.execution import ACCURACY, Execution, read_execution
@@ -76,5 +76,5 @@ def _is_short(prepared: Prepared, settings: Settings) -> bool:
     """True if a study is replied to at once: it is short, and so is its result."""
     return (
         prepared.seconds <= settings.max_synchronous_seconds
-        and prepared.stored * len(prepared.dims) <= MOST_JSON_VALUES
+        and prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
     )

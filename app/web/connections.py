@@ -19,7 +19,7 @@ HEAD_SECONDS = 10.0  # for the head of a request, and before its body has to kee
 BODY_RATE = 10_000.0  # bytes/s of a body, at least
 SEND_SECONDS = 20.0  # for a piece of a reply (`app.web.outgoing.PIECE`) to leave
 
-MOST_HEAD = 16_384  # bytes of the head of a request: each of its lines takes its time
+MAX_HEAD = 16_384  # bytes of the head of a request: each of its lines takes its time
 # Of a body in chunks: each takes as long as 10 kB of a body at one piece.
 FREE_CHUNKS, LEAST_CHUNK = 500, 16  # chunks of any size, and bytes on average of those beyond
 FREE_BYTES = 64_000  # that may have come beside twice the body: sizes and extensions of chunks
@@ -49,7 +49,7 @@ class ThriftyParser(h11.Connection):
     """h11's, which refuses a body whose chunks or their extensions cost more than they hold."""
 
     def __init__(self) -> None:
-        super().__init__(h11.SERVER, MOST_HEAD)
+        super().__init__(h11.SERVER, MAX_HEAD)
         self._chunks = self._body = self._raw = 0
         self._is_padded = False
 

@@ -20,7 +20,7 @@ from app.web.wrong_keys import WrongKeys
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
-MOST_GIVEN = 2  # in one request: each takes a look at all keys
+MAX_GIVEN = 2  # in one request: each takes a look at all keys
 OF_KEY = "key "  # begins the name of an owner who has a key
 SOON = 0.01  # s between looks at whether another request has read the keys
 

@@ -32,8 +32,8 @@ DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
-MOST_QUERY = 8_192  # bytes; reading a query takes longer than it is long
-MOST_NAMES = 256  # of a query
+MAX_QUERY = 8_192  # bytes; reading a query takes longer than it is long
+MAX_NAMES = 256  # of a query
 # One key has at most this part of the requests that may be under way; without keys one address
 # leaves so much to others.
 SHARE = 4

@@ -39,7 +39,7 @@ ROUNDS = 6
 
 SETTINGS = {
     "tolerance": (1e-13, 1.0),
-    "most_periods": (8, 100_000),
+    "max_periods": (8, 100_000),
     "steps_per_period": (8, 100_000),
     "slip_speed": (1e-12, 1.0),
     "contact_stiffness": (100.0, 1e16),
