@@ -34,7 +34,7 @@ def schema() -> None:
         from core.dataset.files import whole
         from core.schema import study_schema
 
-        text = json.dumps(study_schema(), indent=1)
+        text = json.dumps(study_schema(), indent=0)
         with contextlib.suppress(OSError):  # a folder that cannot be written: made each time
             folder.mkdir(parents=True, exist_ok=True)
             with whole(path) as temporary:
