@@ -176,7 +176,7 @@ class Settings(BaseSettings):
     disk_quota_bytes: int = Field(
         default=50_000_000_000,
         gt=0,
-        description="Most bytes in the data directory; results used longest ago make room.",
+        description="Most bytes that studies and results take; those used longest ago are removed.",
     )
     max_slice_cells: int = Field(
         default=1_000_000, gt=0, description="Largest number of values of one slice."

@@ -48,7 +48,8 @@ def write_report(
     stopped : callable
         Whether to stop.
     extremes : bool
-        Also try the hard cases, which may turn out wrong, and count what a scene leaves out.
+        Also try the hard cases, which may turn out wrong, and count what a study does not load or
+        compute.
 
     Raises
     ------
@@ -102,10 +103,10 @@ def dataset_of(folder: Path, name: str) -> Path:
 
 
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageSection], bool]:
-    """Return the tables and sections of what is asked of no study, and whether all is right."""
+    """Return tables and sections of the hard cases and of what is left out; True if all passed."""
     with console.progress("hard cases") as advance:
         outcomes = run_cases(HARD_CASES, Watch(advance, stopped))
-    with console.progress("what a scene leaves out") as advance:
+    with console.progress("what a study does not load or compute") as advance:
         rows = leaving_out.footprints(watch=Watch(advance, stopped))
     by = "`vibrafeed report --extremes`\n\n"
     tables: dict[str, Table] = {}
@@ -116,5 +117,7 @@ def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageS
         sections.append(PageSection("Hard cases", by + hard_cases_markdown(outcomes, untried)))
     if rows:
         tables[EXTREMES[1]] = leaving_out.to_table(rows)
-        sections.append(PageSection("What a scene leaves out", by + leaving_out.to_markdown(rows)))
+        sections.append(
+            PageSection("What a study does not load or compute", by + leaving_out.to_markdown(rows))
+        )
     return tables, sections, all(outcome.passed for outcome in outcomes)

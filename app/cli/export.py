@@ -55,7 +55,7 @@ def export(
     refuse_existing(file, output, force=force)
     shown = None if units is None else units_asked(units)
     if shown is not None and suffix_of(output) not in FOR_PEOPLE:
-        message = f"programs read {suffix_of(output)} files, and know their units"
+        message = f"{suffix_of(output)} files keep the units of the result"
         fix = f"Leave it out, or export to {' or '.join(FOR_PEOPLE)}"
         refuse({Path(output): [Problem("--units", message, fix)]})
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")

@@ -57,7 +57,8 @@ def run(
         bool,
         typer.Option(
             "--resume",
-            help="Go on with what was stopped or killed, where it was. Whole results stay.",
+            help="Continue runs that were stopped or killed, from where they were. Finished results "
+            "stay as they are.",
         ),
     ] = False,
     units: Units = None,

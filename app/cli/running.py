@@ -119,7 +119,7 @@ class Running:
         refuse_beyond_memory(path, prepared)
         pieces = Pieces(prepared, target, resume=self.resume)
         if pieces.kept:
-            console.say(f"  it goes on with {pieces.kept:,} of {len(pieces):,} pieces done")
+            console.say(f"  continuing: {pieces.kept:,} of {len(pieces):,} pieces were done before")
         compiled = stopwatch.spent
         begun = threading.Event()
         stopped_early = f"{path}: it was stopped before a cell was computed; nothing is written."

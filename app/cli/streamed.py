@@ -67,7 +67,7 @@ def run_streamed(
             refuse({path: [Problem("output", str(error), "Or write NetCDF: -o result.nc")]})
         begun, tiles = growing.done, growing.tiles
         if begun:
-            console.say(f"  it goes on with {begun:,} of {len(tiles):,} tiles done")
+            console.say(f"  continuing: {begun:,} of {len(tiles):,} tiles were done before")
         try:
             with console.progress(path.name, size) as advance:
                 passed, whole = stream(sweep, growing, Watch(advance, interrupted, deadline))

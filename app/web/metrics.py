@@ -135,7 +135,7 @@ def watch_jobs(
     for name, description, value in (
         ("oldest_waiting_seconds", "Age of the study that has waited longest for its turn.",
          lambda: admission.ledger.queue().oldest),
-        ("workers", "Workers that this server has; they start with the first job.", cluster.alive),
+        ("workers", "Workers connected to this server; 0 until the first job.", cluster.alive),
         ("disk_used_bytes", "What studies and results take, counted once a minute at most.",
          admission.used_bytes),
         ("disk_quota_bytes", "What they may take.", lambda: settings.disk_quota_bytes),

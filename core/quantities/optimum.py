@@ -13,8 +13,8 @@ OPTIMUM: dict[str, Quantity] = {
     "objective": number("", "Objective", "What was looked for, at the optimum."),
     "objective_error": number(
         "", "Error of the objective",
-        "How far off the objective may be: what the method states of the mean velocity, and what "
-        "chance leaves of a motion that rounding decides.",
+        "How far off the objective may be: the larger of the error that the method states of the "
+        "mean velocity, and of the scatter that chance leaves where rounding decides.",
     ),
     "optimum_status": flag(
         "Status of the optimum", "How the search ended.", OPTIMUM_STATUSES

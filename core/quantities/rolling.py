@@ -70,8 +70,8 @@ ROLLING: dict[str, Quantity] = {
     ),
     "printed_yaw_rate": Quantity(
         "rad s-1", "theta. (4.20)", "Yaw rate as printed",
-        "Yaw rate that the source asks for: the one with the floor resultant at mid-length. A "
-        "diagnostic; it contradicts (4.18) and (4.19).",
+        "Yaw rate by (4.20) of the source, with the floor's resultant at mid-length. For "
+        "comparison only: it contradicts the source's (4.18) and (4.19).",
     ),
     "pressure_offset_axial": Quantity(
         "m", "e", "Centre of pressure, axial",

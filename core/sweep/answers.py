@@ -94,7 +94,7 @@ def attributes_of_answer(
     return attributes
 
 
-EXACT = "of all cells that count; between two of them by a straight line"
+EXACT = "exact, of all cells that count; linear between neighbouring values"
 BINNED = "from a histogram whose bins are 1/512 of a value wide at most: the error is no larger"
 
 

@@ -44,7 +44,7 @@ NO_RESULT = problems(
     s404="No such job, or its results are not there",
     s409="The study is another version's: post it again",
     s422="The identifier is malformed, or the job failed at a limit",
-    s500="The job failed: the service's own mistake",
+    s500="The job failed by a fault of the service, not of the study: report it",
     s507="The job failed: its result could not be stored",
 )
 

@@ -89,7 +89,7 @@ class _Known:
 
 
 def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
-    """Return what is known to 50 digits at cells, all outputs at once."""
+    """Return the outputs at cells to 50 digits, with the effect of rounding the parameters."""
     count = max((values.size for values in cells.values()), default=1)
     share = watch.part(count / (len(TYPES) + 1))
     exact = {

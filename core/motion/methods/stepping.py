@@ -242,7 +242,7 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the equation; where nothing pushes a part across, nothing across is carried."""
+    """Return what follows parts: in the plane where nothing pushes any of them across."""
 
     def motion(
         *, groups: Groups, steps_per_period: Array, max_periods: Array, watch: Watch | None = None

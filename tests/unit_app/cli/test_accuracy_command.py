@@ -85,7 +85,7 @@ def test_the_page_of_the_documents_is_whole():
         r"^`vibrafeed report (\S+) --only (\S+)(?: --seconds \d+)?`$", page, re.MULTILINE
     )
     extremes = re.findall("^## (.*)\n\n`vibrafeed report --extremes`$", page, re.MULTILINE)
-    assert extremes == ["Hard cases", "What a scene leaves out"]
+    assert extremes == ["Hard cases", "What a study does not load or compute"]
     assert len(commands) + len(extremes) == len(re.findall("^## ", page, re.MULTILINE))
     assert " 0 wrong" in page
     for study, family in commands:
@@ -192,7 +192,7 @@ def test_hard_cases_and_leaving_out_need_no_study(few_extremes, tmp_path):
         "Hard cases",
         "Worst of each family",
         "All cases",
-        "What a scene leaves out",
+        "What a study does not load or compute",
     ]
     assert "1 right, 1 wrong" in page
     assert page.count("`vibrafeed report --extremes`") == 2

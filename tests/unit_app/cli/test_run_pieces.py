@@ -119,7 +119,7 @@ def test_a_study_that_was_stopped_goes_on_where_it_was(
     computed.clear()
     resumed = run(study, "--resume")
     assert resumed.exit_code == 0, resumed.output
-    assert f"it goes on with 2 of {count} pieces done" in words(resumed)
+    assert f"continuing: 2 of {count} pieces were done before" in words(resumed)
     assert computed == [*range(2, count)]
     assert not partial(target).exists()
     xarray.testing.assert_identical(result(target), result(tmp_path / "whole.nc"))

@@ -111,7 +111,7 @@ def test_a_killed_run_leaves_nothing_and_goes_on_to_the_same_result(study, tmp_p
         assert folder.exists()
     result = run(study, "-o", target, *options[1:], "--resume")
     assert result.exit_code == 0, result.output
-    found = re.search(r"it goes on with (\d+) of (\d+) tiles done", words(result.output))
+    found = re.search(r"continuing: (\d+) of (\d+) tiles were done before", words(result.output))
     done, tiles = map(int, found.groups())
     assert 4 < done < tiles
     assert comparable(target) == comparable(whole)
