@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.options import options
-from benchmarks.waves import CLOSE, NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
+from benchmarks.waves import NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
 from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER
@@ -40,6 +40,7 @@ from core.motion.methods.spatial_events import spatial_motion
 from core.motion.waves import TURN
 
 ROOT = Path(__file__).parents[1]
+CLOSE = 1e-9  # of the drive's speed: means no further apart are the same
 FINER = (
     ("core/motion/kernels/waves.py", "POINTS = 128\n", "POINTS = 256\n"),
     ("core/motion/kernels/waves.py", "    return total\n", "    return 2.0 * total\n"),

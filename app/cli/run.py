@@ -57,8 +57,8 @@ def run(
         bool,
         typer.Option(
             "--resume",
-            help="Continue runs that were stopped or killed, from where they were. Finished results "
-            "stay as they are.",
+            help="Continue runs that were stopped or killed, from where they were. Finished "
+            "results stay as they are.",
         ),
     ] = False,
     units: Units = None,

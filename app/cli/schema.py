@@ -14,6 +14,7 @@ import typer
 
 import core
 from app.folders import cache_folder
+from core.dataset.files import whole
 
 SOURCES = Path(core.__file__).parent
 KEPT = 8  # texts of other sources that stay, the last written: a branch or two
@@ -30,8 +31,7 @@ def schema() -> None:
     try:
         text = path.read_text(encoding="utf-8")
     except OSError:
-        # Here, since they load half of core.
-        from core.dataset.files import whole
+        # Here, since it loads half of core.
         from core.schema import study_schema
 
         text = json.dumps(study_schema(), indent=0)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections import defaultdict
+from typing import TypeAlias
+from weakref import WeakKeyDictionary
 
 from app.jobs.ledger import Job, Ledger
 
 TOGETHER = 0.02  # s in which those who ask are answered by one query
+_Asked: TypeAlias = defaultdict[str, list[asyncio.Future[Job | None]]]
 
 
 class JobLooks:
@@ -21,22 +24,25 @@ class JobLooks:
 
     def __init__(self, ledger: Ledger):
         self._ledger = ledger
-        self._asked: defaultdict[str, list[asyncio.Future[Job | None]]] = defaultdict(list)
+        # A loop never waits for the query of another, which may have ended.
+        self._asked: WeakKeyDictionary[asyncio.AbstractEventLoop, _Asked] = WeakKeyDictionary()
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def job(self, number: str) -> Job | None:
         """Return a job, None if there is no such job; raises as the ledger does."""
-        future: asyncio.Future[Job | None] = asyncio.get_running_loop().create_future()
-        if not self._asked:
+        loop = asyncio.get_running_loop()
+        future: asyncio.Future[Job | None] = loop.create_future()
+        if loop not in self._asked:
+            self._asked[loop] = defaultdict(list)
             task = asyncio.create_task(self._look())
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
-        self._asked[number].append(future)
+        self._asked[loop][number].append(future)
         return await future
 
     async def _look(self) -> None:
         await asyncio.sleep(TOGETHER)
-        asked, self._asked = self._asked, defaultdict(list)
+        asked = self._asked.pop(asyncio.get_running_loop())
         jobs: dict[str, Job] = {}
         error: Exception | None = None
         try:

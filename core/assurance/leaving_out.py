@@ -54,10 +54,17 @@ TYPICAL: dict[str, Any] = {
     "open_time": 0.1, "part_width": 0.01, "bend_radius": 0.2, "bend_length": 0.2,
     "bend_friction": 0.3, "line_push": 1.0, "forward_acceleration": 2.0,
     "return_acceleration": 9.0, "row_mass": 0.1, "part_restitution": 0.2,
+    "front_velocity": 0.06, "part_gap": 0.002,
+    "part_mass_1": 0.01, "part_mass_2": 0.02, "part_friction_1": 0.3, "part_friction_2": 0.4,
+    # parts that roll, and soft contacts
+    "rolling_factor": 2.0, "rolling_resistance": 0.01, "impact_speed": 0.3,
+    "restitution_speed": 0.1, "contact_modulus": 2e9, "contact_radius": 0.004,
+    "lining_stiffness": 1e5, "contact_damping_ratio": 0.2,
     # parts that come to rest
     "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
     # lines of devices; an order counts from 1
-    "arrival_rate": 300.0, "wanted_aspect": 1.0, "shank_diameter": 0.004, "device_order": 2.0,
+    "arrival_rate": 300.0, "lap_time": 20.0, "line_yield": 0.8, "wanted_aspect": 1.0,
+    "shank_diameter": 0.004, "device_order": 2.0,
     "drop_count_1": 129.0, "drop_count_2": 49.0, "drop_count_3": 22.0,
     **{
         f"{name}_{place}": value

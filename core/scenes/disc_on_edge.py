@@ -29,8 +29,18 @@ PHYSICAL = (
     Equation("wall_drag", edge_disc.wall_drag, SOURCE),
     Equation("floor_wrench", edge_disc.disc_floor_wrench, SOURCE),
     Equation("force_wrench", edge_disc.disc_force_wrench, SOURCE),
-    Equation("floor_reduction", yawing.floor_reduction, "(4.1) to (4.7)"),
-    Equation("force_reduction", yawing.force_reduction, "(4.1) to (4.7)"),
+    Equation(
+        "floor_reduction",
+        yawing.floor_reduction,
+        "(4.1) to (4.7)",
+        derivative=yawing.unscaled_floor_reduction,
+    ),
+    Equation(
+        "force_reduction",
+        yawing.force_reduction,
+        "(4.1) to (4.7)",
+        derivative=yawing.unscaled_force_reduction,
+    ),
     *AXES,
 )
 WALL = frozenset(("wall_acceleration", "wall_force", "wall_drag", "net_push"))
@@ -51,7 +61,7 @@ CONDITIONS = (
 SCENE = Scene(
     name="disc-on-edge",
     title="Disc, coin or ring on its edge, its face against the wall",
-    source="6.2",
+    source="",
     validity="A snapshot at the drive's peak for a disc at rest relative to the track. The wall's "
     "force passes through the centre: what would turn the face along the wall is left out, and so "
     "is rolling resistance. A coin that lies flat is a block: rectangle-on-plane.",

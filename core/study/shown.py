@@ -29,6 +29,7 @@ SI: Final[Mapping[str, str]] = MappingProxyType(
         "N m-1": "N/m",
         "N s m-1": "N s/m",
         "s-1": "1/s",
+        "s m-1": "s/m",
         "kg m2": "kg m²",
         "kg m2 s-1": "kg m²/s",
         "kg-1": "1/kg",

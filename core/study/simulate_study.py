@@ -81,7 +81,7 @@ class MotionSettings(Frozen):
         strict=True,
         ge=FEWEST_PERIODS,
         le=MAX_PERIODS,
-        validation_alias=AliasChoices("max_periods", "max_periods"),  # as it was called before
+        validation_alias=AliasChoices("max_periods", "most_periods"),  # as it was called before
     )
     steps_per_period: int | None = Field(
         None,

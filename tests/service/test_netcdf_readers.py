@@ -183,5 +183,5 @@ def test_xarray_reads_flags_as_integers_and_finds_no_fill_value(
     seen = opened[name]
     assert seen["regime"] == seen["flags"] == ([] if name in REDUCED else ["|i1"])
     assert seen["filled"] == []
-    fixed = {"gravity", "length", "length_1", "moving_mass", "diameter"}
+    fixed = {"gravity", "length", "length_1", "moving_mass", "diameter", "mass"}
     assert fixed & set(seen["coordinates"])

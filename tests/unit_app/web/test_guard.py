@@ -512,6 +512,7 @@ class TestSettings:
         assert shown["api_key_hashes"] == [f"{HASH[:8]}..."]
         assert HASH not in result.output
         assert all(field.description for field in Settings.model_fields.values())
-        text = (ROOT / "docs" / "api-reference.md").read_text()
+        pages = ("api.md", "api-reference.md")
+        text = "".join((ROOT / "docs" / page).read_text() for page in pages)
         for name in Settings.model_fields:
             assert f"VIBRAFEED_{name.upper()}" in text, name

@@ -258,20 +258,28 @@ class TestDatasets:
                 for name, value in {
                     **HOP, "delta": "10 deg", "length": "20 mm", "height": "12 mm",
                     "diameter": "8 mm", "restitution": 0.1, "duration": "0.2 s", "radius": "0.3 m",
-                    "mass": "2 g", "hold_down_force": "1 mN", "parts": 3,
+                    "mass": "2 g", "hold_down_force": "1 mN", "parts": 3, "line_yield": 0.8,
                 }.items()
                 if name in needed(system, method)
             }  # fmt: skip
-            if method == "regularised":
+            if method == "regularised" or scene == "disc-on-edge":  # it is to roll, not to slip
                 parameters |= {"amplitude": "24 um", "friction": 0.25, "beta": "20 deg"}
             asked = {"method": method, "outputs": list(system.outputs(method))}
             content = {"kind": "simulate", "scene": scene, **asked, "parameters": parameters}
             found = run_study(parse_study(content))
             for name in system.outputs(method):
                 assert name in found
-                # No bound is known of a drive off the floor.
-                if name not in ("settling_time", "fastest_velocity", "share_of_fastest"):
+                # No bound is known of a drive off the floor, and there is one platoon.
+                if name not in ("settling_time", "fastest_velocity", "share_of_fastest") and not (
+                    name.startswith("platoon_") and name[-1] != "1"
+                ):
+                    if method == "time-stepping" and name in NOT_BY_STEPS:
+                        continue
                     assert np.isfinite(found[name]).all(), (method, name)
+
+
+NOT_BY_STEPS = {"collisions_per_period", "impact_energy", "stop_impulse", "stop_force_peak"}
+"""Of a row: within a step of time its collisions cannot be told from its contacts."""
 
 
 def needed(system, method) -> set[str]:

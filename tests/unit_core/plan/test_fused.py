@@ -24,8 +24,13 @@ UNTRACED = {
     ("cylinder-pair-impact", "moreau"): "the same",
     ("cylinder-rolling", "thesis"): "screws stand in stacked vectors",
     ("cylinder-rolling", "derived"): "the same",
+    ("disc-on-edge", "physical"): "the same",
+    ("soft-contact", "physical"): "powers, and roots that are searched for",
+    ("row-on-plane", "platoons"): "a sum over the parts",
 }
 """The variants of which numpy keeps some outputs, and why."""
+SHORT = {("soft-contact", "physical")}
+"""Those whose outputs depend on so few parameters that no loop is worth while."""
 
 VARIANTS = [(name, variant) for name, scene in SCENES.items() for variant in scene.variants]
 
@@ -63,7 +68,7 @@ def test_loops_give_the_bits_of_numpy(name, variant):
     assert bool(ways[False]) == ((name, variant) in UNTRACED), ways[False]
     plan = plan_of(name, variant, tuple(ways[True]))
     grid = grid_of(plan, 60_000, seed=1)
-    assert Fused(plan, traced(plan, grid.axes), grid).sources
+    assert Fused(plan, traced(plan, grid.axes), grid).sources or (name, variant) in SHORT
     got, expected = both_ways(plan, grid)
     assert_same_bits(got, expected)
 

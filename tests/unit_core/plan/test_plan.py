@@ -62,6 +62,8 @@ VALUES = {
     "open_time": 0.1, "part_width": 0.01, "bend_radius": 0.2, "bend_length": 0.2,
     "bend_friction": 0.3, "line_push": 1.0, "forward_acceleration": 2.0,
     "return_acceleration": 9.0, "row_mass": 0.1, "part_restitution": 0.2,
+    "front_velocity": 0.06, "part_gap": 0.002, "part_mass_1": 0.01, "part_mass_2": 0.02,
+    "part_friction_1": 0.3, "part_friction_2": 0.4,
     # parts that come to rest
     "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
     # balls, rollers, discs

@@ -10,7 +10,10 @@ ERRORS = {
     "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",
     *(f"share_error_{name}" for name in ("flat", "on_side", "on_end", "upright", "inverted")),
 }  # fmt: skip
-COUNTS = {"period_multiple", "impacts_per_period", "impact_count", "platoons"}
+COUNTS = {
+    "period_multiple", "impacts_per_period", "impact_count", "platoons", "friction_seed",
+    "device_order", *(f"platoon_size_{n}" for n in range(1, 11)),
+}  # fmt: skip
 
 
 def test_flags_counts_and_errors_have_no_derivative():

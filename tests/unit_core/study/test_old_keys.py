@@ -16,12 +16,12 @@ CONTENT = {
 
 
 def test_the_old_key_of_the_limit_of_periods_still_works():
-    old, new = (parse_study({**CONTENT, key: 64}) for key in ("max_periods", "max_periods"))
+    old, new = (parse_study({**CONTENT, key: 64}) for key in ("most_periods", "max_periods"))
     assert old.canonical() == new.canonical()
-    assert "max_periods" not in str(new.canonical())
-    assert prepare_content({**CONTENT, "max_periods": 64}).study.max_periods == 64
+    assert "most_periods" not in str(old.canonical())
+    assert prepare_content({**CONTENT, "most_periods": 64}).study.max_periods == 64
 
 
 def test_a_wrong_value_under_the_old_key_is_refused():
     with pytest.raises(StudyError, match="periods"):
-        parse_study({**CONTENT, "max_periods": 2})
+        parse_study({**CONTENT, "most_periods": 2})
