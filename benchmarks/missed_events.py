@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.options import options
-from benchmarks.waves import NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
+from benchmarks.waves import PLANAR, SPATIAL, harmonics, parts, steps
 from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER
@@ -37,9 +37,12 @@ from core.motion.kernels.track.tables import at_rest, new_work
 from core.motion.kernels.waves import SineSum, passages
 from core.motion.methods.events import planar_motion
 from core.motion.methods.spatial_events import spatial_motion
+from core.motion.result import STATUS
 from core.motion.waves import TURN
 
 ROOT = Path(__file__).parents[1]
+REPEATS = [STATUS["periodic"], STATUS["at_rest"]]
+NAMES = {value: name for name, value in STATUS.items()}
 CLOSE = 1e-9  # of the drive's speed: means no further apart are the same
 FINER = (
     ("core/motion/kernels/waves.py", "POINTS = 128\n", "POINTS = 256\n"),

@@ -195,7 +195,11 @@ def test_by_command_by_request_and_by_call(tmp_path):
         wrong = client.post("/processes/optimise/execution", json={**study, "kind": "sweep"})
         assert wrong.status_code == 422
         stopped = local_client(
-            create_app(Settings(data_directory=tmp_path / "more", max_execution_seconds=1e-9))
+            create_app(
+                Settings(
+                    data_directory=tmp_path / "more", max_execution_seconds=1e-9, grace_seconds=300
+                )
+            )
         )
         with stopped:
             left = stopped.post(

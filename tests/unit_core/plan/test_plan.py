@@ -375,7 +375,11 @@ class TestScenes:
 
     def test_every_quantity_is_used(self):
         on_unit = choose_system("rectangle-on-track", None, ["moving_mass", "conveyed_mass"])[0]
-        used = {name for scene in (*SCENES.values(), *SYSTEMS.values(), on_unit)
+        rows = [
+            choose_system("row-on-plane", None, [name])[0]
+            for name in ("fixed_stop_gap", "track_stop_gap", "friction_spread")
+        ]
+        used = {name for scene in (*SCENES.values(), *SYSTEMS.values(), on_unit, *rows)
                 for v in scene.variants for eq in scene.variants[v]
                 for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
