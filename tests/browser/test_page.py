@@ -71,7 +71,7 @@ def test_how_fast_does_my_part_travel(page, address):
     assert velocity == pytest.approx(answer * 1e3, rel=5e-3)
     page.keyboard.press("Enter")
     page.locator("#detail").wait_for()
-    assert "Mean speed" in page.locator("#detail .said").inner_text()
+    page.locator("#detail .said").filter(has_text="Mean speed").wait_for()
     page.get_by_role("button", name="Pause").click()
     before = page.locator("#detail .now").get_attribute("x1")
     page.get_by_role("button", name="Step on").click()

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
+from waiting import wait_for
+
 MAX_CLICKS = 3
 
 
@@ -39,7 +41,7 @@ QUESTIONS = (
 def in_sight(page: Page, found: Locator) -> None:
     """Assert that an element is on the screen as it stands, without any scrolling."""
     assert page.evaluate("scrollY") == 0
-    box = found.bounding_box()
+    box = wait_for(found.bounding_box)  # what is being drawn anew has none for a moment
     size = page.viewport_size
     assert box is not None
     assert size is not None
@@ -54,7 +56,7 @@ def answered(page: Page, question: Question) -> None:
     in_sight(page, found)
     picture = page.locator("#host .map, #host .curves")
     expect(picture).to_be_visible()
-    box, size = picture.bounding_box(), page.viewport_size
+    box, size = wait_for(picture.bounding_box), page.viewport_size
     assert box is not None
     assert size is not None
     # Of the picture at least the half that matters to the eye is on the screen, too.
