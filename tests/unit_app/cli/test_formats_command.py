@@ -214,5 +214,5 @@ def test_an_export_for_people_is_in_their_units(tmp_path):
         np.testing.assert_allclose(shown["amplitude [mm]"], [0.1, 0.2], rtol=1e-15)
     refused = run("export", result, "-o", tmp_path / "x.nc", "--units", "trade")
     assert refused.exit_code == 2
-    assert "programs read .nc files, and know their units" in refused.output
+    assert ".nc files keep the units of the result" in refused.output
     assert not (tmp_path / "x.nc").exists()

@@ -43,7 +43,8 @@ def test_every_starter_is_a_sound_study_of_usual_numbers(question, kind):
     content = read_toml(result.stdout)
     prepared = prepare_content(content)
     assert prepared.cells == 1
-    assert prepared.seconds < 20, "some three at most on a quiet machine"
+    # Some three on a quiet machine; prices are of this one, which a dozen busy processes may share.
+    assert prepared.seconds < 60
     assert questions(content) == []
     commented = [line for line in result.stdout.splitlines() if "#" in line]
     assert len(commented) >= 10
