@@ -1,4 +1,4 @@
-"""Rows of parts: worked values, isotonic contact by scipy, time stepping, laws."""
+"""Rows of parts: isotonic contact by scipy, time stepping, and what studies of them say."""
 
 from __future__ import annotations
 
@@ -14,92 +14,7 @@ from core.motion.kernels.rows.contact import collide, pooled, start
 from core.motion.kernels.rows.tables import row_of
 from core.quantities import REGIMES
 from night import count
-from rows import TURN, cell, followed, two_level
-
-MM_S = 9.81 / (2 * np.pi * 50) * 1e3
-"""g/w at 50 Hz and 9.81 m/s2 [mm/s]."""
-
-
-# --- worked values
-
-
-def test_two_parts_that_push_each_other_under_two_levels():
-    together, name = followed(cell(0, 0, [0.3, 0.4], steps=two_level(0.2, 2.0)))
-    assert name == "periodic"
-    assert together["platoons"] == 1
-    for column in ("velocity", "slowest", "fastest"):  # that of one part of friction 0.35
-        assert together[column] * MM_S == pytest.approx(5.350909, abs=5e-7)
-
-
-def test_two_parts_that_leave_each_other_under_two_levels():
-    apart, _ = followed(cell(0, 0, [0.4, 0.3], steps=two_level(0.2, 2.0)))
-    assert apart["platoons"] == 2
-    assert apart["slowest"] * MM_S == pytest.approx(4.756364, abs=5e-7)
-    assert apart["fastest"] * MM_S == pytest.approx(6.064364, abs=5e-7)
-
-
-def test_a_gap_closes_after_its_length_over_the_difference_of_velocities():
-    gap = 5e-3 / (9.81 / (TURN * 50) ** 2)
-    row = cell(0, 0, [0.3, 0.4], gap=[gap], steps=two_level(0.2, 2.0))
-    # Velocities swing within a period: the gap closes within one of the time of the means.
-    phases = TURN * 50 * np.array([3.82263 - 0.02, 3.82263 + 0.02])
-    gaps = np.empty((2, 1))
-    path_of_row(row, phases, np.empty((2, 2)), gaps)
-    assert gaps[0] > 0.0
-    assert gaps[1] == 0.0
-
-
-def test_a_row_of_period_two():
-    found, name = followed(cell(3.0, 0.9, [0.5, 0.3]))
-    assert name == "periodic"
-    assert found["multiple"] == 2
-    assert found["velocity"] == pytest.approx(0.821698729434, abs=1e-11)
-    gaps = np.empty((4, 1))
-    path_of_row(cell(3.0, 0.9, [0.5, 0.3]), TURN * np.arange(200, 204), np.empty((4, 2)), gaps)
-    assert sorted(gaps[:2, 0]) == pytest.approx([0.36625036, 0.81667924], abs=1e-8)
-    assert gaps[2:] == pytest.approx(gaps[:2], abs=1e-10)
-
-
-def test_an_aperiodic_row_keeps_its_mean():
-    p, pz, gamma = 3.3397910, 0.6899518, -0.0118420
-    row = cell(
-        np.sqrt(p * p - pz * pz), pz, [0.6497323, 0.1273437], mass=[0.7813170, 1.6836820],
-        gs=np.sin(gamma), gn=np.cos(gamma), most=8000,
-    )  # fmt: skip
-    found, name = followed(row)
-    assert name == "aperiodic"
-    assert found["platoons"] == 1
-    # 0.9198 +- 0.0005 over 1,200 periods by another program; both errors are statistical.
-    assert found["velocity"] == pytest.approx(0.9198, abs=3 * (5e-4 + found["error"]))
-
-
-def test_equal_parts_are_one_part_to_the_bit():
-    study = {"frequency": 50, "amplitude": "0.4 mm", "beta": 25, "outputs": ["conveying_velocity"]}
-    one = vibrafeed.simulate(scene="rectangle-on-plane", friction=[0.2, 0.4], **study)
-    row = vibrafeed.simulate(scene="row-on-plane", parts=[2, 20], friction=[0.2, 0.4], **study)
-    assert (row.conveying_velocity.values == one.conveying_velocity.values[:, np.newaxis]).all()
-
-
-def test_the_compiled_row_of_equal_parts_is_one_part_too():
-    study = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
-    for size in ("0.08 mm", "0.3 mm", "0.6 mm"):
-        one = vibrafeed.simulate(scene="rectangle-on-plane", friction=0.35, amplitude=size, **study)
-        row = vibrafeed.simulate(
-            scene="row-on-plane", part_friction_1=0.35, part_friction_2=0.35 * (1 + 1e-15),
-            amplitude=size, **study,
-        )  # fmt: skip
-        assert float(row.conveying_velocity) == pytest.approx(
-            float(one.conveying_velocity), rel=1e-9
-        )
-
-
-def test_an_unequal_pair_that_hops():
-    found, _ = followed(cell(2.5, 1.8, [0.6, 0.2]))
-    alone = [followed(cell(2.5, 1.8, [mu, mu]))[0]["velocity"] for mu in (0.6, 0.2)]
-    assert found["velocity"] == pytest.approx(1.8556, abs=1e-3)  # by stepping
-    assert alone == pytest.approx([2.0977, 1.0184], abs=2e-3)  # by stepping
-    assert found["flight"] > 0.0
-
+from rows import TURN, cell
 
 # --- another method: isotonic regression by scipy
 
@@ -206,72 +121,16 @@ def stepped(px, pz, friction, mass, periods, steps):
     ],
 )
 def test_time_stepping_comes_nearer_with_its_step(px, pz, friction, mass):
-    found, name = followed(cell(px, pz, friction, mass=mass))
-    assert name in ("periodic", "aperiodic")
-    errors = []
-    for steps in (250, 1000):
-        places = stepped(px, pz, friction, mass, 60, steps)
-        means = (places[-1] - places[23]) / (36 * TURN)
-        errors.append(np.abs(means.mean() - found["velocity"]))
-    slack = 4.0 * found["error"]
-    assert errors[1] < 4e-3 * max(px, 1.0) + slack
-    assert errors[1] < 0.6 * errors[0] + slack or errors[0] < 5e-4
-
-
-# --- laws
-
-
-def test_laws_of_random_rows():
-    random = np.random.default_rng(5)
-    for _ in range(count(25, 1000)):
-        n = int(random.integers(2, 6))
-        px, pz = random.uniform(0.5, 3.0), random.uniform(0.1, 2.5)
-        mu, mass = random.uniform(0.1, 0.8, n), random.uniform(0.3, 3.0, n)
-        found, name = followed(cell(px, pz, mu, mass=mass))
-        assert name in ("periodic", "aperiodic", "at_rest")
-        slack = 1e-9 + 4.0 * found["error"]
-        scaled, _ = followed(cell(px, pz, mu, mass=3.0 * mass))
-        assert scaled["velocity"] == pytest.approx(found["velocity"], abs=slack)
-        if name != "periodic":
-            continue
-        # Half a period later the mirror image: x -> -x, and the order of the parts.
-        mirrored, _ = followed(cell(-px, pz, mu[::-1], mass=mass[::-1]))
-        assert mirrored["velocity"] == pytest.approx(-found["velocity"], abs=slack)
-        # A part far in front changes nothing but the mean.
-        gap = [*np.zeros(n - 1), 1e6]
-        more, _ = followed(cell(px, pz, [*mu, 0.3], mass=[*mass, 1.0], gap=gap))
-        assert more["slowest"] <= found["slowest"] + slack
-        assert more["fastest"] >= found["fastest"] - slack
-
-
-def test_parts_never_overlap_and_separate_parts_never_meet():
-    random = np.random.default_rng(6)
-    for _ in range(count(10, 200)):
-        n = int(random.integers(2, 8))
-        row = cell(random.uniform(0.5, 3), random.uniform(0.1, 2), random.uniform(0.1, 0.8, n))
-        phases = np.linspace(0.0, 30 * TURN, 900)
-        places, gaps = np.empty((900, n)), np.empty((900, n - 1))
-        path_of_row(row, phases, places, gaps)
-        assert gaps.min() >= -1e-12
-        assert gaps == pytest.approx(np.diff(places, axis=1), abs=1e-11)
-
-
-def test_two_parts_of_one_friction_are_one_of_their_mass():
-    three, _ = followed(cell(2.0, 0.6, [0.3, 0.3, 0.5], mass=[1.0, 2.0, 1.0]))
-    two, _ = followed(cell(2.0, 0.6, [0.3, 0.5], mass=[3.0, 1.0]))
-    for column in ("slowest", "fastest"):
-        assert three[column] == pytest.approx(two[column], abs=1e-9)
-
-
-def test_platoons_of_a_wave_that_slips_one_way_are_as_many_as_records():
-    # Random frictions: 1 + 1/2 + ... + 1/n platoons in the mean, whatever their distribution.
-    random, rows = np.random.default_rng(7), count(200, 3000)
-    found = [
-        followed(cell(0, 0, random.uniform(0.25, 0.9, 3), steps=two_level(0.2, 2.0)))[0]["platoons"]
-        for _ in range(rows)
-    ]
-    # The number of blocks of three has the variance 1/4 + 2/9.
-    assert np.mean(found) == pytest.approx(1 + 1 / 2 + 1 / 3, abs=4 * np.sqrt(0.4722 / rows))
+    periods = count(4, 20)
+    exact = np.empty((periods, len(mass)))
+    row, ends = cell(px, pz, friction, mass=mass), TURN * np.arange(1, periods + 1)
+    path_of_row(row, ends, exact, np.empty((periods, len(mass) - 1)))
+    coarse, fine = (
+        np.abs(stepped(px, pz, friction, mass, periods, steps) - exact).max(axis=1) / ends
+        for steps in (100, 400)
+    )
+    assert fine.max() < 0.01
+    assert fine.mean() < 0.5 * coarse.mean()  # of first order it is a quarter
 
 
 # --- studies

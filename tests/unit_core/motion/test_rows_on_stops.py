@@ -35,7 +35,7 @@ def test_a_stop_at_rest_in_space_under_two_levels():
 def test_a_hopping_row_presses_with_all_its_friction(throw):
     for px, friction, mass in ((2.0, [0.4, 0.4], [1, 1]), (0.7, [0.2, 0.4], [1.0, 2.0])):
         found, _ = followed(cell(px, throw, friction, mass=mass, stop=IN_SPACE))
-        assert found["stop_force"] == pytest.approx(np.dot(friction, mass), rel=1e-11)
+        assert found["stop_force"] == pytest.approx(np.dot(friction, mass), rel=1e-12)
 
 
 def test_the_force_drops_at_once_below_the_throw_number_of_the_law():
@@ -43,7 +43,7 @@ def test_the_force_drops_at_once_below_the_throw_number_of_the_law():
         followed(cell(1.0, HELD_FROM * share, [0.4, 0.4], stop=IN_SPACE))[0]["stop_force"]
         for share in (1 + 1e-6, 1 - 1e-6)
     )
-    assert above == pytest.approx(0.8, rel=1e-11)
+    assert above == pytest.approx(0.8, rel=1e-12)
     # The landing impulse changes its side: 1 - 2.7049/(2 pi) of the friction at least is left.
     assert below < (1 - 2.7049 / TURN) * 0.8 + 0.05
 
@@ -185,7 +185,7 @@ def test_a_study_of_a_held_row_has_forces_in_newtons():
     held = {**DRIVEN, "friction": 0.4, "parts": 5, "mass": "10 g", "length": "10 mm"}
     found = vibrafeed.simulate(**held, fixed_stop_gap=0, outputs=names)
     assert regime(found) == "blocked"
-    assert float(found.stop_force) == pytest.approx(0.4 * 0.05 * G, rel=1e-11)
+    assert float(found.stop_force) == pytest.approx(0.4 * 0.05 * G, rel=1e-12)
     assert float(found.feed_rate) == pytest.approx(0.0, abs=1e-9)
     found = vibrafeed.simulate(**held, track_stop_gap=0, outputs=names)
     assert regime(found) == "indeterminate_force"
