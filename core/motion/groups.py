@@ -244,8 +244,9 @@ def row_groups(
     load_number: Array,
     friction_static: Array,
     friction_kinetic: Array,
+    restitution: Array,
 ) -> Groups:
-    """Return the groups of the parts of a row, which move in one plane and do not rebound."""
+    """Return the groups of the parts of a row, which move in one plane."""
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
@@ -253,4 +254,5 @@ def row_groups(
         gravity_number_normal=load_number,
         friction_static=friction_static,
         friction_kinetic=friction_kinetic,
+        restitution=restitution,
     )

@@ -90,6 +90,7 @@ LOOKS = {
         ("out_of_phase_possible", "\\", 1.8),
         ("separating", "..", 0.9),
         ("blocked", "", 1.8),
+        ("not_supported", "xxx", 1.3),
         # --- round parts
         ("neutral", "", 1.8),
         ("rolls_and_slips", "///", 1.3),

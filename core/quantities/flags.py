@@ -113,6 +113,10 @@ REGIMES: dict[str, Flag] = {
     ),
     # --- rows of parts
     "blocked": Flag(56, "the stop holds the row"),
+    "not_supported": Flag(
+        57, "parts that rebound from the floor hop each by itself: no method follows such a row",
+        valid=False,
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -60,6 +60,7 @@ INKS = {
     "out_of_phase_possible": "#5a4580",
     "separating": "#01665e",
     "blocked": "#54278f",
+    "not_supported": "#4a4a4a",
     "neutral": "#777777",
     "rolls_and_slips": "#8a7a1f",
     "soft_contact": "#b3560f",

@@ -145,16 +145,18 @@ def row_motion(
 
     From event to event a wave may have steps along the track; harmonics, or steps off the floor,
     are refused before. With `steps` it is followed by so many time steps of a period, as are rows
-    of one friction then.
+    of one friction then. Parts that rebound from the floor hop each by itself: their rows are not
+    followed, and have NaN.
     """
-    rows, shape = _cells(groups, parts, max_periods)
+    periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
+    rows, shape = _cells(groups, parts, periods)
     room, columns = len(parts.friction), len(compiled.rows.RowColumns._fields)
     width = columns + 2 * room
-    alike = _alike(rows, room)
+    alike, supported = _alike(rows, room), rows[:, _head("max_periods")] > 0.0
     table_ = np.full((len(rows), width), np.nan)
     status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
-    as_one = alike & (parts.stop == "none" and steps is None)
-    rest = ~as_one
+    as_one = alike & supported & (parts.stop == "none" and steps is None)
+    rest = ~as_one & supported
     if rest.any():
         held = _merged(rows[rest], alike[rest], room)
         kernel = compiled.rows.row_cells if steps is None else _stepped(steps)
@@ -221,7 +223,7 @@ def _as_one(
 ) -> tuple[Array, NDArray[np.int8]]:  # fmt: skip
     """Return table and statuses of rows of one friction: those of one part."""
     static, kinetic = (rows[:, _HEAD + k * room].reshape(shape) for k in (0, 1))
-    one = groups._replace(friction_static=static, friction_kinetic=kinetic)
+    one = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
     settings: dict[str, Any] = dict(events.EVENTS.defaults)
     motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
     flat = {name: np.broadcast_to(part, shape).ravel()[alike]

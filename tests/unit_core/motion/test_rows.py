@@ -148,7 +148,6 @@ DRIVEN = {"frequency": 50, "amplitude": "0.3 mm", "beta": 20}
         ({}, "parameters.parts", "it is missing"),
         ({"parts": 4}, "parameters.friction", "it is missing"),
         ({"parts": 1, "friction": 0.3}, "parameters.parts", "at least 2"),
-        ({"parts": 4, "friction": 0.3, "restitution": 0.2}, "parameters.restitution", "not used"),
         ({"parts": 4, "friction": 0.3, "alpha": 5}, "parameters.alpha", "not used"),
         ({"part_friction_1": 0.3, "part_friction_3": 0.2}, "parameters.friction", "it is missing"),
         (
@@ -179,23 +178,66 @@ def test_a_drive_of_rows_is_followed_by_steps_where_events_refuse_it(drive):
     assert prepared.plan.variant == "time-stepping"
 
 
-def test_regimes_of_rows():
-    def regime(**given):
-        found = vibrafeed.simulate(scene="row-on-plane", outputs=["platoons"], **DRIVEN, **given)
-        return int(found.regime)
-
-    apart = {"part_friction_1": 0.3, "part_friction_2": 0.34, "part_friction_3": 0.28}
-    assert regime(**apart) == REGIMES["separating"].value
-    assert regime(parts=3, friction=0.3) == REGIMES["hopping"].value
-    jumping = {**DRIVEN, "amplitude": "1.2 mm"}
+def regimes(outputs=("platoons",), **given):
+    """Return a study of a row, and the names of its regimes."""
     found = vibrafeed.simulate(
-        scene="row-on-plane",
-        outputs=["platoons"],
-        **jumping,
-        part_friction_1=0.3,
-        part_friction_2=0.4,
+        scene="row-on-plane", outputs=list(outputs), **{**DRIVEN, "max_periods": 60, **given}
     )
-    assert int(found.regime) == REGIMES["out_of_phase_possible"].value
+    names = {flag.value: name for name, flag in REGIMES.items()}
+    return found, [names[value] for value in found.regime.values.ravel().tolist()]
+
+
+APART = {"part_friction_1": 0.3, "part_friction_2": 0.34, "part_friction_3": 0.28}
+
+
+def test_regimes_of_rows():
+    assert regimes(**APART)[1] == ["separating"]
+    assert regimes(parts=3, friction=0.3)[1] == ["hopping"]
+    pair = {"part_friction_1": 0.3, "part_friction_2": 0.4}
+    assert regimes(**pair, amplitude="1.2 mm")[1] == ["out_of_phase_possible"]
+
+
+@pytest.mark.parametrize("method", ["events", "time-stepping"])
+def test_parts_that_rebound_from_the_floor_are_followed_by_no_method(method):
+    outputs = ["conveying_velocity", "feed_rate"]
+    given = {**APART, "length": "12 mm", "method": method, "max_periods": 10}
+    found, names = regimes(outputs, restitution=[0.0, 0.2], **given)
+    assert names[0] != names[1] == "not_supported"
+    for output in outputs:
+        assert np.isnan(found[output].values).tolist() == [False, True]
+    _, names = regimes(parts=3, friction=0.3, restitution=[0.0, 0.2], max_periods=10)
+    assert names[1] == "not_supported"
+
+
+def test_a_part_that_friction_can_tip_is_said_where_its_height_is_given():
+    # mu b > h: 0.34 of 12 mm are 35.3 mm.
+    _, names = regimes(**APART, length="12 mm", height=["35 mm", "36 mm"])
+    assert names == ["separating", "tipping"]
+    _, names = regimes(parts=2, friction=0.3, length="12 mm", height=["39 mm", "41 mm"])
+    assert names == ["hopping", "tipping"]
+
+
+def test_parts_a_minute_are_those_that_leave_at_either_end():
+    outputs = ["feed_rate", "conveying_velocity", "slowest_velocity", "fastest_part_velocity"]
+    apart, _ = regimes(outputs, **APART, length="12 mm")
+    forth, mean, last, first = (float(apart[name]) for name in outputs)
+    assert 0 < last < mean < first
+    assert forth == pytest.approx(60 * last / 0.012, rel=1e-12)  # what comes behind is no faster
+    together, _ = regimes(outputs, parts=3, friction=0.3, length="12 mm")
+    forth, mean, *_ = (float(together[name]) for name in outputs)
+    assert forth == pytest.approx(60 * mean / 0.012, rel=1e-12)
+    back, _ = regimes(outputs, **APART, length="12 mm", beta=160)
+    forth, mean, last, first = (float(back[name]) for name in outputs)
+    assert last < first < 0
+    assert forth == pytest.approx(60 * first / 0.012, rel=1e-12)
+    both, names = regimes(
+        outputs, part_friction_1=0.1, part_friction_2=0.8, length="12 mm", gamma=4,
+        amplitude="0.25 mm", beta=30,
+    )  # fmt: skip
+    forth, mean, last, first = (float(both[name]) for name in outputs)
+    assert names == ["separating"]
+    assert last < 0 < first
+    assert forth == 0.0
 
 
 def test_a_study_of_one_part_knows_nothing_of_rows():

@@ -58,13 +58,14 @@ class Past(NamedTuple):
     touched: Whole
 
 
-Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held")
+Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held moving")
 """Of a period: phase times closed contacts, phase in the air, collisions, the energy they took; of
-the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch.
+the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch;
+the phase in which parts slide on the track or are in the air.
 """
 
 TALLIES = len(Tally._fields)
-FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
+FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
@@ -94,7 +95,7 @@ def one_period(
     """Follow a row over one period of the drive; add the integrals of its gaps to `swept`."""
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
-    pressed, struck, peak, held = 0.0, 0.0, 0.0, 0.0
+    pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
     while True:
         flies = air.landing < math.inf
         refreshed(row, drive, drive.levels[step], tau, flies, event)
@@ -104,6 +105,7 @@ def one_period(
             force = stop_pressed(row, drive, drive.gs - drive.levels[step], tau, event.span, flies)
             pressed, peak = pressed + force.impulse, max(peak, force.peak)
             held += event.span if held_from(row) < row.mass.size else 0.0
+        moving += event.span if flies or row.mode.any() else 0.0
         sweep(row, tau, event.span, swept)
         move(row, tau, event.span)
         for i in range(row.closed.size):
@@ -117,7 +119,9 @@ def one_period(
         if event.kind == 0:
             tau, step = end, step + 1
             if step == drive.ends.size:
-                return air, Tally(closed, flying, hits, lost, pressed, struck, peak, held)
+                return air, Tally(
+                    closed, flying, hits, lost, pressed, struck, peak, held, moving
+                )  # fmt: skip
         if event.kind == HIT:
             hits += 1.0
             past.touched[event.part] = period
@@ -206,7 +210,7 @@ def follow(cell: Floats, result: Floats, stop: Stop) -> int:
             return int(STATUS.limit_reached)
         here[:TALLIES] = (
             tally.closed, tally.air, tally.hits, tally.lost,
-            tally.pressed, tally.struck, tally.peak, tally.held,
+            tally.pressed, tally.struck, tally.peak, tally.held, tally.moving,
         )  # fmt: skip
         here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
         for multiple in range(1, min(MULTIPLES, period) + 1):
@@ -232,8 +236,7 @@ def finish(
         cycle = means[periods - multiple : periods]
         _write(cycle, result, numbers)
         result[COLUMN.error], result[COLUMN.spread] = AGREES * scale, 0.0
-        moves = np.abs(cycle[:, TALLIES : TALLIES + parts]).max() > 0.0
-        return int(STATUS.periodic if moves else STATUS.at_rest)
+        return int(STATUS.periodic if cycle[:, 8].max() > 0.0 else STATUS.at_rest)
     half = means[periods // 2 :]
     _write(half, result, numbers)
     batch = max(1, half.shape[0] // BATCHES)

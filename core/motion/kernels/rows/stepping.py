@@ -180,6 +180,8 @@ def stepped_period(
         tally[1] += h if impulse == 0.0 else 0.0
         tally[4] += taken
         tally[7] += h if row.stop != NO_STOP and row.closed[parts - 1] == 1 else 0.0
+        slides = before[:parts].any() or row.speed[:parts].any()
+        tally[8] += h if impulse == 0.0 or slides else 0.0
     return height, rate
 
 
