@@ -20,6 +20,7 @@ from core.motion.drive_units import GIVEN
 from core.motion.row_parts import CHOOSING
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
+from core.quantities.bowl_track import BOWL_TRACK, MAX_STRETCHES, OF_STRETCHES
 from core.quantities.drive import DRIVE
 from core.quantities.row import MAX_NUMBERED, NUMBERS
 from core.scenes import SCENES
@@ -135,10 +136,11 @@ def _literal(name: str, values: Iterable[str]) -> list[str]:
 
 
 def numbered() -> list[str]:
-    """Return the parameters with a number: of drives that are no plain sine, of parts of rows."""
+    """Return the parameters with a number: of drives, parts of rows, tracks."""
     of_drives = [name for name, quantity in DRIVE.items() if quantity.parameter]
     of_parts = [f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MAX_NUMBERED)]
-    return [*of_drives, *of_parts]
+    of_tracks = [f"{stem}_{n + 1}" for stem in OF_STRETCHES for n in range(MAX_STRETCHES)]
+    return [*of_drives, *of_parts, *of_tracks]
 
 
 def parameters(kinds: Iterable[str]) -> list[str]:
@@ -152,7 +154,8 @@ def parameters(kinds: Iterable[str]) -> list[str]:
         for name in scene_parameters(scene, variant)
     }
     if any(KINDS[kind].scenes[-1] is SYSTEMS for kind in kinds):
-        taken |= {*GIVEN, *CHOOSING}  # a part in time may stand on a drive unit, a row at a stop
+        # A part in time may stand on a drive unit or on a bowl's track, a row at a stop.
+        taken |= {*GIVEN, *CHOOSING, *(n for n in BOWL_TRACK if QUANTITIES[n].parameter)}
     return [name for name in QUANTITIES if name in taken and name not in numbered()]
 
 

@@ -825,3 +825,63 @@ class DriveNumbers(TypedDict, total=False):
     """Gap in front of part 9 of a row, at the start. In m, 0 or more, for example "1 mm"."""
     part_gap_10: Values
     """Gap in front of part 10 of a row, at the start. In m, 0 or more, for example "1 mm"."""
+    stretch_turns_1: Values
+    """Turns of stretch 1 of the track. Above 0, for example 1.5."""
+    stretch_turns_2: Values
+    """Turns of stretch 2 of the track. Above 0, for example 1.5."""
+    stretch_turns_3: Values
+    """Turns of stretch 3 of the track. Above 0, for example 1.5."""
+    stretch_turns_4: Values
+    """Turns of stretch 4 of the track. Above 0, for example 1.5."""
+    stretch_turns_5: Values
+    """Turns of stretch 5 of the track. Above 0, for example 1.5."""
+    stretch_turns_6: Values
+    """Turns of stretch 6 of the track. Above 0, for example 1.5."""
+    stretch_radius_1: Values
+    """Radius at the end of stretch 1. In m, above 0, for example "150 mm"."""
+    stretch_radius_2: Values
+    """Radius at the end of stretch 2. In m, above 0, for example "150 mm"."""
+    stretch_radius_3: Values
+    """Radius at the end of stretch 3. In m, above 0, for example "150 mm"."""
+    stretch_radius_4: Values
+    """Radius at the end of stretch 4. In m, above 0, for example "150 mm"."""
+    stretch_radius_5: Values
+    """Radius at the end of stretch 5. In m, above 0, for example "150 mm"."""
+    stretch_radius_6: Values
+    """Radius at the end of stretch 6. In m, above 0, for example "150 mm"."""
+    stretch_climb_1: Values
+    """Climb of stretch 1; that of the stretch before unless given. In degrees, from -80 to 80, for
+    example "3 deg"."""
+    stretch_climb_2: Values
+    """Climb of stretch 2; that of the stretch before unless given. In degrees, from -80 to 80, for
+    example "3 deg"."""
+    stretch_climb_3: Values
+    """Climb of stretch 3; that of the stretch before unless given. In degrees, from -80 to 80, for
+    example "3 deg"."""
+    stretch_climb_4: Values
+    """Climb of stretch 4; that of the stretch before unless given. In degrees, from -80 to 80, for
+    example "3 deg"."""
+    stretch_climb_5: Values
+    """Climb of stretch 5; that of the stretch before unless given. In degrees, from -80 to 80, for
+    example "3 deg"."""
+    stretch_climb_6: Values
+    """Climb of stretch 6; that of the stretch before unless given. In degrees, from -80 to 80, for
+    example "3 deg"."""
+    stretch_friction_1: Values
+    """Coefficient of friction on stretch 1; that of the stretch before unless given. 0 or more, for
+    example 0.3."""
+    stretch_friction_2: Values
+    """Coefficient of friction on stretch 2; that of the stretch before unless given. 0 or more, for
+    example 0.3."""
+    stretch_friction_3: Values
+    """Coefficient of friction on stretch 3; that of the stretch before unless given. 0 or more, for
+    example 0.3."""
+    stretch_friction_4: Values
+    """Coefficient of friction on stretch 4; that of the stretch before unless given. 0 or more, for
+    example 0.3."""
+    stretch_friction_5: Values
+    """Coefficient of friction on stretch 5; that of the stretch before unless given. 0 or more, for
+    example 0.3."""
+    stretch_friction_6: Values
+    """Coefficient of friction on stretch 6; that of the stretch before unless given. 0 or more, for
+    example 0.3."""

@@ -151,6 +151,10 @@ def study(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    track_fraction: Values | None = None,
+    start_radius: Values | None = None,
+    load_radius: Values | None = None,
+    load_fraction: Values | None = None,
     small_diameter: Values | None = None,
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
@@ -411,6 +415,7 @@ def sweep(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    load_radius: Values | None = None,
     small_diameter: Values | None = None,
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
@@ -749,6 +754,9 @@ def sweep(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    load_radius : values, optional
+        Radius at which the load lies; that of the part unless given. In m, above 0, for example
+        "180 mm".
     small_diameter : values, optional
         Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
         example "12 mm".
@@ -1088,6 +1096,10 @@ def simulate(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    track_fraction: Values | None = None,
+    start_radius: Values | None = None,
+    load_radius: Values | None = None,
+    load_fraction: Values | None = None,
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
@@ -1274,6 +1286,17 @@ def simulate(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    track_fraction : values, optional
+        Share of the track's length behind the part: 0 at its start, 1 at the exit. From 0 to 1, for
+        example 0.5.
+    start_radius : values, optional
+        Radius at which the track starts. In m, above 0, for example "100 mm".
+    load_radius : values, optional
+        Radius at which the load lies; that of the part unless given. In m, above 0, for example
+        "180 mm".
+    load_fraction : values, optional
+        Share of the track's length at which all that it carries is taken to be. From 0 to 1, for
+        example 0.5.
     line_yield : values, optional
         Share of the parts that pass the devices behind the track, as yield of orienting-line. From
         0 to 1, for example 0.79.
@@ -1376,6 +1399,16 @@ def simulate(
     part_gap_1 to _10 : values, optional
         Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
         mm".
+    stretch_turns_1 to _6 : values, optional
+        Turns of stretch 1 of the track. Above 0, for example 1.5.
+    stretch_radius_1 to _6 : values, optional
+        Radius at the end of stretch 1. In m, above 0, for example "150 mm".
+    stretch_climb_1 to _6 : values, optional
+        Climb of stretch 1; that of the stretch before unless given. In degrees, from -80 to 80, for
+        example "3 deg".
+    stretch_friction_1 to _6 : values, optional
+        Coefficient of friction on stretch 1; that of the stretch before unless given. 0 or more,
+        for example 0.3.
 
     Returns
     -------
@@ -1518,6 +1551,10 @@ def optimise(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    track_fraction: Values | None = None,
+    start_radius: Values | None = None,
+    load_radius: Values | None = None,
+    load_fraction: Values | None = None,
     small_diameter: Values | None = None,
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
@@ -1898,6 +1935,17 @@ def optimise(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    track_fraction : values, optional
+        Share of the track's length behind the part: 0 at its start, 1 at the exit. From 0 to 1, for
+        example 0.5.
+    start_radius : values, optional
+        Radius at which the track starts. In m, above 0, for example "100 mm".
+    load_radius : values, optional
+        Radius at which the load lies; that of the part unless given. In m, above 0, for example
+        "180 mm".
+    load_fraction : values, optional
+        Share of the track's length at which all that it carries is taken to be. From 0 to 1, for
+        example 0.5.
     small_diameter : values, optional
         Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
         example "12 mm".
@@ -2216,6 +2264,16 @@ def optimise(
     part_gap_1 to _10 : values, optional
         Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
         mm".
+    stretch_turns_1 to _6 : values, optional
+        Turns of stretch 1 of the track. Above 0, for example 1.5.
+    stretch_radius_1 to _6 : values, optional
+        Radius at the end of stretch 1. In m, above 0, for example "150 mm".
+    stretch_climb_1 to _6 : values, optional
+        Climb of stretch 1; that of the stretch before unless given. In degrees, from -80 to 80, for
+        example "3 deg".
+    stretch_friction_1 to _6 : values, optional
+        Coefficient of friction on stretch 1; that of the stretch before unless given. 0 or more,
+        for example 0.3.
 
     Returns
     -------
@@ -2356,6 +2414,10 @@ def sensitivity(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    track_fraction: Values | None = None,
+    start_radius: Values | None = None,
+    load_radius: Values | None = None,
+    load_fraction: Values | None = None,
     small_diameter: Values | None = None,
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
@@ -2728,6 +2790,17 @@ def sensitivity(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    track_fraction : values, optional
+        Share of the track's length behind the part: 0 at its start, 1 at the exit. From 0 to 1, for
+        example 0.5.
+    start_radius : values, optional
+        Radius at which the track starts. In m, above 0, for example "100 mm".
+    load_radius : values, optional
+        Radius at which the load lies; that of the part unless given. In m, above 0, for example
+        "180 mm".
+    load_fraction : values, optional
+        Share of the track's length at which all that it carries is taken to be. From 0 to 1, for
+        example 0.5.
     small_diameter : values, optional
         Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
         example "12 mm".
@@ -3047,6 +3120,16 @@ def sensitivity(
     part_gap_1 to _10 : values, optional
         Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
         mm".
+    stretch_turns_1 to _6 : values, optional
+        Turns of stretch 1 of the track. Above 0, for example 1.5.
+    stretch_radius_1 to _6 : values, optional
+        Radius at the end of stretch 1. In m, above 0, for example "150 mm".
+    stretch_climb_1 to _6 : values, optional
+        Climb of stretch 1; that of the stretch before unless given. In degrees, from -80 to 80, for
+        example "3 deg".
+    stretch_friction_1 to _6 : values, optional
+        Coefficient of friction on stretch 1; that of the stretch before unless given. 0 or more,
+        for example 0.3.
 
     Returns
     -------
@@ -3144,6 +3227,10 @@ def calibrate(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    track_fraction: Values | None = None,
+    start_radius: Values | None = None,
+    load_radius: Values | None = None,
+    load_fraction: Values | None = None,
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
@@ -3340,6 +3427,17 @@ def calibrate(
     spring_stiffness : values, optional
         Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
         above 0, for example "1000 N/mm".
+    track_fraction : values, optional
+        Share of the track's length behind the part: 0 at its start, 1 at the exit. From 0 to 1, for
+        example 0.5.
+    start_radius : values, optional
+        Radius at which the track starts. In m, above 0, for example "100 mm".
+    load_radius : values, optional
+        Radius at which the load lies; that of the part unless given. In m, above 0, for example
+        "180 mm".
+    load_fraction : values, optional
+        Share of the track's length at which all that it carries is taken to be. From 0 to 1, for
+        example 0.5.
     line_yield : values, optional
         Share of the parts that pass the devices behind the track, as yield of orienting-line. From
         0 to 1, for example 0.79.
@@ -3449,6 +3547,16 @@ def calibrate(
     part_gap_1 to _10 : values, optional
         Gap in front of part 1 of a row, the rearmost, at the start. In m, 0 or more, for example "1
         mm".
+    stretch_turns_1 to _6 : values, optional
+        Turns of stretch 1 of the track. Above 0, for example 1.5.
+    stretch_radius_1 to _6 : values, optional
+        Radius at the end of stretch 1. In m, above 0, for example "150 mm".
+    stretch_climb_1 to _6 : values, optional
+        Climb of stretch 1; that of the stretch before unless given. In degrees, from -80 to 80, for
+        example "3 deg".
+    stretch_friction_1 to _6 : values, optional
+        Coefficient of friction on stretch 1; that of the stretch before unless given. 0 or more,
+        for example 0.3.
 
     Returns
     -------
@@ -3586,6 +3694,7 @@ def open_lazily(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    load_radius: Values | None = None,
     small_diameter: Values | None = None,
     centre_of_mass: Values | None = None,
     radius_of_gyration: Values | None = None,
@@ -3787,6 +3896,10 @@ def drive_error(
     foot_stiffness: Values | None = None,
     foot_damping: Values | None = None,
     spring_stiffness: Values | None = None,
+    track_fraction: Values | None = None,
+    start_radius: Values | None = None,
+    load_radius: Values | None = None,
+    load_fraction: Values | None = None,
     line_yield: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,

@@ -38,9 +38,14 @@ def _bowl_mass(m1: Array, m2: Array, i1: Array, i2: Array, r_s: Array, th: Array
     return turning * np.square(cosine(th) / r_s) + lifting * np.square(sine(th))
 
 
-def loaded_inertia(*, moving_inertia: Array, load_mass: Array, radius: Array) -> Array:
-    """Return the inertia with a load that keeps to the track, I1 + m_l r^2 [kg m2]."""
-    return moving_inertia + load_mass * np.square(radius)
+def load_radius(*, radius: Array) -> Array:
+    """Return the radius of the load, that of the part unless the study gives another [m]."""
+    return radius
+
+
+def loaded_inertia(*, moving_inertia: Array, load_mass: Array, load_radius: Array) -> Array:
+    """Return the inertia with a load that keeps to the track, I1 + m_l R_l^2 [kg m2]."""
+    return moving_inertia + load_mass * np.square(load_radius)
 
 
 def bowl_frequency(*, spring_stiffness: Array, bowl_mass: Array) -> Array:
@@ -51,17 +56,19 @@ def bowl_frequency(*, spring_stiffness: Array, bowl_mass: Array) -> Array:
 def bowl_response(
     *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
-    load_damping: Array, radius: Array, spring_radius: Array, spring_angle: Array,
+    load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Return the stroke s (real, imaginary) and the bowl's share of turn and lift (sizes) [m, 1].
 
     s = F/(k - m w^2 + i w c), m = I_r (cos th/r_s)^2 + m_r sin^2 th, as of two masses and inertias;
-    a damper c_l from the track to the ground makes m1 the mass m1 - i c_l/w, I1 the inertia
-    I1 - i c_l r^2/w. The shares are I2/(I1 + I2) and m2/(m1 + m2).
+    a damper c_l from the load's place to the ground makes m1 the mass m1 - i c_l/w, I1 the inertia
+    I1 - i c_l R_l^2/w. The shares are I2/(I1 + I2) and m2/(m1 + m2).
     """
     w = circular_frequency
     lost = load_damping / w
-    turning, turning_lost, turn = _reduced(loaded_inertia, lost * np.square(radius), base_inertia)
+    turning, turning_lost, turn = _reduced(
+        loaded_inertia, lost * np.square(load_radius), base_inertia
+    )
     lifting, lifting_lost, lift = _reduced(loaded_mass, lost, base_mass)
     of_turn, of_lift = (
         np.square(cosine(spring_angle) / spring_radius),
@@ -77,7 +84,7 @@ def bowl_response(
 def bowl_harmonic(
     *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
-    load_damping: Array, radius: Array, spring_radius: Array, spring_angle: Array,
+    load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return the track's second harmonic over its first, of `second_over_first` [1].
 
@@ -88,7 +95,7 @@ def bowl_harmonic(
             drive_force=1.0 + 0.0 * circular_frequency, circular_frequency=w,
             spring_stiffness=spring_stiffness, damping=damping, loaded_mass=loaded_mass,
             base_mass=base_mass, loaded_inertia=loaded_inertia, base_inertia=base_inertia,
-            load_damping=load_damping, radius=radius, spring_radius=spring_radius,
+            load_damping=load_damping, load_radius=load_radius, spring_radius=spring_radius,
             spring_angle=spring_angle,
         )[:2]
         for w in (circular_frequency, 2.0 * circular_frequency)

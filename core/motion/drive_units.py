@@ -16,10 +16,12 @@ from core.errors import Problem
 from core.mechanics import bowl_drive_unit, drive_unit
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
+from core.motion import bowl_track
+from core.motion.bowl_track import Track, track_of
 from core.motion.driven import under_wave
 from core.motion.drives import SINE, Shape
 from core.motion.groups import Contacts
-from core.motion.part_load import Load, part_load
+from core.motion.part_load import Load, PartLoad, part_load
 from core.motion.waves import Wave
 from core.quantities.drive import DRIVE
 from core.quantities.drive_unit import DRIVE_UNIT
@@ -71,7 +73,7 @@ class HalfWave:
 
 
 class ChosenUnit(NamedTuple):
-    """Which drive unit a study gives.
+    """Which drive unit a study gives, and the track of a bowl on it.
 
     Attributes
     ----------
@@ -82,12 +84,15 @@ class ChosenUnit(NamedTuple):
         Whether parts that are conveyed act on it.
     shape : Shape or None
         Of a drive with a second harmonic; None of the plain sine.
+    track : Track or None
+        The stretches of a bowl's track; None of a part at one place.
     """
 
     scene: Scene
     variant: str
     loaded: bool
     shape: Shape | None
+    track: Track | None = None
 
 
 def unit_of(given: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
@@ -97,8 +102,9 @@ def unit_of(given: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
     """
     names = tuple(given)
     told = [name for name in names if name in GIVEN]
+    track, problems_of_track = track_of(names, of_bowl=bool({*OF_BOWLS} & {*told}))
     if not told:
-        return None, []
+        return None, problems_of_track
     name = "bowl-drive-unit" if {*OF_BOWLS} & {*told} else "linear-drive-unit"
     variant = "measured" if "ring_down_frequency" in told else "springs"
     turns = [one for one in told if one in OF_TURNING]
@@ -117,7 +123,8 @@ def unit_of(given: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
     if loaded:
         problems += _problems_of_parts(told, turns)
     shape = HalfWave() if "force_harmonic" in told else None
-    return ChosenUnit(SCENES[name], variant, loaded, shape), problems
+    problems += problems_of_track
+    return ChosenUnit(SCENES[name], variant, loaded, shape, track), problems
 
 
 def _problems_of_parts(told: list[str], turns: list[str]) -> list[Problem]:
@@ -156,11 +163,11 @@ def loaded_mass(*, moving_mass: Array, load_mass: Array, part_load: Load) -> Arr
 
 
 def loaded_inertia(
-    *, moving_inertia: Array, load_mass: Array, part_load: Load, radius: Array
+    *, moving_inertia: Array, load_mass: Array, part_load: Load, load_radius: Array
 ) -> Array:
     """Return the inertia with the load, and what it feels of the conveyed parts [kg m2]."""
     return bowl_drive_unit.loaded_inertia(
-        moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, radius=radius
+        moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, load_radius=load_radius
     )
 
 
@@ -179,6 +186,11 @@ def hunts(*, part_load: Load) -> Mask:
     return part_load.hunts
 
 
+def is_thrown_hard(*, part_load: Load) -> Mask:
+    """True where the harmonics of thrown parts move the track, which is taken to be a sine."""
+    return part_load.thrown
+
+
 _LOADED = {
     "loaded_mass": Equation("loaded_mass", loaded_mass, SOURCE),
     "loaded_inertia": Equation("loaded_inertia", loaded_inertia, SOURCE),
@@ -193,6 +205,7 @@ _RESULTS = (
         largest_amplitude=("largest", "the largest amplitude at which drive and parts agree [m]"),
     ),
 )
+_ON_TRACK = {"load_radius": Equation("load_radius", bowl_track.load_radius, bowl_track.SOURCE)}
 _GIVES_WAY = (Equation("amplitude", amplitude, SOURCE), Equation("beta", beta, SOURCE))
 
 
@@ -204,21 +217,35 @@ class _Spliced:
     contacts: Contacts
 
     def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
-        """Return those of the unit, then those of the part."""
-        of_unit = self.unit.scene.variants[self.unit.variant]
-        if self.unit.shape is not None:
-            of_part = under_wave(self.unit.shape, of_part)
-        if not self.unit.loaded:
-            return (*of_unit, *_GIVES_WAY, *of_part)
-        of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
-        load = part_load(of_unit, of_part, self.contacts)
-        return (Equation("part_load", load, SOURCE), *of_unit, *_GIVES_WAY, *of_part)
+        """Return those of the unit, then those of the part, then those of a whole track."""
+        unit = self.unit
+        of_unit = unit.scene.variants[unit.variant]
+        if unit.shape is not None:
+            of_part = under_wave(unit.shape, of_part)
+        of_track: tuple[Equation, ...] = ()
+        if unit.track is not None:
+            of_track = bowl_track.at_places(unit.track)
+            of_unit = tuple(_ON_TRACK.get(one.gives, one) for one in of_unit)
+        if unit.loaded:
+            of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
+            load = self._load((*of_track, *of_unit), (*of_track, *of_part))
+            of_unit = (Equation("part_load", load, SOURCE), *of_unit)
+        found = (*of_track, *of_unit, *_GIVES_WAY, *of_part)
+        return found if unit.track is None else (*found, *bowl_track.along(unit.track, found))
+
+    def _load(self, of_unit: Collection[Equation], of_part: Collection[Equation]) -> PartLoad:
+        if self.unit.track is None:
+            return part_load(of_unit, of_part, self.contacts)
+        place = bowl_track.AtLoad(bowl_track.AllStretches(self.unit.track))
+        return part_load(of_unit, of_part, self.contacts, place)
 
     def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
-        """Return those of the unit that matter, then those of the part."""
-        of_unit = self.unit.scene.conditions[self.unit.variant]
-        found = tuple(one for one in of_unit if one.regime in SERIOUS)
-        if not self.unit.loaded:
+        """Return those of the unit that matter, of the whole track, then those of the part."""
+        unit = self.unit
+        found = tuple(one for one in unit.scene.conditions[unit.variant] if one.regime in SERIOUS)
+        if unit.track is not None:
+            found = (*found, bowl_track.STALLS)
+        if not unit.loaded:
             return (*found, *of_part)
         any_result = frozenset().union(*(one.outputs for one in of_part))
         unresolved, rest = of_part[:1], of_part[1:]
@@ -227,6 +254,7 @@ class _Spliced:
             *unresolved,
             Condition("hunting", hunts, any_result),
             Condition("several_amplitudes", has_several_amplitudes, any_result),
+            Condition("thrown_load", is_thrown_hard, any_result),
             *rest,
         )
 
@@ -237,10 +265,14 @@ def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
     follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()
     of_unit = unit.scene.defaults_of(unit.variant)
     defaults = {name: value for name, value in of_unit.items() if name not in follows}
+    of_part = dict(system.defaults)
+    if unit.track is not None:
+        defaults |= bowl_track.DEFAULTS
+        of_part.pop("curvature_number", None)  # it follows from the radius
     return replace(
         system,
         validity=f"{system.validity} Drive unit: {unit.scene.validity}",
         variants={name: spliced.equations(known) for name, known in system.variants.items()},
         conditions={name: spliced.conditions(known) for name, known in system.conditions.items()},
-        defaults={**defaults, **system.defaults, **(unit.shape.defaults if unit.shape else {})},
+        defaults={**defaults, **of_part, **(unit.shape.defaults if unit.shape else {})},
     )

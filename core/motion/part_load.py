@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,8 @@ from core.mechanics.arrays import Array, Mask
 from core.motion.groups import Contacts, Groups
 from core.motion.methods.events import EVENTS, energy_by_events, motion_by_events
 from core.plan.equations import run
-from core.scenes.graph import behind
-from core.scenes.scene import Equation
+from core.scenes.graph import between
+from core.scenes.scene import Equation, keywords
 
 SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
 """Those of the method by which the parts' motion is followed, whatever the study's own method."""
@@ -39,6 +39,9 @@ PASSES = 4
 """Passes by which angle and load agree: a load turns the vibration by some 1e-2 of itself."""
 AGREES = 1e-6
 """Of the amplitude: what is left between drive and parts is more where their motion jumps."""
+THROWN, FELT = 2.0, 0.01
+"""Throw number, and share of the moving mass, above which the parts' harmonics move the track by
+1e-3 of its amplitude and more: 1.7e-2 of a tenth of the mass thrown at 3 to 4."""
 SCATTERED = 4
 """Steps of the table within which scattering means make several agreements of one."""
 
@@ -65,6 +68,8 @@ class Load(NamedTuple):
         Whether there is more than one.
     hunts : ndarray of bool
         Whether the motion of the parts changes where drive and parts would agree.
+    thrown : ndarray of bool
+        Whether the parts are thrown so high, and weigh so much, that harmonics move the track.
     """
 
     mass: Array
@@ -72,32 +77,54 @@ class Load(NamedTuple):
     largest: Array
     several: Mask
     hunts: Mask
+    thrown: Mask
+
+
+class Place(Protocol):
+    """Tells where the parts are that load a unit, of which a study looks at parts all along."""
+
+    @property
+    def gives(self) -> tuple[str, ...]:
+        """Quantities of the place."""
+        ...
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Quantities that tell them."""
+        ...
+
+    def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
+        """Return the quantities of the place."""
+        ...
 
 
 def part_load(
-    of_unit: Collection[Equation], of_part: Collection[Equation], contacts: Contacts
+    of_unit: Collection[Equation],
+    of_part: Collection[Equation],
+    contacts: Contacts,
+    place: Place | None = None,
 ) -> PartLoad:
-    """Return the function of the equation that gives the `Load` of parts on a unit."""
-    respond = between(of_unit, ("part_load",), ("track_amplitude", "vibration_angle"))
-    turn = between(of_part, ("amplitude", "beta"), ("groups",))
-    given = {"conveyed_mass", "circular_frequency"}
+    """Return the function of the equation that gives the `Load` of parts on a unit.
+
+    Parameters
+    ----------
+    of_unit, of_part : collection of Equation
+        From a load to amplitude and angle of the track, and from these to the groups of a part.
+    contacts : Contacts
+        What a part can touch.
+    place : Place, optional
+        Where the parts are; the place of the study if left out.
+    """
+    at = place.gives if place else ()
+    respond = between(of_unit, ("part_load", *at), ("track_amplitude", "vibration_angle"))
+    turn = between(of_part, ("amplitude", "beta", *at), ("groups",))
+    given = {"conveyed_mass", "moving_mass", "circular_frequency"}
     given |= {name for one in (*respond, *turn) for name in one.inputs}
-    given -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta"}
+    given -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta", *at}
     if not any(one.gives == "vibration_angle" for one in respond):
         given.add("vibration_angle")
-    return PartLoad(respond, turn, contacts, tuple(sorted(given)))
-
-
-def between(
-    equations: Collection[Equation], sources: Collection[str], targets: Collection[str]
-) -> tuple[Equation, ...]:
-    """Return the equations on the way from some quantities to others, in order."""
-    changes, way = {*sources}, []
-    for one in behind(targets, {one.gives: one for one in equations}.get).values():
-        if one is not None and changes & {*one.inputs}:
-            changes.add(one.gives)
-            way.append(one)
-    return tuple(way)
+    given |= {*place.inputs} if place else set()
+    return PartLoad(respond, turn, contacts, tuple(sorted(given)), place)
 
 
 @dataclass(frozen=True)
@@ -114,12 +141,15 @@ class PartLoad:
         What a part can touch.
     needs : tuple of str
         Quantities that both need from outside.
+    place : Place or None
+        As in `part_load`.
     """
 
     respond: tuple[Equation, ...]
     turn: tuple[Equation, ...]
     contacts: Contacts
     needs: tuple[str, ...]
+    place: Place | None = None
 
     def __post_init__(self) -> None:
         says = "Return what the unit feels of the parts, at the amplitude at which both agree."
@@ -128,8 +158,7 @@ class PartLoad:
     @property
     def __signature__(self) -> inspect.Signature:
         """One argument a quantity."""
-        keyword = inspect.Parameter.KEYWORD_ONLY
-        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.needs])
+        return keywords(self.needs)
 
     def __call__(self, **given: Any) -> Load:
         """Return the load of each cell."""
@@ -144,8 +173,8 @@ class PartLoad:
     def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
         """Return amplitude and angle of the track under parts of some mass and damping."""
         none = np.zeros(mass.shape, dtype=bool)
-        some = Load(mass, damping, mass, none, none)
-        found = run(self.respond, {**known, "part_load": some})
+        some = Load(mass, damping, mass, none, none, none)
+        found = run(self.respond, {**self._placed(known), "part_load": some})
         return found["track_amplitude"], found["vibration_angle"]
 
     def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
@@ -157,7 +186,7 @@ class PartLoad:
         turns = any(one.gives == "vibration_angle" for one in self.respond)
         for _ in range(PASSES if turns else 1):
             _, angle = self.amplitude(known, mass, damping)
-            found = run(self.turn, {**known, "amplitude": amplitude, "beta": angle})
+            found = run(self.turn, {**self._placed(known), "amplitude": amplitude, "beta": angle})
             groups: Groups = found["groups"]
             square = sum(np.square(number) for number in groups.drive)
             motion = motion_by_events(groups, self.contacts, **SETTINGS)
@@ -166,6 +195,10 @@ class PartLoad:
             rate = known["circular_frequency"] * known["conveyed_mass"]
             damping = rate * 2.0 * energy.drive / square
         return mass, damping, motion.multiple > 0
+
+    def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
+        """Return what is known, at the place of the load."""
+        return {**known, **(self.place(known) if self.place else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
         """Return the load of cells, arrays of one dimension."""
@@ -195,7 +228,17 @@ class PartLoad:
         _, *load, hunts = agreed(first)
         none = ~falls.any(axis=1)
         numbers = (np.where(none, np.nan, part) for part in (*load, agreed(last)[0]))
-        return Load._make((*numbers, several & ~none, hunts & ~none))
+        thrown = self._thrown(known, *load)
+        return Load._make((*numbers, several & ~none, hunts & ~none, thrown & ~none))
+
+    def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
+        """True where the parts' harmonics move the track by more than a thousandth."""
+        amplitude, angle = self.amplitude(known, mass, damping)
+        placed = {**self._placed(known), "amplitude": amplitude, "beta": angle}
+        groups: Groups = run(self.turn, placed)["groups"]
+        high = np.abs(groups.drive_number_normal) > THROWN * groups.gravity_number_normal
+        heavy = known["conveyed_mass"] > FELT * known["moving_mass"]
+        return np.asarray(high & heavy)
 
     def _agreement(
         self, known: dict[str, Array], ends: list[tuple[Array, ...]], exact: Mask

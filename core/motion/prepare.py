@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from core.errors import Problem, StudyError
+from core.motion.bowl_track import AlongTrack
 from core.motion.drive_units import on_unit, unit_of
 from core.motion.driven import driven
 from core.motion.drives import shape_of, what_is_open
@@ -111,9 +112,12 @@ def price_of(
         method.seconds_a_cell, lambda: some_cells(plan, grid, settings, contacts, free or {})
     )
     rounds = sum(one.takes_long for one in plan.equations) if method.name == plan.variant else 1
-    likely, most = rounds * likely, rounds * most
-    if any(one.gives == "part_load" for one in plan.equations):
-        likely, most = likely + price_of_load(likely), most + price_of_load(most)
+    along = [one.function.nodes for one in plan.equations if isinstance(one.function, AlongTrack)]
+    loaded = any(one.gives == "part_load" for one in plan.equations)
+    likely, most = (
+        (rounds + sum(along)) * one + (price_of_load(one) if loaded else 0.0)
+        for one in (likely, most)
+    )
     return likely * pace(), most * pace()
 
 

@@ -78,6 +78,8 @@ LOOKS = {
         ("isolation_poor", "\\", 1.8),
         ("several_amplitudes", "", 1.8),
         ("hunting", "x", 1.8),
+        ("stalls", "xxx", 1.3),
+        ("thrown_load", "/", 1.8),
         # --- which way up
         ("unstable_side", "/", 1.8),
         ("stands", "", 1.8),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from core.quantities.bowl_track import BOWL_TRACK
 from core.quantities.directions import DIRECTIONS
 from core.quantities.drive import DRIVE
 from core.quantities.drive_unit import DRIVE_UNIT
@@ -54,6 +55,7 @@ FAMILIES = (
     MOTION,
     OPTIMUM,
     DRIVE_UNIT,
+    BOWL_TRACK,
     RESTING,
     ORIENTING,
     ROW,

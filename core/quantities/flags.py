@@ -117,6 +117,12 @@ REGIMES: dict[str, Flag] = {
         57, "parts that rebound from the floor hop each by itself: no method follows such a row",
         valid=False,
     ),
+    # --- drive units
+    "stalls": Flag(58, "parts stop, or come back, somewhere on the track: none leaves it"),
+    "thrown_load": Flag(
+        59, "parts thrown beyond a throw number of 2 load the unit: their harmonics, left out, "
+        "move the track; the amplitude is known to 1 or 2 %",
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -9,6 +9,7 @@ from core.scenes.scene import Equation, Scene
 BOWL = (
     *SHARED,
     Equation("generalised_mass", bowl_drive_unit.bowl_mass_empty, "theory 15.3"),
+    Equation("load_radius", bowl_drive_unit.load_radius, "theory 15.3"),
     Equation("loaded_inertia", bowl_drive_unit.loaded_inertia, "theory 15.3"),
     Equation("bowl_mass", bowl_drive_unit.bowl_mass, "theory 15.3"),
     Equation("natural_frequency", bowl_drive_unit.bowl_frequency, "theory 15.3"),

@@ -12,12 +12,7 @@ import numpy as np
 from core.mechanics import orienting
 from core.mechanics.arrays import Array
 from core.mechanics.orienting import Matrix, PassedShares
-
-
-def _takes(names: Sequence[str]) -> inspect.Signature:
-    """Return the signature of a function that takes some quantities by keyword."""
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    return inspect.Signature([inspect.Parameter(name, keyword) for name in dict.fromkeys(names)])
+from core.scenes.scene import keywords
 
 
 @dataclass(frozen=True)
@@ -119,7 +114,7 @@ class DeviceLine:
     def __signature__(self) -> inspect.Signature:
         """The shares, and what its devices need."""
         own = [name for device in self.devices for name in device.inputs]
-        return _takes((self.shares, *own, *(["device_order"] * self.ordered)))
+        return keywords((self.shares, *own, *(["device_order"] * self.ordered)))
 
     def __call__(self, **given: Any) -> PassedShares:
         """Return what passes."""
@@ -182,7 +177,7 @@ class Counts:
 
     @property
     def __signature__(self) -> inspect.Signature:
-        return _takes(self.names)
+        return keywords(self.names)
 
     def __call__(self, **given: Any) -> Any:
         """Return what it gives of the counts."""
@@ -200,7 +195,7 @@ class AnyOf:
 
     @property
     def __signature__(self) -> inspect.Signature:
-        return _takes(self.names)
+        return keywords(self.names)
 
     def __call__(self, **given: Any) -> Any:
         """Fail: no study is computed by a scene that is not fitted to it."""

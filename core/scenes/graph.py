@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Protocol, TypeVar
 
 
@@ -15,7 +15,17 @@ class Step(Protocol):
         ...
 
 
+class Giver(Step, Protocol):
+    """A step that knows what it gives."""
+
+    @property
+    def gives(self) -> str:
+        """Name of the quantity that it gives."""
+        ...
+
+
 Some = TypeVar("Some", bound=Step)
+Known = TypeVar("Known", bound=Giver)
 
 
 class CycleError(ValueError):
@@ -68,3 +78,15 @@ def behind(
     for name in wanted:
         visit(name, ())
     return met
+
+
+def between(
+    steps: Collection[Known], sources: Collection[str], targets: Collection[str]
+) -> tuple[Known, ...]:
+    """Return the steps on the way from some quantities to others, in order."""
+    changes, way = {*sources}, []
+    for one in behind(targets, {one.gives: one for one in steps}.get).values():
+        if one is not None and one.gives not in sources and changes & {*one.inputs}:
+            changes.add(one.gives)
+            way.append(one)
+    return tuple(way)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -24,6 +24,12 @@ def _inputs(function: Function) -> tuple[str, ...]:
     """Return the names of the arguments that have no default: those are quantities."""
     parameters = inspect.signature(function).parameters.values()
     return tuple(p.name for p in parameters if p.default is inspect.Parameter.empty)
+
+
+def keywords(names: Iterable[str]) -> inspect.Signature:
+    """Return the signature of a function that takes some quantities by keyword."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Signature([inspect.Parameter(name, keyword) for name in dict.fromkeys(names)])
 
 
 def _summary(function: Function) -> str:

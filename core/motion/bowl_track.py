@@ -1,0 +1,355 @@
+"""The track of a bowl from its start to the exit: radius, climb and lining by stretch.
+
+The names of a study's parameters say which stretches there are, as they do for the parts of a row.
+Equations then give radius, climb and friction at a share of the track's length, and what passes the
+whole track from the motion at nodes along it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core.errors import Problem
+from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.bowl_track import (
+    Stretches,
+    bounds,
+    picked,
+    radius_at,
+    stretches_of,
+    total_length,
+)
+from core.motion.rates import parts_per_minute
+from core.plan.equations import run
+from core.quantities.bowl_track import OF_STRETCHES
+from core.scenes.graph import between
+from core.scenes.scene import Condition, Equation, fields, keywords
+
+SOURCE = "theory 15.6"
+PARTS = 16
+"""Equal parts of a stretch, at whose ends the motion is followed."""
+INSIDE = 1e-9
+"""Of a stretch: how far its first and last node lie from its ends."""
+PIECE = 100_000
+"""Motions that are followed together."""
+GIVES_WAY = {"stretch_climb": ("gamma",), "stretch_friction": ("friction", "friction_static",
+             "friction_kinetic"), "stretch_radius": ("radius",)}  # fmt: skip
+"""Parameters that what a stretch has of its own takes the place of."""
+
+_NUMBERED = re.compile(rf"({'|'.join(OF_STRETCHES)})_(\d+)")
+
+
+@dataclass(frozen=True)
+class Track:
+    """The stretches of a track that the names of parameters give.
+
+    Attributes
+    ----------
+    count : int
+        How many there are.
+    own : mapping of str to tuple of int
+        Which stretches have a climb, a friction of their own.
+    """
+
+    count: int
+    own: Mapping[str, tuple[int, ...]]
+
+    def names(self, stem: str) -> tuple[str, ...]:
+        """Return the parameter of each stretch: its own, or that of one before."""
+        return tuple(
+            f"{stem}_{max(k for k in self.own[stem] if k <= n)}" for n in range(1, self.count + 1)
+        )
+
+
+def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
+    """Return the track that the names of a study's parameters give, None if they give none.
+
+    The second is what is wrong with them.
+    """
+    given = tuple(names)
+    found = [match for match in map(_NUMBERED.fullmatch, given) if match]
+    if not found:
+        return None, []
+    own = {
+        stem: tuple(sorted(int(match[2]) for match in found if match[1] == stem))
+        for stem in OF_STRETCHES
+    }
+    count = max(n for which in own.values() for n in which)
+    problems = [] if of_bowl else [_without_bowl(found[0][0])]
+    for stem in ("stretch_turns", "stretch_radius"):
+        missing = [n for n in range(1, count + 1) if n not in own[stem]]
+        problems += [
+            Problem(f"parameters.{stem}_{n}", "it is missing; each stretch needs it", "Add it")
+            for n in missing
+        ]
+    for stem in ("stretch_climb", "stretch_friction"):
+        if own[stem] and 1 not in own[stem]:
+            message = "it is missing: the first stretch has none before it"
+            problems.append(Problem(f"parameters.{stem}_1", message, "Add it"))
+    for stem, others in GIVES_WAY.items():
+        problems += [
+            Problem(
+                f"parameters.{name}", f"it follows from {stem}_{own[stem][0]}",
+                f"Remove it, or all of {stem}",
+            )
+            for name in others
+            if own[stem] and name in given
+        ]  # fmt: skip
+    return (None if problems else Track(count, own)), problems
+
+
+def _without_bowl(name: str) -> Problem:
+    message = "stretches belong to the track of a bowl on its drive unit"
+    return Problem(f"parameters.{name}", message, "Add spring_radius, moving_inertia, base_inertia")
+
+
+# --- equations
+
+
+@dataclass(frozen=True)
+class AllStretches:
+    """The function of the equation that gives the stretches of a track."""
+
+    track: Track
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", "Return the stretches of the track.")
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities that it needs."""
+        track = self.track
+        stems = ("stretch_radius", "stretch_turns")
+        return ("start_radius", *(n for stem in stems for n in track.names(stem)), *self.climbs)
+
+    @property
+    def climbs(self) -> tuple[str, ...]:
+        """Names of the climbs, one a stretch."""
+        own = self.track.own["stretch_climb"]
+        return self.track.names("stretch_climb") if own else ("gamma",) * self.track.count
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return keywords(self.inputs)
+
+    def __call__(self, **given: Any) -> Stretches:
+        """Return the stretches."""
+        radii, turns = (
+            [given[name] for name in self.track.names(stem)]
+            for stem in ("stretch_radius", "stretch_turns")
+        )
+        climbs = [given[name] for name in self.climbs]
+        return stretches_of(given["start_radius"], radii, turns, climbs)
+
+
+@dataclass(frozen=True)
+class AtFraction:
+    """The function of an equation that gives what the stretch at a share of the length has."""
+
+    track: Track
+    stem: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", "Return what the stretch has at this place.")
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return keywords(("track_fraction", "stretches", *self.track.names(self.stem)))
+
+    def __call__(self, **given: Any) -> Array:
+        """Return the value of the stretch."""
+        values = [given[name] for name in self.track.names(self.stem)]
+        return picked(given["track_fraction"], given["stretches"], values)
+
+
+def track_radius(*, track_fraction: Array, stretches: Stretches) -> Array:
+    """Return the radius at a share of the track's length, r^2 linear in a stretch [m]."""
+    return radius_at(track_fraction, stretches)
+
+
+def radius(*, track_radius: Array) -> Array:
+    """Return the radius of the track at its place [m]."""
+    return track_radius
+
+
+def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
+    """Return the radius at which all that the track carries is taken to be [m]."""
+    return radius_at(load_fraction, stretches)
+
+
+def track_length(*, stretches: Stretches) -> Array:
+    """Return the length of the track, the sum of pi n (r_1 + r_2)/cos(gamma) [m]."""
+    return total_length(stretches)
+
+
+def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
+    """Return the parts a minute that the bottleneck passes, 60 v occupancy/length [min-1]."""
+    return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
+
+
+def stalls(*, passage: Passage) -> Mask:
+    """True where parts do not get along somewhere on the track."""
+    return np.logical_not(passage.slowest > 0.0)
+
+
+class Passage(NamedTuple):
+    """What passes a whole track; arrays of one shape.
+
+    Attributes
+    ----------
+    time : ndarray
+        Of a part from start to exit [s]; infinite where it stops on the way.
+    slowest : ndarray
+        The least mean velocity [m s-1].
+    fraction, radius : ndarray
+        Share of the length, and radius [m], at which that is.
+    """
+
+    time: Array
+    slowest: Array
+    fraction: Array
+    radius: Array
+
+
+@dataclass(frozen=True)
+class AlongTrack:
+    """The function of the equation that gives the `Passage`.
+
+    Attributes
+    ----------
+    stretches : AllStretches
+        Gives the stretches of a cell.
+    way : tuple of Equation
+        From a share of the track's length to the mean velocity there.
+    needs : tuple of str
+        Quantities that it needs from outside.
+    """
+
+    stretches: AllStretches
+    way: tuple[Equation, ...]
+    needs: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        says = "Return what passes the whole track, from the motion at nodes along it."
+        object.__setattr__(self, "__doc__", says)
+
+    @property
+    def nodes(self) -> int:
+        """How many motions it follows in each cell."""
+        return self.stretches.track.count * (PARTS + 1)
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """One argument a quantity."""
+        return keywords(self.needs)
+
+    def __call__(self, **given: Any) -> Passage:
+        """Return the passage of each cell."""
+        columns = np.broadcast_arrays(
+            *(np.asarray(given[name], dtype=float) for name in self.needs)
+        )
+        shape = columns[0].shape
+        flat = [column.reshape(-1, 1) for column in columns]
+        step = max(1, PIECE // self.nodes)
+        pieces = [
+            self._of_cells({n: v[at : at + step] for n, v in zip(self.needs, flat, strict=True)})
+            for at in range(0, len(flat[0]), step)
+        ]
+        return Passage._make(
+            np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True)
+        )
+
+    def _of_cells(self, known: dict[str, Any]) -> Passage:
+        """Return the passage of cells, arrays of the shape (cells, 1)."""
+        stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
+        x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
+        ends = bounds(stretches)
+        nodes = np.concatenate([low + (high - low) * x for low, high in pairwise(ends)], axis=1)
+        cells = len(nodes)
+        found = run(self.way, {**known, "stretches": stretches, "track_fraction": nodes})
+        velocity = np.broadcast_to(found["conveying_velocity"], nodes.shape)
+        rows, slowest = np.arange(cells), np.argmin(velocity, axis=1)  # NaN is least of all
+        slowness = ratio(np.ones(()), velocity, np.inf)
+        slowness = np.where(velocity < 0.0, np.inf, slowness).reshape(cells, -1, PARTS + 1)
+        means = (slowness[..., 1:] + slowness[..., :-1]).mean(axis=2) / 2.0
+        lengths = np.concatenate(stretches.length, axis=1)
+        return Passage(
+            time=(lengths * means).sum(axis=1),
+            slowest=velocity[rows, slowest],
+            fraction=nodes[rows, slowest],
+            radius=radius_at(nodes, stretches)[rows, slowest],
+        )
+
+
+RESULTS = (
+    Equation("track_length", track_length, SOURCE),
+    *fields(
+        "passage",
+        SOURCE,
+        transit_time=("time", "the time of a part from start to exit; infinite if it stops [s]"),
+        bottleneck_velocity=("slowest", "the least mean velocity along the track [m s-1]"),
+        bottleneck_fraction=("fraction", "the share of the length at which parts are slowest [1]"),
+        bottleneck_radius=("radius", "the radius at which parts are slowest [m]"),
+    ),
+    Equation("track_feed_rate", track_feed_rate, SOURCE),
+)
+DEFAULTS = {"track_fraction": 0.0, "load_fraction": 0.5}
+STALLS = Condition(
+    "stalls",
+    stalls,
+    frozenset(one.gives for one in RESULTS if one.gives != "track_length"),
+)
+
+
+def at_places(track: Track) -> tuple[Equation, ...]:
+    """Return the equations of radius, climb and friction at a share of the track's length."""
+    own = {
+        "stretch_climb": ("gamma",),
+        "stretch_friction": ("friction_static", "friction_kinetic"),
+    }
+    return (
+        Equation("stretches", AllStretches(track), SOURCE),
+        Equation("track_radius", track_radius, SOURCE),
+        Equation("radius", radius, SOURCE),
+        *(
+            Equation(name, AtFraction(track, stem), SOURCE)
+            for stem, names in own.items()
+            if track.own[stem]
+            for name in names
+        ),
+    )
+
+
+def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:
+    """Return the equations of what passes a whole track; `equations` are all those of a place."""
+    stretches = AllStretches(track)
+    way = between(equations, ("track_fraction",), ("conveying_velocity",))
+    given = {*stretches.inputs, *(name for one in way for name in one.inputs)}
+    given -= {"track_fraction", "stretches", *(one.gives for one in way)}
+    passage = AlongTrack(stretches, way, tuple(sorted(given)))
+    return (Equation("passage", passage, SOURCE), *RESULTS)
+
+
+@dataclass(frozen=True)
+class AtLoad:
+    """Tells where on a track the parts are that load it, as `part_load` takes it."""
+
+    stretches: AllStretches
+    gives = ("track_fraction", "stretches")
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The share of the length, and what gives the stretches."""
+        return ("load_fraction", *self.stretches.inputs)
+
+    def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
+        """Return the share of the length, and the stretches."""
+        stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
+        return {"track_fraction": known["load_fraction"], "stretches": stretches}
