@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from core.atlas.lookup import lookup
     from core.atlas.read import open_atlas
     from core.errors import LimitError, Problem, StudyError, VibrafeedError
-    from core.materials import friction
+    from core.materials import friction, leaf_springs
     from core.motion.drive_error import DriveError
     from core.motion.rates import effective_distance, parts_per_minute, velocity_for
     from core.quantities import QUANTITIES, REGIMES
@@ -118,7 +118,7 @@ _ELSEWHERE = {
     "core.atlas.lookup": ("lookup",),
     "core.atlas.read": ("open_atlas",),
     "core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
-    "core.materials": ("friction",),
+    "core.materials": ("friction", "leaf_springs"),
     "core.motion.drive_error": ("DriveError",),
     "core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
     "core.quantities": ("QUANTITIES", "REGIMES"),
@@ -154,6 +154,7 @@ __all__ = [
     "drive_error",
     "effective_distance",
     "friction",
+    "leaf_springs",
     "load_study",
     "lookup",
     "open_atlas",

@@ -34,6 +34,7 @@ COMMANDS: Final = MappingProxyType(
         "lookup": "Read speed, regime and shares from an atlas, each with its error.",
         "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
         "friction": "Print published coefficients of friction and restitution, with their sources.",
+        "leaves": "Print published moduli and densities of leaf springs, with their sources.",
         "schema": "Print the JSON Schema of studies, for editors.",
         "serve": "Serve the HTTP interface.",
         "scrub": "Compare every result of a service with its digests; exit with 1 if one is "

@@ -1,4 +1,4 @@
-"""Coefficients of friction and of restitution, as published: a file of data, rows with sources."""
+"""What is published of friction, restitution and leaf springs: files of data, rows with sources."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ VALUES: Final = ("static", "kinetic", "coefficient", "restitution")
 
 WORDS: Final = ("part", "track", "surface", "note")
 """What of a row is words."""
+
+OF_LEAVES: Final = ("elastic_modulus", "density")
+"""Ranges that a material of leaf springs may have [GPa, kg/m3]."""
 
 
 def friction(words: str = "") -> dict[str, Any]:
@@ -38,7 +41,7 @@ def friction(words: str = "") -> dict[str, Any]:
     >>> row["part"], row["track"], row["static"]
     ('ABS', 'steel', [0.3, 0.3])
     """
-    data = _data()
+    data = _data("friction.toml")
     wanted = words.lower().split()
     pairs = [_row(row, VALUES[:3]) for row in data["pairs"] if _holds(row, wanted)]
     rebounds = [_row(row, VALUES[3:]) for row in data["rebounds"] if _holds(row, wanted)]
@@ -48,6 +51,46 @@ def friction(words: str = "") -> dict[str, Any]:
         "pairs": pairs,
         "rebounds": rebounds,
         "sources": {name: dict(told) for name, told in data["sources"].items() if name in used},
+    }
+
+
+def leaf_springs(words: str = "") -> dict[str, Any]:
+    """Return published moduli and densities of leaf springs, with what to make of them.
+
+    Parameters
+    ----------
+    words : str
+        Rows that hold each of these words, as in ``"glass epoxy"``; all rows if empty.
+
+    Returns
+    -------
+    dict
+        ``materials``, each with material, form, note, source, and the ranges elastic_modulus [GPa]
+        and density [kg/m3], None where the source has none; ``about``, a list of sentences;
+        ``sources`` of the rows, by name, with title, by and address.
+
+    Examples
+    --------
+    >>> (row,) = vibrafeed.leaf_springs("glass epoxy")["materials"]
+    >>> row["form"], row["elastic_modulus"]
+    ('cloth in epoxy, G10 or FR4, lengthwise', [18.6, 18.6])
+    """
+    data, wanted = _data("leaf_springs.toml"), words.lower().split()
+    names = ("material", "form", "note")
+    rows = [
+        {
+            **{name: row[name] for name in names},
+            **{name: row.get(name) for name in OF_LEAVES},
+            "source": row["source"],
+        }
+        for row in data["materials"]
+        if _holds(row, wanted, names)
+    ]
+    used = {row["source"] for row in rows}
+    return {
+        "about": list(data["about"]),
+        "materials": rows,
+        "sources": {name: dict(one) for name, one in data["sources"].items() if name in used},
     }
 
 
@@ -66,9 +109,9 @@ def _row(row: Mapping[str, Any], values: Iterable[str]) -> dict[str, Any]:
     return {**told, **{name: row.get(name) for name in values}, "source": row["source"]}
 
 
-def _holds(row: Mapping[str, Any], wanted: Iterable[str]) -> bool:
+def _holds(row: Mapping[str, Any], wanted: Iterable[str], names: Iterable[str] = WORDS) -> bool:
     """True if each of some words is the beginning of a word of the row."""
-    text = " ".join(row.get(name, "") for name in WORDS).lower()
+    text = " ".join(row.get(name, "") for name in names).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")
     present = text.split()
@@ -76,5 +119,5 @@ def _holds(row: Mapping[str, Any], wanted: Iterable[str]) -> bool:
 
 
 @functools.cache
-def _data() -> Mapping[str, Any]:
-    return tomllib.loads((files(__name__) / "friction.toml").read_text(encoding="utf-8"))
+def _data(name: str) -> Mapping[str, Any]:
+    return tomllib.loads((files(__name__) / name).read_text(encoding="utf-8"))

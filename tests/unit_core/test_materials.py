@@ -14,7 +14,9 @@ from app.cli import app
 from app.main import create_app
 from app.settings import Settings
 from benchmarks.friction_page import PAGE, page
-from core.materials import friction, shown
+from core.materials import friction, leaf_springs, shown
+from core.quantities import QUANTITIES
+from core.scenes import SCENES
 
 ALL = friction()
 
@@ -34,7 +36,7 @@ def test_every_row_has_values_and_a_source() -> None:
         assert row["part"], row
         assert row["track"], row
         assert ALL["sources"][row["source"]]["address"].startswith("http"), row
-    declared = core.materials._data()["sources"]
+    declared = core.materials._data("friction.toml")["sources"]
     assert set(declared) == {row["source"] for row in rows()}  # none that nobody quotes
 
 
@@ -98,6 +100,39 @@ def test_the_service_sends_the_same(tmp_path) -> None:
     assert client.get("/friction").json() == ALL
     assert client.get("/friction", params={"words": "abs steel"}).json() == friction("abs steel")
     assert vibrafeed.friction("abs steel") == friction("abs steel")
+
+
+def test_every_material_of_leaves_has_a_modulus_and_a_source() -> None:
+    found = leaf_springs()
+    for row in found["materials"]:
+        assert 5 < row["elastic_modulus"][0] <= row["elastic_modulus"][1] < 250, row
+        assert row["density"] is None or 1500 < row["density"][0] <= row["density"][1] < 8000, row
+        assert found["sources"][row["source"]]["address"].startswith("http"), row
+    declared = core.materials._data("leaf_springs.toml")["sources"]
+    assert set(declared) == {row["source"] for row in found["materials"]}
+
+
+def test_glass_fibre_scatters_by_three_as_is_said() -> None:
+    rows = leaf_springs("glass")["materials"]
+    least = min(row["elastic_modulus"][0] for row in rows)
+    largest = max(row["elastic_modulus"][1] for row in rows)
+    assert 3 < largest / least < 4
+    assert QUANTITIES["elastic_modulus"].parameter
+    for name in ("linear-drive-unit", "bowl-drive-unit"):
+        assert "elastic_modulus" not in SCENES[name].defaults, "no default where they scatter"
+
+
+def test_the_command_line_prints_leaf_springs() -> None:
+    result = CliRunner().invoke(app, ["leaves", "glass", "epoxy"])
+    assert result.exit_code == 0, result.output
+    words = " ".join(result.output.split())
+    assert "18.6" in words
+    assert "Accurate Plastics" in words
+    assert "Tokai" not in words
+    none = CliRunner().invoke(app, ["leaves", "unobtainium"])
+    assert none.exit_code == 1
+    assert "No row holds all of: unobtainium." in none.output
+    assert vibrafeed.leaf_springs("steel") == leaf_springs("steel")
 
 
 def test_its_examples_do_what_they_say() -> None:
