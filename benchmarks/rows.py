@@ -1,7 +1,8 @@
 """What rows of parts take, in milliseconds; `python -m benchmarks.rows`.
 
-Processor time of a cell on one core: rows of random friction from event to event, free and at a
-stop, and rows of one friction beside a part alone.
+Processor time of a cell on one core: rows of random friction from event to event, each for all of
+100 periods, studies of them, which end where a row repeats, free and at a stop, and rows of one
+friction beside a part alone.
 """
 
 from __future__ import annotations
@@ -14,10 +15,27 @@ from typing import Any
 import numpy as np
 
 import vibrafeed
+from core.motion.kernels.rows import path_of_row
+from core.motion.kernels.rows.tables import NO_STOP, Head
 
 DRIVE: dict[str, Any] = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
 ROW: dict[str, Any] = {"scene": "row-on-plane", "friction": 0.4, "max_periods": 100}
 MAX_AMPLITUDE = 6e-4  # m, a throw number of 2.5
+
+
+def whole_rows(parts: int, rows: int) -> tuple[float, float]:
+    """Return the mean and the largest processor time of 100 periods of random rows [ms]."""
+    random, times = np.random.default_rng(parts), []
+    end, places, gaps = np.array([200 * np.pi]), np.empty((1, parts)), np.empty((1, parts - 1))
+    for _ in range(rows + 1):
+        along, normal = random.uniform(0.5, 3.0), random.uniform(0.1, 2.5)
+        friction, mass = random.uniform(0.2, 0.6, parts), random.uniform(0.5, 2.0, parts)
+        head = Head(along, normal, 0.0, 1.0, 0.0, 100.0, NO_STOP, 0.0, parts, parts)
+        cell = np.array([*head, *friction, *friction, *mass, *np.zeros(parts)])
+        start = time.process_time()
+        path_of_row(cell, end, places, gaps)
+        times.append((time.process_time() - start) * 1e3)
+    return float(np.mean(times[1:])), max(times[1:])
 
 
 def milliseconds(study: Callable[[int], object], cells: int) -> float:
@@ -47,11 +65,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cells", type=int, default=1000, help="cells of a study, 50 or more")
     cells = max(50, parser.parse_args().cells // 50 * 50)
-    print("random friction, 100 periods     ms a cell")
+    print("random drive and friction, all of 100 periods     ms a row   at most")
     for parts in (2, 5, 10, 20):
-        print(f"{parts:5} parts {milliseconds(of_rows(parts), cells):26.2f}")
+        mean, most = whole_rows(parts, cells // 5)
+        print(f"{parts:5} parts {mean:45.2f} {most:9.2f}")
+    print("random friction, 100 periods at most     ms a cell")
+    for parts in (2, 5, 10, 20):
+        print(f"{parts:5} parts {milliseconds(of_rows(parts), cells):34.2f}")
     held = of_rows(10, fixed_stop_gap=0)
-    print(f"   10 parts at a fixed stop {milliseconds(held, cells):9.2f}")
+    print(f"   10 parts at a fixed stop {milliseconds(held, cells):17.2f}")
     amplitudes = np.linspace(1e-4, MAX_AMPLITUDE, cells)
 
     def equal(scene: str, **more: Any) -> Callable[[int], object]:

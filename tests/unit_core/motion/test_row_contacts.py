@@ -15,6 +15,10 @@ mp = Functions()
 DEPTHS = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
+def closing(gap, v, C, k, tau, span):
+    return first_contact(gap, v, C, k, tau, np.sin(tau), np.cos(tau), span)
+
+
 def opens_by(v, C, k, tau, d):
     """Return what a gap has grown by after a phase, of numbers of any kind."""
     sine, cosine = (np.sin, np.cos) if isinstance(d, float | np.ndarray) else (mp.sin, mp.cos)
@@ -52,11 +56,11 @@ def test_a_gap_that_grazes_closes_where_it_does_and_nowhere_else():
             lowest, depth = dip
             for beyond in DEPTHS:
                 beyond *= 1.0 + abs(C) + abs(k) + abs(v)
-                assert first_contact(float(depth + mpf(beyond)), v, C, k, tau, span) == np.inf
+                assert closing(float(depth + mpf(beyond)), v, C, k, tau, span) == np.inf
                 gap = depth - mpf(beyond)
                 if gap <= 0:
                     continue
-                closes = first_contact(float(gap), v, C, k, tau, span)
+                closes = closing(float(gap), v, C, k, tau, span)
                 # The very gap, in many digits, is 0 there but for rounding, and it is its first 0.
                 left = mpf(float(gap)) + opens_by(*map(mpf, (v, C, k, tau, closes)))
                 assert abs(left) < 1e-14 * (1.0 + abs(C) + abs(k) + abs(v))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections import namedtuple
 
-from core.compiled import compiled
-from core.motion.kernels.planar.flow import TURN, flow, phase_to
+from core.compiled import borrowing
+from core.motion.kernels.planar.flow import TURN, flow, phase_to, swings
 from core.motion.kernels.rows.contact import (
     chain_end,
     collide,
@@ -43,7 +43,7 @@ LONGEST_FLIGHT = 1000
 """Turns of the drive: at throw numbers beyond some 3,000 no feeder works."""
 
 
-@compiled
+@borrowing
 def refreshed(row: Row, drive: Drive, level: float, tau: float, flying: bool, event: Event) -> None:
     """Let parts start that are pushed, open idle contacts, and set all flows, after an event."""
     forced = event.part if event.kind == START else -1
@@ -58,7 +58,7 @@ def refreshed(row: Row, drive: Drive, level: float, tau: float, flying: bool, ev
     set_flows(row, drive, pull, flying)
 
 
-@compiled
+@borrowing
 def next_event(
     row: Row, drive: Drive, level: float, tau: float, span: float, landing: float
 ) -> Event:
@@ -68,6 +68,7 @@ def next_event(
     collisions.
     """
     event = Event(span, NOTHING, 0)
+    sine, cosine = math.sin(tau), math.cos(tau)
     flying = landing < math.inf
     if flying:
         if landing < span:
@@ -77,21 +78,23 @@ def next_event(
             up = phase_to(math.asin(drive.gn / drive.s), tau)
             if up < span:
                 event = Event(up, LIFT, 0)
-        event = _on_floor(row, drive, drive.gs - level, tau, event)
+        event = _on_floor(row, drive, drive.gs - level, tau, sine, cosine, event)
     if row.stop != NO_STOP:
         event = _released(row, drive, drive.gs - level, tau, flying, event)
     for i in range(row.closed.size):
         if row.closed[i] == 0:
             gain, drag = row.gain[i + 1] - row.gain[i], row.drag[i + 1] - row.drag[i]
             apart = row.speed[i + 1] - row.speed[i]
-            until = first_contact(row.gap[i], apart, gain, drag, tau, event.span)
+            until = first_contact(row.gap[i], apart, gain, drag, tau, sine, cosine, event.span)
             if until < event.span:
                 event = Event(until, HIT, i)
     return event
 
 
-@compiled
-def _on_floor(row: Row, drive: Drive, pull: float, tau: float, event: Event) -> Event:
+@borrowing
+def _on_floor(
+    row: Row, drive: Drive, pull: float, tau: float, sine: float, cosine: float, event: Event
+) -> Event:
     """Return the earlier of an event and the first stop or start.
 
     A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), mu as `least_friction`.
@@ -102,8 +105,9 @@ def _on_floor(row: Row, drive: Drive, pull: float, tau: float, event: Event) -> 
         mode = row.mode[first]
         if mode != 0:
             until = first_stop(
-                row.speed[first], mode, row.gain[first], row.drag[first], tau, event.span
-            )
+                row.speed[first], mode, row.gain[first], row.drag[first], tau, sine, cosine,
+                event.span,
+            )  # fmt: skip
             if until < event.span:
                 event = Event(until, STOP, first)
         else:
@@ -118,7 +122,7 @@ def _on_floor(row: Row, drive: Drive, pull: float, tau: float, event: Event) -> 
     return event
 
 
-@compiled
+@borrowing
 def _released(row: Row, drive: Drive, pull: float, tau: float, flying: bool, event: Event) -> Event:
     """Return the earlier of an event and the first release of a block by the stop.
 
@@ -140,25 +144,26 @@ def _released(row: Row, drive: Drive, pull: float, tau: float, flying: bool, eve
     return Event(until, RELEASE, first) if until < event.span else event
 
 
-@compiled
+@borrowing
 def move(row: Row, tau: float, span: float) -> None:
     """Carry all parts over a phase by their flows; gaps change by what their parts do.
 
     Parts that touch have one velocity, one C and one k: they move by the same, to the bit.
     """
-    sine, cosine = math.sin(tau), math.cos(tau)
+    swing, sway = swings(math.sin(tau), math.cos(tau), span)
+    half = span * span / 2.0
     behind = 0.0
     for i in range(row.mass.size):
-        row.speed[i], way = flow(row.speed[i], row.gain[i], row.drag[i], sine, cosine, span)
+        way = row.speed[i] * span + row.gain[i] * sway - row.drag[i] * half
+        row.speed[i] += row.gain[i] * swing - row.drag[i] * span
         row.place[i] += way
         if i > 0 and row.closed[i - 1] == 0:
             row.gap[i - 1] += way - behind
         behind = way
     parts = row.mass.size
     if row.stop == IN_SPACE:
-        row.speed[parts], way = flow(
-            row.speed[parts], row.gain[parts], row.drag[parts], sine, cosine, span
-        )
+        way = row.speed[parts] * span + row.gain[parts] * sway - row.drag[parts] * half
+        row.speed[parts] += row.gain[parts] * swing - row.drag[parts] * span
         if row.closed[parts - 1] == 1:
             row.speed[parts] = row.speed[parts - 1]
         else:
@@ -167,7 +172,7 @@ def move(row: Row, tau: float, span: float) -> None:
         row.gap[parts - 1] -= behind
 
 
-@compiled
+@borrowing
 def lifted(drive: Drive, tau: float) -> Air:
     """Return the flight that begins at a phase: z'' = s sin(tau) - gn from z = z' = 0."""
     span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
@@ -177,7 +182,7 @@ def lifted(drive: Drive, tau: float) -> Air:
     return Air(span, -rate)
 
 
-@compiled
+@borrowing
 def happened(
     row: Row, drive: Drive, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
@@ -205,7 +210,7 @@ def happened(
     return air, lost, impulse
 
 
-@compiled
+@borrowing
 def _bounces_end(row: Row, contact: int, tau: float, restitution: float) -> bool:
     """True where two parts that strike are pressed together, and would bounce next to no time.
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
+from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.rows.advance import (
@@ -88,7 +88,7 @@ def keep(row: Row, air: Air, past: Past, period: int) -> None:
     past.landing[at] = air.landing
 
 
-@compiled
+@borrowing
 def one_period(
     row: Row, drive: Drive, restitution: float, air: Air, past: Past, period: int, swept: Floats
 ) -> tuple[Air, Tally]:
@@ -132,7 +132,7 @@ def one_period(
             return air, FAILED
 
 
-@compiled
+@borrowing
 def sweep(row: Row, tau: float, span: float, swept: Floats) -> None:
     """Add the integrals of the gaps between parts over a phase d in which no event is.
 

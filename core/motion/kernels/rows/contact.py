@@ -7,14 +7,14 @@ solution is unique, and pooling neighbours that violate the order gives it in on
 
 from __future__ import annotations
 
-from core.compiled import compiled
+from core.compiled import borrowing
 from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Drive, Row
 
 RESOLVED = 1e-13
 """Of the weight: a push that is so little beyond the limit of static friction is at it."""
 
 
-@compiled
+@borrowing
 def pooled(row: Row, first: int, end: int) -> int:
     """Pool `row.value[first:end]` into means that do not fall; return how many blocks they are.
 
@@ -42,7 +42,7 @@ def pooled(row: Row, first: int, end: int) -> int:
     return blocks
 
 
-@compiled
+@borrowing
 def chain_end(row: Row, first: int) -> int:
     """Return the end of the chain of closed contacts that begins with a part."""
     end = first + 1
@@ -51,13 +51,13 @@ def chain_end(row: Row, first: int) -> int:
     return end
 
 
-@compiled
+@borrowing
 def is_held(row: Row, end: int) -> bool:
     """True if a chain that ends there touches a stop, with its velocity."""
     return row.stop != NO_STOP and end == row.mass.size and row.closed[end - 1] == 1
 
 
-@compiled
+@borrowing
 def held_from(row: Row) -> int:
     """Return the first part of the chain that touches a stop; the number of parts if none does."""
     first = row.mass.size
@@ -68,14 +68,14 @@ def held_from(row: Row) -> int:
     return first
 
 
-@compiled
+@borrowing
 def open_between(row: Row, blocks: int) -> None:
     """Open the contacts between the blocks that `pooled` has left."""
     for b in range(blocks - 1):
         row.closed[row.last[b]] = 0
 
 
-@compiled
+@borrowing
 def slide(row: Row) -> None:
     """Open the contacts that carry nothing while their parts slide one way.
 
@@ -93,7 +93,7 @@ def slide(row: Row) -> None:
         first = end
 
 
-@compiled
+@borrowing
 def hold(row: Row, drive: Drive, push: float, load: float, flying: bool, released: bool) -> None:
     """Let go of the stop those parts of the chain there that are no longer pressed onto it.
 
@@ -132,7 +132,7 @@ def hold(row: Row, drive: Drive, push: float, load: float, flying: bool, release
         row.mode[i] = mode
 
 
-@compiled
+@borrowing
 def least_pressed(row: Row, first: int) -> float:
     """Return -mode mu of the block, held by a stop in space, that lets go first."""
     parts = row.mass.size
@@ -142,7 +142,7 @@ def least_pressed(row: Row, first: int) -> float:
     return row.value[first]
 
 
-@compiled
+@borrowing
 def set_flows(row: Row, drive: Drive, pull: float, flying: bool) -> None:
     """Set C and k of u' = C sin(tau) - k of every part.
 
@@ -174,7 +174,7 @@ def set_flows(row: Row, drive: Drive, pull: float, flying: bool) -> None:
             row.gain[i], row.drag[i] = row.gain[parts], row.drag[parts]
 
 
-@compiled
+@borrowing
 def start(row: Row, push: float, load: float, forced: int) -> None:
     """Let those parts of every resting chain slide whom the push moves.
 
@@ -191,7 +191,7 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
         first = end
 
 
-@compiled
+@borrowing
 def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
     way = 1 if push > 0.0 else -1
     for i in range(first, end):
@@ -201,7 +201,7 @@ def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_fo
     _set_apart(row, first, end, way, is_forced)
 
 
-@compiled
+@borrowing
 def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> None:
     """Set the mode of the parts that move, and open the contact to those that stay."""
     farthest = end - 1 if way > 0 else first
@@ -217,7 +217,7 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
         row.closed[end - 1] = 0  # of a stop of the track; one in space has let go before
 
 
-@compiled
+@borrowing
 def least_friction(row: Row, first: int, end: int, way: int) -> float:
     """Return the static friction mu of the block of a resting chain that starts first one way.
 
@@ -229,7 +229,7 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
     return -way * row.value[end - 1 if way > 0 else first]
 
 
-@compiled
+@borrowing
 def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
     """Let two parts and all that touch them strike; return the energy lost, the stop's impulse.
 
@@ -271,7 +271,7 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
     return lost * (1.0 - restitution * restitution) / 2.0, impulse if stopped else 0.0
 
 
-@compiled
+@borrowing
 def land(row: Row, impulse: float) -> float:
     """Let all parts land with an impulse L per mass; return what a stop takes.
 
@@ -305,7 +305,7 @@ def land(row: Row, impulse: float) -> float:
     return taken
 
 
-@compiled
+@borrowing
 def sign(value: float) -> int:
     """Return 1, 0 or -1."""
     return 1 if value > 0.0 else (-1 if value < 0.0 else 0)

@@ -8,57 +8,63 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.compiled import borrowing
 from core.motion.kernels.planar.flow import TURN, flow, phase_to
 
 MAX_STEPS = 100
 """Of a bracketed iteration of Newton: bisection alone needs 60 for a turn."""
 SAME = 1e-12
 """Of phase: what is nearer to now is now."""
+ROUNDING = 1e-13
+"""Of the terms of a bound: nearer to 0 than this it says nothing."""
 
 
-@compiled
-def nodes_of(C: float, k: float, tau: float, span: float, nodes: Floats) -> int:
-    """Write the phases from tau on, within a span of a turn at most, that bound the zeros of u'.
+@borrowing
+def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]:
+    """Return the zeros of u' from tau on, within a span of a turn at most, where C sin(tau) = k.
 
-    They are 0, where C sin(tau) = k, and the span, in order; their number is returned.
+    In order; the span stands for one that is not within it.
     """
-    nodes[0], count = 0.0, 1
+    one, other = span, span
     if abs(C) > abs(k):
         angle = math.asin(k / C)
         one, other = phase_to(angle, tau), phase_to(math.pi - angle, tau)
-        for d in (min(one, other), max(one, other)):
-            if SAME < d < span:
-                nodes[count] = d
-                count += 1
-    nodes[count] = span
-    return count + 1
+        one = one if SAME < one < span else span
+        other = other if SAME < other < span else span
+    return min(one, other), max(one, other)
 
 
-@compiled
+@borrowing
 def refined(
-    order: int, x: float, v: float, C: float, k: float, tau: float, low: float, high: float
+    order: int,
+    x: float,
+    v: float,
+    C: float,
+    k: float,
+    sine: float,
+    cosine: float,
+    low: float,
+    high: float,
 ) -> float:
     """Return the zero of the velocity (order 0) or of the distance (1) between two phases.
 
-    Newton's iteration, by bisection where it leaves the bracket.
+    Newton's iteration, by bisection where it leaves the bracket; `sine` and `cosine` are those of
+    the phase at the start.
     """
-    at_low = _value(order, x, v, C, k, tau, low)
+    speed, way = flow(v, C, k, sine, cosine, low)
+    rises = (x + way if order == 1 else speed) < 0.0
     d = 0.5 * (low + high)
     for _ in range(MAX_STEPS):
-        value = _value(order, x, v, C, k, tau, d)
+        speed, way = flow(v, C, k, sine, cosine, d)
+        value, slope = x + way, speed
+        if order == 0:
+            value, slope = speed, C * (sine * math.cos(d) + cosine * math.sin(d)) - k
         if value == 0.0:
             return d
-        if (value > 0.0) == (at_low > 0.0):
+        if (value < 0.0) == rises:
             low = d
         else:
             high = d
-        slope = C * math.sin(tau + d) - k
-        if order == 1:
-            slope = flow(v, C, k, math.sin(tau), math.cos(tau), d)[0]
         step = value / slope if slope != 0.0 else math.inf
         after = d - step
         if not low < after < high:
@@ -69,52 +75,69 @@ def refined(
     return d
 
 
-@compiled
-def _value(order: int, x: float, v: float, C: float, k: float, tau: float, d: float) -> float:
-    speed, way = flow(v, C, k, math.sin(tau), math.cos(tau), d)
-    return x + way if order == 1 else speed
-
-
-@compiled
-def first_stop(v: float, way: int, C: float, k: float, tau: float, span: float) -> float:
+@borrowing
+def first_stop(
+    v: float, way: int, C: float, k: float, tau: float, sine: float, cosine: float, span: float
+) -> float:
     """Return the phase until a velocity, which has the sign of `way` or is 0, is 0; else inf."""
-    nodes = np.empty(4)
-    count = nodes_of(C, k, tau, span, nodes)
-    for j in range(1, count):
-        if way * _value(0, 0.0, v, C, k, tau, nodes[j]) <= 0.0:
-            if nodes[j - 1] == 0.0 and v == 0.0:
+    # It falls by no more than |C| + way k a phase.
+    most = (abs(C) + way * k) * span
+    if way * v - most > ROUNDING * (abs(v) + abs(most)):
+        return math.inf
+    one, other = turns_of(C, k, tau, span)
+    low, high = 0.0, one
+    for j in range(3):
+        speed, _ = flow(v, C, k, sine, cosine, high)
+        if way * speed <= 0.0:
+            if low == 0.0 and v == 0.0:
                 return 0.0
-            return refined(0, 0.0, v, C, k, tau, nodes[j - 1], nodes[j])
+            return refined(0, 0.0, v, C, k, sine, cosine, low, high)
+        if high == span:
+            break
+        low, high = high, other if j == 0 else span
     return math.inf
 
 
-@compiled
-def first_contact(g: float, v: float, C: float, k: float, tau: float, span: float) -> float:
+@borrowing
+def first_contact(
+    g: float, v: float, C: float, k: float, tau: float, sine: float, cosine: float, span: float
+) -> float:
     """Return the phase until a gap g >= 0, which grows by v, becomes negative; else inf."""
     if C == 0.0 and k == 0.0 and v >= 0.0:
         return math.inf
-    turns, nodes = np.empty(4), np.empty(8)
-    count = nodes_of(C, k, tau, span, turns)
-    nodes[0], filled = 0.0, 1
-    before = v
-    for j in range(1, count):
-        after = _value(0, 0.0, v, C, k, tau, turns[j])
-        if before * after < 0.0:
-            nodes[filled] = refined(0, 0.0, v, C, k, tau, turns[j - 1], turns[j])
-            filled += 1
-        nodes[filled] = turns[j]
-        filled += 1
-        before = after
+    # Its velocity falls by no more than |C| + k a phase.
+    met, pull = min(v, 0.0) * span, max(abs(C) + k, 0.0) * span * span / 2.0
+    if g + met - pull > ROUNDING * (g - met + pull):
+        return math.inf
+    one, other = turns_of(C, k, tau, span)
     size = 1e-15 * (abs(C) + abs(k) + abs(v))
-    for j in range(1, filled):
-        if _value(1, g, v, C, k, tau, nodes[j]) < -size:
-            if nodes[j - 1] == 0.0 and g <= 0.0:
-                return 0.0
-            return refined(1, g, v, C, k, tau, nodes[j - 1], nodes[j])
+    low, high, before = 0.0, one, v
+    for j in range(3):
+        after, way = flow(v, C, k, sine, cosine, high)
+        if before * after < 0.0:
+            turn = refined(0, 0.0, v, C, k, sine, cosine, low, high)
+            if g + flow(v, C, k, sine, cosine, turn)[1] < -size:
+                return _closed(g, v, C, k, sine, cosine, low, turn)
+            low = turn
+        if g + way < -size:
+            return _closed(g, v, C, k, sine, cosine, low, high)
+        if high == span:
+            break
+        low, high, before = high, other if j == 0 else span, after
     return math.inf
 
 
-@compiled
+@borrowing
+def _closed(
+    g: float, v: float, C: float, k: float, sine: float, cosine: float, low: float, high: float
+) -> float:
+    """Return where a gap closes between two phases, to the second of which its way is one."""
+    if low == 0.0 and g <= 0.0:
+        return 0.0
+    return refined(1, g, v, C, k, sine, cosine, low, high)
+
+
+@borrowing
 def first_beyond(A: float, B: float, tau: float) -> float:
     """Return the phase until A sin(tau) rises above B; inf if it never does."""
     if abs(A) <= abs(B):
@@ -123,18 +146,19 @@ def first_beyond(A: float, B: float, tau: float) -> float:
     return phase_to(angle if A > 0.0 else math.pi - angle, tau)
 
 
-@compiled
+@borrowing
 def flight_time(s: float, gn: float, tau: float, most: int) -> float:
     """Return how long parts are in the air that lift off at tau; inf if beyond so many turns.
 
     Their height begins with 0, as does its rate: z'' = s sin(tau) - gn.
     """
+    sine, cosine = math.sin(tau), math.cos(tau)
     height, rate, passed = 0.0, 0.0, 0.0
     for _ in range(most):
-        span = first_contact(height, rate, s, gn, tau, TURN)
+        span = first_contact(height, rate, s, gn, tau, sine, cosine, TURN)
         if span < math.inf and passed + span > 0.0:
             return passed + span
-        rate, way = flow(rate, s, gn, math.sin(tau), math.cos(tau), TURN)
+        rate, way = flow(rate, s, gn, sine, cosine, TURN)
         height += way
         passed += TURN
     return math.inf

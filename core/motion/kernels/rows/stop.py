@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import namedtuple
 
-from core.compiled import compiled
+from core.compiled import borrowing
 from core.motion.kernels.planar.flow import phase_to
 from core.motion.kernels.rows.contact import held_from, pooled
 from core.motion.kernels.rows.tables import ON_TRACK, Drive, Row
@@ -16,7 +16,7 @@ Pressed = namedtuple("Pressed", "impulse peak")
 NOT_PRESSED = Pressed(0.0, 0.0)
 
 
-@compiled
+@borrowing
 def stop_pressed(
     row: Row, drive: Drive, pull: float, tau: float, span: float, flying: bool
 ) -> Pressed:
@@ -44,7 +44,7 @@ def stop_pressed(
     return Pressed(impulse, max(0.0, highest(gain, drag, tau, span)))
 
 
-@compiled
+@borrowing
 def _least(row: Row, drive: Drive, pull: float, tau: float, span: float, first: int) -> Pressed:
     """Return the least force of parts at rest on a stop of the track."""
     parts = row.mass.size
@@ -72,7 +72,7 @@ def _least(row: Row, drive: Drive, pull: float, tau: float, span: float, first: 
     return Pressed(impulse, peak)
 
 
-@compiled
+@borrowing
 def above(gain: float, drag: float, tau: float, span: float) -> float:
     """Return the integral of max(0, C sin(x) - k) over a phase of a turn at most."""
     if gain == 0.0:
@@ -90,12 +90,12 @@ def above(gain: float, drag: float, tau: float, span: float) -> float:
     return total
 
 
-@compiled
+@borrowing
 def _whole(gain: float, drag: float, tau: float, span: float) -> float:
     return gain * (math.cos(tau) - math.cos(tau + span)) - drag * span
 
 
-@compiled
+@borrowing
 def highest(gain: float, drag: float, tau: float, span: float) -> float:
     """Return the largest value of C sin(x) - k over a phase."""
     top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)
