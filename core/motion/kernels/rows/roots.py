@@ -15,6 +15,8 @@ MAX_STEPS = 100
 """Of a bracketed iteration of Newton: bisection alone needs 60 for a turn."""
 SAME = 1e-12
 """Of phase: what is nearer to now is now."""
+LAST_BIT = 1e-16
+"""Of the terms of a sum: where it is smaller it is 0 but for rounding, and no zero is nearer."""
 ROUNDING = 1e-13
 """Of the terms of a bound: nearer to 0 than this it says nothing."""
 
@@ -52,14 +54,22 @@ def refined(
     the phase at the start.
     """
     speed, way = flow(v, C, k, sine, cosine, low)
-    rises = (x + way if order == 1 else speed) < 0.0
-    d = 0.5 * (low + high)
+    value, slope = x + way, speed
+    if order == 0:
+        value, slope = speed, C * (sine * math.cos(low) + cosine * math.sin(low)) - k
+    rises = value < 0.0
+    d = low - value / slope if slope != 0.0 else high
+    if not low < d < high:
+        d = 0.5 * (low + high)
     for _ in range(MAX_STEPS):
         speed, way = flow(v, C, k, sine, cosine, d)
         value, slope = x + way, speed
         if order == 0:
             value, slope = speed, C * (sine * math.cos(d) + cosine * math.sin(d)) - k
-        if value == 0.0:
+        terms = abs(x) + d * (abs(v) + d * (abs(C) + abs(k)))
+        if order == 0:
+            terms = abs(v) + d * (abs(C) + abs(k))
+        if abs(value) <= LAST_BIT * terms:
             return d
         if (value < 0.0) == rises:
             low = d
@@ -111,19 +121,20 @@ def first_contact(
         return math.inf
     one, other = turns_of(C, k, tau, span)
     size = 1e-15 * (abs(C) + abs(k) + abs(v))
-    low, high, before = 0.0, one, v
+    low, high, before, left = 0.0, one, v, g
     for j in range(3):
         after, way = flow(v, C, k, sine, cosine, high)
-        if before * after < 0.0:
+        if before < 0.0 < after and left + before * (high - low) <= ROUNDING * (left + abs(way)):
             turn = refined(0, 0.0, v, C, k, sine, cosine, low, high)
             if g + flow(v, C, k, sine, cosine, turn)[1] < -size:
                 return _closed(g, v, C, k, sine, cosine, low, turn)
-            low = turn
         if g + way < -size:
+            if after < 0.0 < before:  # it opens before it closes
+                low = refined(0, 0.0, v, C, k, sine, cosine, low, high)
             return _closed(g, v, C, k, sine, cosine, low, high)
         if high == span:
             break
-        low, high, before = high, other if j == 0 else span, after
+        low, high, before, left = high, other if j == 0 else span, after, g + way
     return math.inf
 
 
