@@ -20,9 +20,8 @@ from core.intake import parse_study
 from core.kinds import run_study
 from core.mechanics.arrays import Array
 from core.optimise import METHODS
-from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem
 from core.optimise.methods import refusal
-from core.optimise.newton import fastest
+from core.optimise.newton import BATCHED, fastest
 from core.optimise.prepare import prepare
 from core.optimise.problem import chosen_cells
 from core.optimise.run import designs_of
@@ -191,13 +190,12 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
     given, within = designs(DESIGNS), bounds(DESIGNS)
     print(f"\nBatches of {DESIGNS:,} designs, microseconds a design")
     print(f"  {'problem':18}{'1 thread':>10}{'2 threads':>11}{'random bounds':>15}")
-    problem: AngleProblem
-    for problem in ANGLE_PROBLEMS:
+    for problem in BATCHED:
         free = {} if problem.startswith("plane") else {"limit": np.full(DESIGNS, np.inf)}
         asked = {**given, **free}
         fastest(problem, **asked)  # compiles
 
-        def took(problem: AngleProblem, asked: dict[str, Array], threads: int) -> float:
+        def took(problem: str, asked: dict[str, Array], threads: int) -> float:
             return least_seconds(lambda: fastest(problem, **asked, threads=threads)) / DESIGNS * 1e6
 
         one, two = took(problem, asked, 1), took(problem, asked, 2)

@@ -113,6 +113,20 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
     """Return the problems of some names, and what is wrong with names that are of none."""
     letters = {name.partition("-")[0] for name in names}
     known = {problem.id: problem for problem in cases(letters & set(FAMILIES) or {"Q"})}
+    most, wrong = _random(names)
+    for (form, seed), count in most.items():
+        known |= {problem.id: problem for problem in forms()[form].random(count, seed)}
+    told = {problem.place for problem in wrong}
+    unknown = [name for name in names if name not in known and f"answers.{name}" not in told]
+    wrong += [
+        Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
+        for name in unknown[:MAX_PROBLEMS]
+    ]
+    return tuple(problem for name, problem in known.items() if name in names), wrong
+
+
+def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Problem]]:
+    """Return the largest number of each form and seed among some names, and what is too large."""
     wrong: list[Problem] = []
     most: dict[tuple[str, int], int] = {}
     for name in names:
@@ -126,12 +140,4 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
             wrong.append(Problem(f"answers.{name}", "it is too far out", fix))
         else:
             most[key] = max(most.get(key, 0), number)
-    for (form, seed), count in most.items():
-        known |= {problem.id: problem for problem in forms()[form].random(count, seed)}
-    told = {problem.place for problem in wrong}
-    unknown = [name for name in names if name not in known and f"answers.{name}" not in told]
-    wrong += [
-        Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
-        for name in unknown[:MAX_PROBLEMS]
-    ]
-    return tuple(problem for name, problem in known.items() if name in names), wrong
+    return most, wrong

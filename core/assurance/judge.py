@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from core import kinds
-from core.assurance.case import Case, CaseValues, Content, Term
+from core.assurance.case import Case, CaseValues, Content, Term, Truth
 from core.dataset.table import Table, TableVariable
 from core.errors import StudyError
 from core.intake import prepare_content
+from core.mechanics.arrays import Array
 from core.quantities import MOTION_STATUSES, REGIMES, Flag
 from core.watch import Watch
 
@@ -128,6 +129,28 @@ def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) ->
     ]
 
 
+def _incomplete(case: Case, computed: CaseValues) -> str:
+    """Return what is wrong with statuses, values and stated errors, whatever the truth is."""
+    if case.status and not computed.statuses <= set(case.status):
+        return f"not {' or '.join(case.status)}"
+    finite, stated = np.isfinite(computed.value), computed.stated
+    if not computed.explained and not np.all(finite):
+        return "not finite, and nothing says why"
+    if stated is not None and not np.all(np.isfinite(stated[finite])):
+        return "finite, with a stated error that is not"
+    return ""
+
+
+def _states_too_much(case: Case, truth: Truth, value: Array, stated: Array) -> bool:
+    """True if the error stated for a mean velocity is larger than the velocity itself."""
+    if case.blunt or case.terms[0].output != "conveying_velocity":
+        return False
+    size = np.abs(np.broadcast_to(truth.value, np.shape(value)))
+    size = np.where(size == 0, _drive_speed(case.terms[0].study), size)
+    finite = np.isfinite(value)
+    return bool(np.any(stated[finite] > size[finite]))
+
+
 def judge(case: Case, computed: CaseValues) -> Outcome:
     """Return the verdict on what was computed for a case; nothing is computed anew."""
     value, stated = computed.value, computed.stated
@@ -135,25 +158,18 @@ def judge(case: Case, computed: CaseValues) -> Outcome:
     wrong = Outcome(case, status=status)
     if case.refused:
         return replace(wrong, status="accepted", note=f"{case.refused} should be refused")
-    if case.status and not computed.statuses <= set(case.status):
-        return replace(wrong, note=f"not {' or '.join(case.status)}")
-    finite = np.isfinite(value)
-    if not computed.explained and not np.all(finite):
-        return replace(wrong, note="not finite, and nothing says why")
-    if stated is not None and not np.all(np.isfinite(stated[finite])):
-        return replace(wrong, note="finite, with a stated error that is not")
+    note = _incomplete(case, computed)
+    if note:
+        return replace(wrong, note=note)
     if case.truth is None:
         return replace(wrong, passed=True, note="judged by its status")
     allowed = np.broadcast_to(case.truth.tolerance, np.shape(value))
-    if stated is not None and not case.blunt and case.terms[0].output == "conveying_velocity":
-        size = np.abs(np.broadcast_to(case.truth.value, np.shape(value)))
-        size = np.where(size == 0, _drive_speed(case.terms[0].study), size)
-        if np.any(stated[finite] > size[finite]):
-            return replace(wrong, note="the stated error is larger than what it is stated for")
+    if stated is not None and _states_too_much(case, case.truth, value, stated):
+        return replace(wrong, note="the stated error is larger than what it is stated for")
     if case.states_error:
         if stated is None:
             return replace(wrong, note="no error is stated")
-        allowed = allowed + np.where(finite, stated, 0.0)
+        allowed = allowed + np.where(np.isfinite(value), stated, 0.0)
     errors = case.errors(value)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         shares = np.where(errors == 0, 0.0, errors / allowed)

@@ -172,6 +172,12 @@ def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
     return replace(prepared, plan=counting), calls
 
 
+def _typical(scene: Scene, variant: str, *, ranged: bool) -> dict[str, Any]:
+    """Return typical values of the parameters of a scene; the middle ones, unless `ranged`."""
+    values = {n: TYPICAL[n] for n in scene_parameters(scene, variant) if n in TYPICAL}
+    return values if ranged else {n: v[1] if isinstance(v, list) else v for n, v in values.items()}
+
+
 def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) -> dict[str, Any]:
     """Return a study of one output with the parameters that it can use, and no others.
 
@@ -185,10 +191,7 @@ def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) ->
         Whether parameters have three values where `TYPICAL` has.
     """
     kind = "simulate" if scene.choice == "method" else "sweep"
-    names = [n for n in scene_parameters(scene, variant) if n in TYPICAL]
-    values = {n: TYPICAL[n] for n in names}
-    if not ranged or kind == "simulate":
-        values = {n: v[1] if isinstance(v, list) else v for n, v in values.items()}
+    values = _typical(scene, variant, ranged=ranged and kind == "sweep")
     if kind == "simulate" and variant == "events":
         values.pop("alpha", None)
     content: dict[str, Any] = {

@@ -33,16 +33,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     OSError
         If the file cannot be read.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise StudyError([Problem("rows", "it is not UTF-8 text", "Save it as UTF-8")]) from None
-    delimiter = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
-    heading, *body = [row for row in csv.reader(lines, delimiter=delimiter) if any(row)] or [[]]
-    if not body or len(body) > MAX_ROWS:
-        message = f"it has {len(body):,} rows of values" if body else "it holds no rows of values"
-        fix = f"Give names of parameters on top, and 1 to {MAX_ROWS:,} rows below"
-        raise StudyError([Problem("rows", message, fix)])
+    heading, body, delimiter = _cells(path)
     names, units, problems = _headings(heading)
     problems += [
         Problem(f"row {number}", f"it has {len(row)} cells, the heading has {len(heading)}",
@@ -59,6 +50,21 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     if problems:
         raise StudyError(problems[:MAX_TOLD])
     return columns
+
+
+def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
+    """Return heading and rows of a CSV file, and what parts their cells."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise StudyError([Problem("rows", "it is not UTF-8 text", "Save it as UTF-8")]) from None
+    delimiter = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
+    heading, *body = [row for row in csv.reader(lines, delimiter=delimiter) if any(row)] or [[]]
+    if not body or len(body) > MAX_ROWS:
+        message = f"it has {len(body):,} rows of values" if body else "it holds no rows of values"
+        fix = f"Give names of parameters on top, and 1 to {MAX_ROWS:,} rows below"
+        raise StudyError([Problem("rows", message, fix)])
+    return heading, body, delimiter
 
 
 def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:

@@ -144,18 +144,23 @@ def _fill(
     axes = [name for name, one in table.coordinates.items() if one.dims == (name,)]
     for name in axes:
         file.createDimension(name, table.coordinates[name].values.size)
-    others = [name for name in table.coordinates if name not in axes]
-    regime = table.variables.get("regime")
     for name, coordinate in table.coordinates.items():
         _add(file, name, coordinate, {}, PLAIN)[...] = coordinate.values
     for name, variable in table.variables.items():
-        near = [n for n in others if set(table.coordinates[n].dims) <= set(variable.dims)]
-        links = {"coordinates": " ".join(near)} if near else {}
-        if regime is not None and name != "regime" and set(regime.dims) <= set(variable.dims):
-            links["ancillary_variables"] = "regime"
-        created = _add(file, name, variable, links, storage)
+        created = _add(file, name, variable, _links(table, name), storage)
         if not empty or not variable.dims or variable.values.dtype == object:
             created[...] = variable.values
+
+
+def _links(table: Table, name: str) -> dict[str, str]:
+    """Return the attributes that name what else holds of a variable: coordinates and regime."""
+    dims, regime = set(table.variables[name].dims), table.variables.get("regime")
+    others = [n for n, one in table.coordinates.items() if one.dims != (n,)]
+    near = [n for n in others if set(table.coordinates[n].dims) <= dims]
+    links = {"coordinates": " ".join(near)} if near else {}
+    if regime is not None and name != "regime" and set(regime.dims) <= dims:
+        links["ancillary_variables"] = "regime"
+    return links
 
 
 def _add(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -101,14 +101,9 @@ class GrowingZarr:
 
     def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
         there = self._listed()
-        if self._path.exists() if self._path is not None else GROUP in there:
-            raise FileExistsError(f"{where} is there already")
-        if UNFINISHED not in there and there:
-            raise FileExistsError(f"{where} holds something else")
         self._documents = self._described()
         is_same = UNFINISHED in there and self._get(UNFINISHED) == _as_json(identity)
-        if self._shared and UNFINISHED in there and not is_same:
-            raise FileExistsError(f"{where} is begun of another study or version")
+        self._check_free(where, there, is_same)
         if not ((resume or self._shared) and is_same):
             for key in there.keys() - {UNFINISHED}:  # which says that they are ours
                 self._store.delete(key)
@@ -116,13 +111,18 @@ class GrowingZarr:
             self._put(UNFINISHED, _as_json(identity))
         for name, document in self._documents.items():
             self._put(f"{name}/{GROUP}", _as_json(document))
-        self._missing = [
-            k
-            for k, tile in enumerate(() if self._shared else self.tiles)
-            if not self._is_there(tile, there)
-        ]
-        self._begun = 0 if self._shared else len(self.tiles) - len(self._missing)
-        self.done = self._begun
+        tiles = () if self._shared else self.tiles
+        self._missing = [k for k, tile in enumerate(tiles) if not self._is_there(tile, there)]
+        self.done = self._begun = len(tiles) - len(self._missing)
+
+    def _check_free(self, where: str, there: Collection[str], is_same: bool) -> None:
+        """Raise `FileExistsError` if results are there that are not those to go on with."""
+        if self._path.exists() if self._path is not None else GROUP in there:
+            raise FileExistsError(f"{where} is there already")
+        if UNFINISHED not in there and there:
+            raise FileExistsError(f"{where} holds something else")
+        if self._shared and UNFINISHED in there and not is_same:
+            raise FileExistsError(f"{where} is begun of another study or version")
 
     @property
     def missing(self) -> Iterator[int]:

@@ -201,9 +201,9 @@ def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
     The second is what is wrong with them.
     """
-    names = [name for name in given if name in DRIVE or name in SINE]
-    terms = {(m[1], int(m[2])) for m in map(_HARMONIC.fullmatch, names) if m}
-    steps = [match for match in map(_STEP.fullmatch, names) if match]
+    names = [name for name in given if name in {*DRIVE, *SINE}]
+    terms = {(m[1], int(m[2])) for m in filter(None, map(_HARMONIC.fullmatch, names))}
+    steps = list(filter(None, map(_STEP.fullmatch, names)))
     sines = [name for name in SINE if name in names]
     if terms and steps:
         fix = "Give one kind of drive"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -159,7 +159,7 @@ def compare(
     apart, stated = _apart(ours, theirs)
     means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~sound & np.isfinite(stated)
     other = sound & _other_multiple(got, theirs)
-    found = Comparison(
+    agreement = Comparison(
         method,
         evaluated,
         sound | means,
@@ -168,21 +168,33 @@ def compare(
         failed=int(((sound | means) & ~(apart <= stated) | other).sum()),
         silent=_reasons(method, *(status[evaluated & ~sound & ~means] for status in both)),
     )
-    for name in outputs if sound.any() else ():
+    return _with_worst(agreement, outputs, got, theirs, sound) if sound.any() else agreement
+
+
+def _with_worst(
+    agreement: Comparison,
+    outputs: Sequence[str],
+    got: Mapping[str, Array],
+    theirs: Mapping[str, Array],
+    sound: NDArray[np.bool_],
+) -> Comparison:
+    """Return a comparison with the output that differs most, as a share of its size."""
+    for name in outputs:
         right = np.where(sound, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
         error = np.where(sound, np.abs(got[name] - right), 0.0)
         error = np.where(np.isnan(error), np.inf, error)  # a value that only one method has
         cell = int(np.argmax(error))
         share = float(error[cell]) / size
-        if not found.output or share > found.share:
+        if not agreement.output or share > agreement.share:
             told = np.nan
             if name == VELOCITY and ERROR in theirs:
                 told = float(theirs[ERROR][cell])
-            found = replace(
-                found, output=name, cell=cell, error=float(error[cell]), share=share, stated=told
-            )
-    return found
+            agreement = replace(
+                agreement, output=name, cell=cell, error=float(error[cell]), share=share,
+                stated=told,
+            )  # fmt: skip
+    return agreement
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:

@@ -53,41 +53,33 @@ def checked(
     def whole(values: Array) -> Array:
         return np.where(lost, np.nan, np.broadcast_to(values, cells))
 
-    value = whole(problem.objective(known))
-    if problem.uncertain is not None:
-        value = whole(longest.judged(x, design, scales)[0])
+    uncertain = problem.uncertain is not None
+    value = whole(longest.judged(x, design, scales)[0] if uncertain else problem.objective(known))
     if found.value is not None:
         # At the edge of stick the outputs are those of a part at rest.
         held = found.status == STATUS["not_attained"]
         value = np.where(held, found.value, value)
-    robust = problem.uncertain is not None and isinstance(problem.criterion, Maximise)
+    robust = uncertain and isinstance(problem.criterion, Maximise)
     forward = value if robust else problem.output(problem.criterion.output, known)
     status = _status(problem, found.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
         f"best_{name}": from_si(name, found.x[i]) for i, name in enumerate(problem.names)
     }
     arrays["objective"] = problem.sign * value
-    for name in prepared.units:
-        if name in known:
-            arrays[name] = whole(problem.output(name, known))
+    arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
     for kept in problem.kept:
         margin = whole(problem.safe_margin(kept, x, design))
         binds = np.abs(margin) <= tolerance * scales[kept.output]
         arrays[f"margin_{kept.name}"] = np.where(binds, 0.0, margin)
         arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
-    span = problem.upper - problem.lower
-    for i, name in enumerate(problem.names):
-        for end, bound in (("lower", problem.lower[i]), ("upper", problem.upper[i])):
-            at = (np.abs(x[i] - bound) <= max(tolerance, AT_BOUND) * span[i]) & ~lost
-            arrays[f"binds_{name}_{end}"] = at.astype(np.int8)
+    arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
     here, near = _of_each_point(problem, known, design)
-    left = found.residual
-    if left is None:
+    if found.residual is None:
         left = residual(here, x, near, scales, max(tolerance, AT_BOUND))
     else:
-        left = left / size
+        left = found.residual / size
     # A worst case has kinks of its own: first-order conditions of one value do not speak of it.
-    no_slope = lost | (problem.uncertain is not None)
+    no_slope = lost | uncertain
     arrays["optimality_residual"] = np.where(no_slope, np.nan, left)
     gap = _gap(prepared.method, here, value, lost, near, scales) / size
     arrays["optimum_gap"] = gap
@@ -106,12 +98,24 @@ def checked(
         pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])
         arrays["knee"] = knee(*(part.reshape(-1, points) for part in pair)).ravel()
     if prepared.study.sensitivities:
-        told = slopes(problem, x, design, lost)
-        arrays |= {f"sensitivity_{name}": values for name, values in told.items()}
+        arrays |= slopes(problem, x, design, lost)
     arrays["optimum_status"] = status
     regime = np.broadcast_to(problem.regime(known, scales, tolerance), cells)
     none = np.int8(REGIMES["not_assessed"].value)
     arrays["regime"] = np.where(lost, none, regime)
+    return arrays
+
+
+def _at_bounds(
+    problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
+) -> dict[str, NDArray[np.int8]]:
+    """Return which variables lie on a bound, within a share of their range."""
+    span = problem.upper - problem.lower
+    arrays = {}
+    for i, name in enumerate(problem.names):
+        for end, bound in (("lower", problem.lower[i]), ("upper", problem.upper[i])):
+            at = (np.abs(x[i] - bound) <= tolerance * span[i]) & ~lost
+            arrays[f"binds_{name}_{end}"] = at.astype(np.int8)
     return arrays
 
 

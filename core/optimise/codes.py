@@ -1,9 +1,8 @@
-"""Numbers that stand for names in arrays and kernels: statuses, what binds, answered problems."""
+"""Numbers that stand for names in arrays and kernels: statuses, and what binds."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,19 +27,6 @@ ACTIVE: Mapping[str, int] = {
 
 TIGHT = 1e-10
 """A margin below this, relative to the accelerations of its formula, counts as none."""
-
-AngleProblem = Literal[
-    "plane_thesis", "plane_physical", "track_thesis", "track_derived", "track_physical"
-]
-
-ANGLE_PROBLEMS: Mapping[AngleProblem, int] = {
-    "plane_thesis": 0,
-    "plane_physical": 1,
-    "track_thesis": 2,
-    "track_derived": 3,
-    "track_physical": 4,
-}
-"""What the batch solver answers: scene and variant, by number."""
 
 Flags = NDArray[np.int16]
 """Sums of `ACTIVE` bits."""

@@ -1,7 +1,7 @@
 """The best angles of the drive for whole batches of designs and any bounds, compiled (theory 12).
 
 Maximises a_x (on the track K) over alpha and beta subject to |a_y| <= limit, floor and wall forces
-that push, and bounds of both angles. `core.optimise.exact` holds closed forms for the default
+that push, and bounds of both angles. `core.optimise.families` holds closed forms for the default
 bounds; both agree to rounding.
 """
 
@@ -15,10 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
-from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem, Flags, Statuses
+from core.optimise.codes import Flags, Statuses
+from core.optimise.families import FAMILIES
 from core.optimise.kernels.columns import COLUMNS
 
 PIECE = 1024  # designs of one call of the kernel
+
+BATCHED = tuple(name for name, family in FAMILIES.items() if family.kernel is not None)
+"""The families that the batch solver answers."""
 
 
 class BatchOptimum(NamedTuple):
@@ -62,7 +66,7 @@ class BatchOptimum(NamedTuple):
 
 
 def fastest(
-    problem: AngleProblem,
+    family: str,
     *,
     vibration_acceleration: ArrayLike,
     gravity_along: ArrayLike,
@@ -91,9 +95,8 @@ def fastest(
 
     Parameters
     ----------
-    problem : str
-        Scene and variant; a key of `ANGLE_PROBLEMS`. The physical ones keep floor (and wall)
-        contact.
+    family : str
+        One of `BATCHED`. The physical ones keep floor (and wall) contact.
     vibration_acceleration : array_like
         P [m s-2].
     gravity_along, gravity_across, gravity_normal : array_like
@@ -131,19 +134,16 @@ def fastest(
     table = np.empty((designs, COLUMNS))
     active = np.zeros(designs, dtype=np.int16)
     status = np.zeros(designs, dtype=np.int8)
-    number = ANGLE_PROBLEMS[problem]
+    make, contacts = FAMILIES[family].kernel, FAMILIES[family].contacts
+    assert make is not None
+    kept = make(
+        floor=floor_contact or "floor_contact" in contacts,
+        wall=wall_contact or "wall_contact" in contacts,
+    )
 
     def run(start: int) -> None:
         piece = slice(start, start + PIECE)
-        solve(
-            number,
-            floor_contact,
-            wall_contact,
-            groups[piece],
-            table[piece],
-            active[piece],
-            status[piece],
-        )
+        solve(kept, groups[piece], table[piece], active[piece], status[piece])
 
     starts = range(0, designs, PIECE)
     workers = min(threads or os.cpu_count() or 1, len(starts))

@@ -21,7 +21,7 @@ from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, placed, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
-from core.study.distributions import nominal, tolerance
+from core.study.distributions import Distribution, nominal, tolerance
 from core.study.drive import only_the_plain_sine
 from core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Fixed, Span, Values
@@ -42,24 +42,20 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     scene, variant, _ = chosen = _chosen(study, asked)
     kept = tuple(_kept(study, scene, variant))
-    outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
-    outputs = tuple(name for name in outputs if name != "regime")
+    concerned = dict.fromkeys((*asked, *(one.output for one in kept)))
+    outputs = tuple(name for name in concerned if name != "regime")
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
     problems = [
         *misplaced(study, values),
         *_wrong_count(bounds),
         *wrong_intervals(study, intervals, values, bounds),
     ]
-    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
-    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
-    spans = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
+    spans = _spans(bounds, intervals, values)
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
         problems += (placed(of_other_drive(one, scene), study) for one in error.problems)
-    if study.method is not None and study.method not in METHODS:
-        message = f"'{study.method[:60]}' is not a method"
-        problems.append(Problem("method", message, suggestion(study.method, METHODS)))
+    problems += _unknown_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
     variables = tuple(_variable(name, between) for name, between in bounds.items())
@@ -74,6 +70,23 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
+
+
+def _spans(
+    bounds: Mapping[str, Between],
+    intervals: Mapping[str, Distribution],
+    values: Mapping[str, Values],
+) -> dict[str, Span]:
+    """Return what a plan is made for beside the values of a study: both ends of what may vary."""
+    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
+    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
+    return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
+
+
+def _unknown_method(name: str | None) -> Iterable[Problem]:
+    """Yield that there is no such method."""
+    if name is not None and name not in METHODS:
+        yield Problem("method", f"'{name[:60]}' is not a method", suggestion(name, METHODS))
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:

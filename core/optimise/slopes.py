@@ -26,7 +26,7 @@ def sensitive(problem: OptimisationProblem) -> tuple[str, ...]:
 def slopes(
     problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
 ) -> dict[str, Array]:
-    """Return the logarithmic derivatives at optima x, shape (variables, cells).
+    """Return the logarithmic derivatives at optima x, shape (variables, cells), by their outputs.
 
     Those of closed forms are exact; those of motion are differences inside one regime. NaN where
     there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a variable
@@ -35,14 +35,26 @@ def slopes(
     names, output, kept = sensitive(problem), problem.criterion.output, ~lost
     used = problem.plan.only(output).parameters
     found = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
-    if not kept.any():
-        return found
+    if kept.any():
+        _derive(problem, x, design, kept, found)
+    return {f"sensitivity_{name}": values for name, values in found.items()}
+
+
+def _derive(
+    problem: OptimisationProblem,
+    x: Array,
+    design: Mapping[str, Array],
+    kept: NDArray[np.bool_],
+    found: Mapping[str, Array],
+) -> None:
+    """Fill the derivatives by those of some names that the output depends on."""
+    output = problem.criterion.output
+    used = problem.plan.only(output).parameters
     cells = {name: design[name][kept] for name in used if name in design}
     cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
     plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
-    names = tuple(name for name in names if name in used)
+    names = tuple(name for name in found if name in used)
     values = values_of(plan, cells, names)
     for (_, name), derived in derivatives_at(plan, cells, names).items():
         exponents = derived.logarithmic(values[name])
         found[name][kept] = np.where(derived.status < DERIVATIVE_STATUS["kink"], exponents, np.nan)
-    return found

@@ -45,29 +45,11 @@ def draw_line(
     if selection.categories:
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
-    alike = bool((regimes == regimes[:, :1]).all())
     colours: list[Colour] = [*style.series_over(len(chosen))] if len(chosen) > 1 else [style.curve]
-    entries: list[Artist] = []
-    # Where the strokes of a curve cannot tell all regimes apart, a strip below the curves does.
-    striped = not alike and len({_style(look, looks, alike) for look in looks}) < len(looks)
-    if striped:
-        heights = (1.0, STRIP * len(chosen))
-        axes, strips = figure.subplots(2, 1, sharex=True, height_ratios=heights)
-        _add_strips(strips, across, regimes, looks, _labels(selection, chosen))
-        lowest = strips
-        entries += [swatch(look, look.fill, hatched=not look.valid) for look in looks]
-    else:
-        lowest = axes = figure.add_subplot()
-    if across.is_log:
-        set_log(axes.xaxis, across.values)
-    if alike:
-        _spans(axes, across, regimes[:, 0], looks, style)
-        entries += [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
-    elif not striped:
-        entries += [_handle(look, looks, style) for look in looks]
+    axes, entries, alike = _draw_regimes(figure, selection, regimes, looks, style, chosen)
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
         for look in looks:
-            stroke = _style(look, looks, alike or striped)
+            stroke = _style(look, looks, alike)
             _part(axes, across.values, curve, states, look, stroke, colour)
         if across.values.size <= MAX_MARKED:
             axes.plot(across.values, curve, "o", color=colour, markersize=style.width(4), zorder=4)
@@ -83,10 +65,43 @@ def draw_line(
         say_nothing_is_finite(axes, selection, style)
         axes.set_yticks([])
     _mark_level(axes, selection, style)
-    lowest.set_xlabel(across.label)
     axes.set_ylabel(short_label(selection.variable, selection.unit))
     style.add_grid(axes)
     return axes, entries
+
+
+def _draw_regimes(
+    figure: FigureBase,
+    selection: Selection,
+    regimes: NDArray[np.int64],
+    looks: Sequence[Look],
+    style: Style,
+    chosen: Sequence[int] | NDArray[np.int64],
+) -> tuple[Axes, list[Artist], bool]:
+    """Draw what tells the regimes; return axes, legend, and whether curves need not tell them.
+
+    Curves of the same regimes stand on coloured grounds. Where the strokes of a curve cannot tell
+    all regimes apart, a strip below the curves does.
+    """
+    across = selection.axes[0]
+    alike = bool((regimes == regimes[:, :1]).all())
+    striped = not alike and len({_style(look, looks, alike) for look in looks}) < len(looks)
+    if striped:
+        heights = (1.0, STRIP * len(chosen))
+        axes, lowest = figure.subplots(2, 1, sharex=True, height_ratios=heights)
+        _add_strips(lowest, across, regimes, looks, _labels(selection, chosen))
+        entries: list[Artist] = [swatch(look, look.fill, hatched=not look.valid) for look in looks]
+    else:
+        axes = lowest = figure.add_subplot()
+    if across.is_log:
+        set_log(axes.xaxis, across.values)
+    if alike:
+        _spans(axes, across, regimes[:, 0], looks, style)
+        entries = [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
+    elif not striped:
+        entries = [_handle(look, looks, style) for look in looks]
+    lowest.set_xlabel(across.label)
+    return axes, entries, alike or striped
 
 
 def _draw_categories(

@@ -144,11 +144,7 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
         raise PlotError("dataset", message, "Draw another output")
     least = criterion.get("kind") == "minimise" and output == criterion.get("output")
     knees = places[at_all("knee")[places] == 1] if "knee" in dataset else places[:0]
-    choice = knees if knees.size else places
-    best = int(choice[(np.argmin if least else np.argmax)(values[choice])])
-    best_is = f"{'least' if least else 'largest'} {_name(dataset[output])}"
-    if knees.size:
-        best_is = "knee of the front" if knees.size == 1 else f"of the knees: {best_is}"
+    best, best_is = _best(values, places, knees, _name(dataset[output]), least)
     if places.size > MAX_DESIGNS:
         places = np.random.default_rng(0).choice(places, MAX_DESIGNS, replace=False)
         places[0] = best if best not in places else places[0]
@@ -165,6 +161,18 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
         best_is=best_is,
         total=int(good.sum()),
     )
+
+
+def _best(
+    values: Array, places: NDArray[np.intp], knees: NDArray[np.intp], name: str, least: bool
+) -> tuple[int, str]:
+    """Return the place of the best design, of the knees if there are any, and what it is."""
+    choice = knees if knees.size else places
+    best = int(choice[(np.argmin if least else np.argmax)(values[choice])])
+    if knees.size == 1:
+        return best, "knee of the front"
+    of = "of the knees: " if knees.size else ""
+    return best, f"{of}{'least' if least else 'largest'} {name}"
 
 
 def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | None) -> str:

@@ -6,6 +6,7 @@ import math
 import threading
 from collections.abc import Callable
 from functools import cached_property
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -68,7 +69,7 @@ class Boxes:
         self._dims = {n: grid.dims(depends[n]) for n in (*field.plan.outputs, "regime")}
         shape = tuple(grid.shape[dim] for dim in field.dims)
         goes = tuple(dim in asked.over for dim in field.dims)
-        seen = math.prod(n for n, gone in zip(shape, goes, strict=True) if gone)
+        seen = math.prod(compress(shape, goes))
         self.is_exact = seen <= EXACT_CELLS
         if asked.quantiles and self.is_exact and field.outputs:
             cells = max(cells, seen)
@@ -76,9 +77,9 @@ class Boxes:
         if max(shape, default=0) <= LONGEST_AXIS:
             self._loop = field_loop(field, grid, asked, self._valid, self.flags)
         self._order = self._loop.order if self._loop else stored_order(field, grid, asked)
-        tile = tuple(
-            self._order.steps[dim] if field.outputs or self._loop else 1 for dim in field.dims
-        )
+        tile = len(field.dims) * (1,)
+        if field.outputs or self._loop:
+            tile = tuple(self._order.steps[dim] for dim in field.dims)
         self.cutting = Cutting.of(shape, goes, cells, tile=tile)
         self.cells_a_slot = seen
         self.times = math.prod(grid.shape[dim] for dim in asked.over if dim not in field.dims)

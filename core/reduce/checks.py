@@ -25,22 +25,8 @@ def problems_of_names(
     problems += [
         _no_output(name, f"reduce.of.{k}", outputs, suggest) for k, name in enumerate(asked.of)
     ]
-    for share, conditions in asked.shares.items():
-        place = f"reduce.shares.{share}"
-        if not conditions:
-            problems.append(Problem(place, "it has no condition", "Give at least one"))
-        problems += [
-            _no_output(one.name, f"{place}.{k}", outputs, suggest)
-            for k, one in enumerate(conditions)
-            if one.name != "regime"
-        ]
-    for name, level in asked.levels.items():
-        place = f"reduce.levels.{name}"
-        problems.append(_no_output(level.output, f"{place}.output", outputs, suggest))
-        if level.along not in asked.over:
-            fix = suggest(level.along, asked.over)
-            message = f"'{level.along[:60]}' is not among the axes that go (over)"
-            problems.append(Problem(f"{place}.along", message, fix))
+    problems += _of_shares(asked, outputs, suggest)
+    problems += _of_levels(asked, outputs, suggest)
     if not (asked.statistics or asked.quantiles or asked.regimes or asked.shares or asked.levels):
         fix = "Give statistics, quantiles, regimes, shares or levels"
         problems.append(Problem("reduce", "it asks for nothing", fix))
@@ -48,6 +34,30 @@ def problems_of_names(
         message = "neither statistics nor quantiles are asked for"
         problems.append(Problem("reduce.of", message, "Leave it out"))
     return [problem for problem in problems if problem is not None]
+
+
+def _of_shares(
+    asked: Reduction, outputs: Collection[str], suggest: Suggestions
+) -> Iterator[Problem | None]:
+    for share, conditions in asked.shares.items():
+        place = f"reduce.shares.{share}"
+        if not conditions:
+            yield Problem(place, "it has no condition", "Give at least one")
+        for k, one in enumerate(conditions):
+            if one.name != "regime":
+                yield _no_output(one.name, f"{place}.{k}", outputs, suggest)
+
+
+def _of_levels(
+    asked: Reduction, outputs: Collection[str], suggest: Suggestions
+) -> Iterator[Problem | None]:
+    for name, level in asked.levels.items():
+        place = f"reduce.levels.{name}"
+        yield _no_output(level.output, f"{place}.output", outputs, suggest)
+        if level.along not in asked.over:
+            fix = suggest(level.along, asked.over)
+            message = f"'{level.along[:60]}' is not among the axes that go (over)"
+            yield Problem(f"{place}.along", message, fix)
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:

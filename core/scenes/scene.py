@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -291,28 +291,29 @@ class Scene:
 
     def _check(self, variant: str) -> None:
         """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""
-        equations, where = self.variants[variant], f"{self.name} ({variant})"
-        gives = [equation.gives for equation in equations]
-        twice = {name for name in gives if gives.count(name) > 1}
-        if twice:
-            raise SceneError(f"{where}: two equations give {sorted(twice)}")
-        conditions = self.conditions[variant]
-        parts: tuple[Equation | Condition, ...] = (*equations, *conditions)
-        needed = {name for part in parts for name in part.inputs}
-        undeclared = (needed | set(gives)) - set(QUANTITIES)
-        undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
-        if undeclared:
-            raise SceneError(f"{where}: {sorted(undeclared)} are not declared")
-        stand_alone = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
-        stand_alone |= {*self.defaults_of(variant)}
-        orphans = needed - set(gives) - stand_alone
-        if orphans:
-            raise SceneError(f"{where}: nothing gives {sorted(orphans)}")
-        strange = {name for condition in conditions for name in condition.outputs}
-        strange -= {name for variant in self.variants for name in self.outputs(variant)}
-        if strange:
-            raise SceneError(f"{where}: conditions name {sorted(strange)}, which no variant gives")
+        where = f"{self.name} ({variant})"
+        for names, wrong in self._wrong_names(variant):
+            if names:
+                raise SceneError(f"{where}: {wrong.format(sorted(names))}")
+        gives = [equation.gives for equation in self.variants[variant]]
         try:
             behind(gives, self.producers(variant).get)
         except CycleError as error:
             raise SceneError(f"{where}: {error}") from None
+
+    def _wrong_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
+        """Yield names that may not stand where they do, and what is wrong with them."""
+        equations, conditions = self.variants[variant], self.conditions[variant]
+        gives = [equation.gives for equation in equations]
+        yield {name for name in gives if gives.count(name) > 1}, "two equations give {}"
+        parts: tuple[Equation | Condition, ...] = (*equations, *conditions)
+        needed = {name for part in parts for name in part.inputs}
+        undeclared = (needed | set(gives)) - set(QUANTITIES)
+        undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
+        yield undeclared, "{} are not declared"
+        stand_alone = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
+        stand_alone |= {*self.defaults_of(variant)}
+        yield needed - set(gives) - stand_alone, "nothing gives {}"
+        strange = {name for condition in conditions for name in condition.outputs}
+        strange -= {name for one in self.variants for name in self.outputs(one)}
+        yield strange, "conditions name {}, which no variant gives"

@@ -138,6 +138,10 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
         return _lognormal(name, quantity, raw)
     if "values" in keys:
         return _tabulated(name, quantity, raw)
+    return _triangular(name, quantity, raw)
+
+
+def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Triangular:
     lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
     if not (lower <= likely <= upper and lower < upper):
         message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"

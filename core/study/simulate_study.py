@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -28,16 +29,22 @@ _TRAJECTORY_SCHEMA = {
 }
 
 
+def _are_times(raw: Sequence[object]) -> bool:
+    """True if values are times that rise, within what is allowed."""
+    numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
+    if not 0 < len(raw) <= MAX_SAMPLES or len(numbers) < len(raw):
+        return False
+    rises = all(before < after for before, after in pairwise(numbers))
+    return rises and numbers[0] >= 0 and numbers[-1] <= LATEST
+
+
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
     """Return a number of steps, or times in seconds."""
     whole = isinstance(raw, int) and not isinstance(raw, bool)
     if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]
-    if isinstance(raw, list | tuple) and 0 < len(raw) <= MAX_SAMPLES:
-        numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
-        rises = all(before < after for before, after in pairwise(numbers))
-        if len(numbers) == len(raw) and rises and numbers[0] >= 0 and numbers[-1] <= LATEST:
-            return tuple(float(number) for number in numbers)
+    if isinstance(raw, list | tuple) and _are_times(raw):
+        return tuple(float(number) for number in raw)
     raise PydanticCustomError(
         "value",
         "{message}",

@@ -8,8 +8,17 @@ import pytest
 from scipy import optimize
 
 from core.mechanics import friction, rolling, wall
-from core.optimise import exact
 from core.optimise.codes import ACTIVE, STATUS
+from core.optimise.families.cylinder_physical import cylinder_physical_fastest
+from core.optimise.families.plane_physical import plane_physical_fastest
+from core.optimise.families.plane_thesis import (
+    plane_thesis_least_across,
+    plane_thesis_limited,
+    plane_thesis_pareto,
+    plane_thesis_weighted,
+)
+from core.optimise.families.track_physical import track_physical_fastest
+from core.optimise.families.track_printed import track_fastest
 from core.quantities import OPTIMUM_STATUSES
 
 RANDOM = np.random.default_rng(1204)
@@ -124,7 +133,7 @@ ROUNDING = 1e-13 * (P + GRAVITY)
 
 @pytest.mark.parametrize("floor", [True, False])
 def test_no_point_of_a_search_beats_the_limited_optimum(floor):
-    found = exact.plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=floor)
+    found = plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=floor)
 
     def inside(alpha, beta):
         a_x, a_y, n0 = printed(PLANE, alpha, beta)
@@ -150,7 +159,7 @@ def test_no_point_of_a_search_beats_the_limited_optimum(floor):
 
 @pytest.mark.parametrize("floor", [True, False])
 def test_no_random_step_improves_the_limited_optimum(floor):
-    found = exact.plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=floor)
+    found = plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=floor)
     good = found.status != STATUS["infeasible"]
     size = 10 ** RANDOM.uniform(-7, 0, (DESIGNS, 1000))
     alpha = np.clip(found.alpha[:, None] + size * RANDOM.normal(size=size.shape), 0, RIGHT)
@@ -163,7 +172,7 @@ def test_no_random_step_improves_the_limited_optimum(floor):
 
 def test_scipy_finds_no_more_on_the_epigraph_form():
     """SLSQP on max a_x with a_y <= E and a_y >= -E, from six starts."""
-    found = exact.plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=True)
+    found = plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=True)
     chosen = np.flatnonzero(found.status != STATUS["infeasible"])[:25]
     starts = [(a, b) for a in (0.1, 0.8, 1.4) for b in (0.1, 0.7)]
     for i in chosen:
@@ -199,7 +208,7 @@ def test_scipy_finds_no_more_on_the_epigraph_form():
 
 
 def test_the_closed_form_of_case_b_is_the_root_that_the_theory_states():
-    found = exact.plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=True)
+    found = plane_thesis_limited(**PLANE, limit=LIMIT, floor_contact=True)
     G = PLANE["gravity_normal"]
     chosen = np.flatnonzero((found.alpha > 0) & (found.status != STATUS["infeasible"]))
     assert chosen.size > 100
@@ -223,11 +232,11 @@ def test_the_closed_form_of_case_b_is_the_root_that_the_theory_states():
 def test_the_limit_gives_more_the_wider_it_is():
     limits = np.linspace(0.0, 15.0, 61)
     wide = {name: values[:, None] for name, values in PLANE.items()}
-    found = exact.plane_thesis_limited(**wide, limit=limits, floor_contact=False)
+    found = plane_thesis_limited(**wide, limit=limits, floor_contact=False)
     a_x = np.where(found.status == STATUS["infeasible"], -np.inf, found.acceleration_x)
     later, earlier = a_x[:, 1:], a_x[:, :-1]
     assert np.all((later >= earlier - ROUNDING[:, None]) | np.isneginf(earlier))
-    widest = exact.plane_thesis_fastest(**PLANE, floor_contact=False)
+    widest = plane_thesis_limited(**PLANE, limit=np.inf, floor_contact=False)
     np.testing.assert_array_less(a_x[:, -1], widest.acceleration_x + ROUNDING)
 
 
@@ -238,9 +247,9 @@ def test_angles_do_not_depend_on_the_scale_of_accelerations():
             for name, values in PLANE.items()
         }
         for function, extra in (
-            (exact.plane_thesis_limited, {"limit": LIMIT, "floor_contact": True}),
-            (exact.plane_physical_fastest, {"friction_static": MU_S}),
-            (exact.cylinder_physical_fastest, {"friction_static": MU_S}),
+            (plane_thesis_limited, {"limit": LIMIT, "floor_contact": True}),
+            (plane_physical_fastest, {"friction_static": MU_S}),
+            (cylinder_physical_fastest, {"friction_static": MU_S}),
         ):
             here = function(**PLANE, **extra)
             if "limit" in extra:
@@ -256,11 +265,12 @@ def test_the_switch_to_lift_off_is_where_the_theory_has_it():
     G, mu = 9.8, 0.35
     switch = G * np.sqrt(1 + mu * mu) / mu
     strong = np.array([0.999, 1.001]) * switch
-    found = exact.plane_thesis_fastest(
+    found = plane_thesis_limited(
         vibration_acceleration=strong,
         gravity_along=0.0,
         gravity_normal=G,
         friction_kinetic=mu,
+        limit=np.inf,
         floor_contact=True,
     )
     np.testing.assert_array_equal((found.active & ACTIVE["floor"]) > 0, [False, True])
@@ -271,13 +281,13 @@ def test_the_switch_to_lift_off_is_where_the_theory_has_it():
 
 @pytest.mark.parametrize("floor", [True, False])
 def test_pareto_points_are_the_limited_optima_of_their_own_a_y(floor):
-    front = exact.plane_thesis_pareto(**PLANE, floor_contact=floor, points=21)
+    front = plane_thesis_pareto(**PLANE, floor_contact=floor, points=21)
     a_x, a_y = front.acceleration_x, np.abs(front.acceleration_y)
     # None beats another in both: a_x falls along the set and so does |a_y|.
     assert np.all(np.diff(a_x, axis=1) <= ROUNDING[:, None])
     assert np.all(np.diff(a_y, axis=1) <= ROUNDING[:, None])
     wide = {name: values[:, None] for name, values in PLANE.items()}
-    found = exact.plane_thesis_limited(**wide, limit=a_y + ROUNDING[:, None], floor_contact=floor)
+    found = plane_thesis_limited(**wide, limit=a_y + ROUNDING[:, None], floor_contact=floor)
     assert np.all(found.acceleration_x >= a_x - ROUNDING[:, None])
     # The least |a_y| that can be, at 90 deg, is flat over alpha: there the slack shows as its root.
     inner = front.alpha < RIGHT - 1e-9
@@ -287,22 +297,20 @@ def test_pareto_points_are_the_limited_optima_of_their_own_a_y(floor):
 
 
 def test_pareto_sets_end_where_a_y_is_least():
-    front = exact.plane_thesis_pareto(**PLANE, floor_contact=True, points=5)
+    front = plane_thesis_pareto(**PLANE, floor_contact=True, points=5)
     reached = P * np.hypot(1.0, MU) >= MU * PLANE["gravity_normal"]
     last = front.acceleration_y[:, -1]
     np.testing.assert_allclose(last[reached], 0.0, atol=ROUNDING.max())
     assert np.all(last[~reached] < 0)
     np.testing.assert_allclose(front.alpha[~reached, -1], RIGHT, rtol=1e-7)
-    least = exact.plane_thesis_least_across(
-        **without(PLANE, "gravity_along"), beta=front.beta[:, -1]
-    )
+    least = plane_thesis_least_across(**without(PLANE, "gravity_along"), beta=front.beta[:, -1])
     np.testing.assert_allclose(least, front.alpha[:, -1], rtol=0, atol=2e-7)
 
 
 @pytest.mark.parametrize("floor", [True, False])
 def test_no_point_of_a_search_beats_the_weighted_optimum(floor):
     weight = np.where(RANDOM.random(DESIGNS) < 0.2, 0.0, 10 ** RANDOM.uniform(-2, 1, DESIGNS))
-    found = exact.plane_thesis_weighted(**PLANE, weight=weight, floor_contact=floor)
+    found = plane_thesis_weighted(**PLANE, weight=weight, floor_contact=floor)
 
     def value(alpha, beta):
         a_x, a_y, n0 = printed(PLANE, alpha, beta)
@@ -314,7 +322,7 @@ def test_no_point_of_a_search_beats_the_weighted_optimum(floor):
     best = searched(value)
     assert np.all(got >= best - slack)
     np.testing.assert_allclose(value(found.alpha, found.beta), got, rtol=0, atol=slack.max())
-    front = exact.plane_thesis_pareto(**PLANE, floor_contact=floor, points=301)
+    front = plane_thesis_pareto(**PLANE, floor_contact=floor, points=301)
     on_front = front.acceleration_x - weight[:, None] * np.abs(front.acceleration_y)
     assert np.all(got[:, None] >= on_front - slack[:, None])
     # It lies on the set: between two of its points, a 300th of its length away at most.
@@ -325,7 +333,7 @@ def test_no_point_of_a_search_beats_the_weighted_optimum(floor):
 @pytest.mark.parametrize("given", [PLANE, CLIMBING], ids=["any", "near the limit"])
 @pytest.mark.parametrize(
     ("part", "function"),
-    [(block, exact.plane_physical_fastest), (cylinder, exact.cylinder_physical_fastest)],
+    [(block, plane_physical_fastest), (cylinder, cylinder_physical_fastest)],
     ids=["block", "cylinder"],
 )
 def test_no_point_of_a_search_beats_the_physical_optimum(given, part, function):
@@ -344,7 +352,7 @@ def test_no_point_of_a_search_beats_the_physical_optimum(given, part, function):
 
 def test_a_climbing_block_starts_from_the_side_before_it_starts_straight():
     """The limit of motion for a drive of any azimuth, and for alpha = 0, by a search over beta."""
-    moved = exact.plane_physical_fastest(**CLIMBING, friction_static=MU_S)
+    moved = plane_physical_fastest(**CLIMBING, friction_static=MU_S)
     push, c, G = (CLIMBING[name] for name in list(CLIMBING)[:3])
     beta = np.linspace(0, RIGHT, 20001)[:, None]
     floor = G - push * np.sin(beta)
@@ -361,7 +369,7 @@ def test_a_climbing_block_starts_from_the_side_before_it_starts_straight():
 
 def test_a_horizontal_or_falling_block_has_no_trade_off():
     flat = {**PLANE, "gravity_along": -np.abs(PLANE["gravity_along"])}
-    found = exact.plane_physical_fastest(**flat, friction_static=MU)
+    found = plane_physical_fastest(**flat, friction_static=MU)
     moves = found.status == STATUS["optimal"]
     np.testing.assert_array_equal(found.alpha[moves], 0.0)
     np.testing.assert_array_equal(found.acceleration_y[moves], 0.0)
@@ -373,7 +381,7 @@ def test_a_horizontal_or_falling_block_has_no_trade_off():
 @pytest.mark.parametrize("contact", [True, False])
 def test_no_point_of_a_search_beats_the_track(variant, contact):
     given = without(TRACK, "gravity_normal")
-    found = exact.track_fastest(variant=variant, **given, wall_contact=contact)
+    found = track_fastest(variant=variant, **given, wall_contact=contact)
     balance = wall.printed_wall_balance if variant == "thesis" else wall.derived_wall_balance
     start = (
         wall.printed_starting_acceleration
@@ -402,16 +410,16 @@ def test_no_point_of_a_search_beats_the_track(variant, contact):
         assert np.all(found.status == STATUS["infeasible"])
         assert np.all(np.isneginf(best))
         return
-    assert np.all(found.starting_acceleration >= best - ROUNDING)
+    assert np.all(found.acceleration_x >= best - ROUNDING)
     at = value(found.alpha, found.beta)
-    np.testing.assert_allclose(at, found.starting_acceleration, rtol=0, atol=ROUNDING.max())
+    np.testing.assert_allclose(at, found.acceleration_x, rtol=0, atol=ROUNDING.max())
     np.testing.assert_array_equal(found.beta, 0.0)
     walled = (found.active & ACTIVE["wall"]) > 0
     assert np.any(walled) == contact
 
 
 def test_no_point_of_a_search_beats_the_physical_track():
-    found = exact.track_physical_fastest(**TRACK, friction_static=MU_S)
+    found = track_physical_fastest(**TRACK, friction_static=MU_S)
 
     def value(alpha, beta):
         x, y, n, column = drive({**TRACK, "friction_static": MU_S}, alpha, beta)
@@ -423,9 +431,9 @@ def test_no_point_of_a_search_beats_the_physical_track():
     best = searched(value)
     moves = found.status == STATUS["optimal"]
     np.testing.assert_array_equal(np.isfinite(best), found.status != STATUS["no_motion"])
-    assert np.all(found.starting_acceleration[moves] >= (best - ROUNDING)[moves])
+    assert np.all(found.acceleration_x[moves] >= (best - ROUNDING)[moves])
     at = value(found.alpha, found.beta)[moves]
-    np.testing.assert_allclose(at, found.starting_acceleration[moves], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(at, found.acceleration_x[moves], rtol=0, atol=1e-11)
     for bit in ("wall", "floor"):
         tight = (found.active[moves] & ACTIVE[bit]) > 0
         assert 0 < tight.sum() < tight.size
@@ -434,7 +442,7 @@ def test_no_point_of_a_search_beats_the_physical_track():
 def test_what_has_no_answer_says_why():
     one = {"vibration_acceleration": 20.0, "gravity_along": 0.0, "gravity_normal": 9.8}
     mu, floor = {"friction_kinetic": 0.3}, {"floor_contact": True}
-    limited = exact.plane_thesis_limited
+    limited = plane_thesis_limited
 
     def status(result):
         return int(result.status)
@@ -451,9 +459,9 @@ def test_what_has_no_answer_says_why():
     smooth = limited(**one, friction_kinetic=0.0, **floor, limit=0.0)
     assert (float(smooth.alpha), float(smooth.beta)) == (0.0, 0.0)
     assert float(smooth.acceleration_x) == 20.0
-    front = exact.plane_thesis_pareto(**one, friction_kinetic=0.0, **floor, points=3)
+    front = plane_thesis_pareto(**one, friction_kinetic=0.0, **floor, points=3)
     np.testing.assert_array_equal(front.alpha, 0.0)  # without friction a single point
-    for function in (exact.plane_physical_fastest, exact.cylinder_physical_fastest):
+    for function in (plane_physical_fastest, cylinder_physical_fastest):
         static = {"friction_static": 0.5}
         assert status(function(**one, **mu, **static)) == STATUS["optimal"]
         assert status(function(**weak, **mu, **static)) == STATUS["no_motion"]
@@ -462,5 +470,5 @@ def test_what_has_no_answer_says_why():
         sticky = {**one, "vibration_acceleration": 4.4}
         assert status(function(**sticky, **mu, friction_static=0.5)) == STATUS["not_attained"]
     away = {**one, **mu, "gravity_across": -1.0}
-    assert status(exact.track_physical_fastest(**away, friction_static=0.3)) == STATUS["infeasible"]
+    assert status(track_physical_fastest(**away, friction_static=0.3)) == STATUS["infeasible"]
     assert len({flag.value for flag in OPTIMUM_STATUSES.values()}) == len(STATUS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -169,44 +170,80 @@ MORE: dict[str, tuple[str, str]] = {
 """Every further number of a point, and its unit."""
 
 
+WORDS = {
+    "family": ("family of measurements", FAMILIES),
+    "subject": ("what is computed", None),
+    "method": ("method", None),
+}
+"""Labels of the words of a curve, and their meanings where these are fixed."""
+
+NUMBERS = {
+    "setting_value": ("value", "number that is set", "1"),
+    "error": ("error", "median error", "1"),
+    "error_largest": ("largest", "largest error", "1"),
+    "time_per_cell": ("seconds", "time of one cell", "s"),
+}
+"""Numbers of a point: attribute, label and unit."""
+
+CURVE_NUMBERS = {
+    "fitted_slope": ("slope", "slope of log error over log cost, of the curve", "1"),
+    "reference_error": ("floor", "error of the reference", "1"),
+    "expected_slope": ("expected_slope", "slope that the theory has, of the curve", "1"),
+}
+"""Numbers of the curve of a point, alike."""
+
+
 def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str]) -> Table:
     """Return the dataset of curves: one dimension, ``point``, labelled by flags.
 
     Words stand as CF flags (`flag_values` and `flag_meanings`), so that any client reads them.
     """
-    rows = [(curve, point) for one in measured for curve in one.curves for point in curve.points]
+    every = list(chain.from_iterable(one.curves for one in measured))
+    curves = [curve for curve in every for _ in curve.points]
+    points = [point for curve in every for point in curve.points]
+    number = np.arange(len(points), dtype=np.int32)
+    behind = np.array([point.cells for point in points], np.int32)
     coordinates = {
-        "point": _numbers(np.arange(len(rows), dtype=np.int32), "number of the measurement", "1"),
-        "family": _flags([curve.family for curve, _ in rows], "family of measurements", FAMILIES),
-        "subject": _flags([curve.subject for curve, _ in rows], "what is computed"),
-        "method": _flags([curve.method for curve, _ in rows], "method"),
-        "setting": _flags([point.setting for _, point in rows], "setting of the method"),
+        "point": _numbers(number, "number of the measurement", "1"),
+        **{
+            name: _flags([getattr(curve, name) for curve in curves], label, known)
+            for name, (label, known) in WORDS.items()
+        },
+        "setting": _flags([point.setting for point in points], "setting of the method"),
     }
     variables = {
-        "setting_value": _floats([p.value for _, p in rows], "number that is set", "1"),
-        "error": _floats([p.error for _, p in rows], "median error", "1"),
-        "error_largest": _floats([p.largest for _, p in rows], "largest error", "1"),
-        "time_per_cell": _floats([p.seconds for _, p in rows], "time of one cell", "s"),
-        "cells": _numbers(np.array([p.cells for _, p in rows], np.int32), "cells measured", "1"),
-        "fitted_slope": _floats(
-            [c.slope for c, _ in rows], "slope of log error over log cost, of the curve", "1"
-        ),
-        "reference_error": _floats([c.floor for c, _ in rows], "error of the reference", "1"),
-        "expected_slope": _floats(
-            [c.expected_slope for c, _ in rows], "slope that the theory has, of the curve", "1"
-        ),
+        **_columns(points, NUMBERS),
+        "cells": _numbers(behind, "cells measured", "1"),
+        **_columns(curves, CURVE_NUMBERS),
+        **_further(points),
     }
-    for name, (label, unit) in MORE.items():
-        values = [point.more.get(name, math.nan) for _, point in rows]
-        if not all(map(math.isnan, values)):
-            variables[name] = _floats(values, label, unit)
     for one in measured:
         variables |= {f"cell_{name}": variable for name, variable in one.cells.items()}
-    singles = [v for v in variables.values() if v.dims == ("cell",)]
-    if singles:
-        count = np.arange(singles[0].values.size, dtype=np.int32)
+    cells = next((v.values.size for v in variables.values() if v.dims == ("cell",)), 0)
+    if cells:
+        count = np.arange(cells, dtype=np.int32)
         coordinates["cell"] = TableVariable(("cell",), count, {"long_name": "number of the cell"})
     return Table(coordinates, variables, attributes)
+
+
+def _columns(
+    rows: Sequence[Any], names: Mapping[str, tuple[str, str, str]]
+) -> dict[str, TableVariable]:
+    """Return the numbers that points, or their curves, have as attributes."""
+    return {
+        name: _floats([getattr(row, attribute) for row in rows], label, unit)
+        for name, (attribute, label, unit) in names.items()
+    }
+
+
+def _further(points: Sequence[Point]) -> dict[str, TableVariable]:
+    """Return what else was measured of any point."""
+    values = {name: [point.more.get(name, math.nan) for point in points] for name in MORE}
+    return {
+        name: _floats(values[name], label, unit)
+        for name, (label, unit) in MORE.items()
+        if not all(map(math.isnan, values[name]))
+    }
 
 
 def single(values: Array | NDArray[np.int8], label: str, unit: str, **extra: Any) -> TableVariable:

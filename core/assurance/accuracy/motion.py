@@ -100,6 +100,18 @@ def run_method(
     )
 
 
+def _parts(scene: Scene) -> float:
+    """Return what the methods of a scene take of the time together."""
+    named = [name for name in ("events", "regularised") if name in scene.variants]
+    return SHARES["both"] + sum(SHARES[name] for name in named)
+
+
+def _nothing_moves(count: int, watch: Watch) -> str:
+    if watch.stopped():
+        return "The time given ran out before a cell was found whose motion repeats."
+    return f"No cell of {count} random ones moves and repeats its motion: nothing is measured."
+
+
 def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
     """Return error and time of all methods that follow the motion of a study."""
     scene, grid = simulation.plan.scene, simulation.grid
@@ -107,9 +119,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
         name: value for name, value in simulation.study.settings().items() if name == "max_periods"
     }
     exact = "events" if "events" in scene.variants else None
-    parts = SHARES["both"] + (SHARES["events"] if exact else 0)
-    parts += SHARES["regularised"] if "regularised" in scene.variants else 0
-    watch = watch.part(1 / parts)
+    watch = watch.part(1 / _parts(scene))
     given = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
     given = {name: values for name, values in given.items() if _is_used(scene, name)}
     share = watch.part(0.04)
@@ -121,10 +131,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     left = given[next(iter(given))].size
     picked = {name: values[chosen] for name, values in given.items()}
     if not chosen.size:
-        note = f"No cell of {left} random ones moves and repeats its motion: nothing is measured."
-        if share.stopped():
-            note = "The time given ran out before a cell was found whose motion repeats."
-        return Measured("motion", (), (note,))
+        return Measured("motion", (), (_nothing_moves(left, share),))
     reference = run_method(scene, "reference", picked, {}, watch.part(0.3))
     sound = reference.periodic & (reference.estimate < REFERENCE_ERROR)
     if exact:

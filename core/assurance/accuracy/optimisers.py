@@ -119,33 +119,11 @@ def measure(
             f"{FRONT_LIMIT:g} of its scale."
         )
     names = [name for name in methods if refusal(name, problem) is None]
-    answers: dict[str, OptimiserResult] = {}
-    ends = time.monotonic() + seconds
-    for position, name in enumerate(names):
-        if watch.stopped():
-            break
-        # What a fast method leaves over, the slow ones after it share.
-        each = (ends - time.monotonic()) / (len(names) - position)
-        answers[name] = answer(name, problem, design, scales, watch, max(each, 0.0))
-        watch.advance(1 / len(names))
-    late = [name for name in names if name not in answers or not answers[name].done.all()]
-    known = next((n for n in ("exact", "newton") if n in answers), None)
+    answers, late = _answers(names, problem, design, scales, watch, seconds)
     if not answers:
         return Measured("optimisers", (), ("It was stopped before the first method.",))
-    values = np.stack([one.value for one in answers.values()])
-    winner = np.asarray(values.argmax(axis=0))
-    best = values.max(axis=0)
-    x = np.stack([one.x for one in answers.values()])[winner, :, np.arange(winner.size)].T
-    if known:
-        exact = answers[known]
-        has = np.isfinite(exact.value)
-        best, x = np.where(has, exact.value, best), np.where(has, exact.x, x)
-        notes.append(f"Reference: {_kind(known, problem)}; its own gap is 0 by definition.")
-    else:
-        notes.append(
-            "Reference: the best that any method found, since there is no exact answer; a gap that "
-            "all share would not show."
-        )
+    best, x, note = _reference(answers, problem)
+    notes.append(note)
     answered = np.isfinite(best)
     notes.insert(
         0,
@@ -162,35 +140,73 @@ def measure(
         return Measured("optimisers", (), (*notes, "No design has an answer."))
     size = np.broadcast_to(problem.scale(scales), answered.shape)
     span = (problem.upper - problem.lower)[:, None]
-    curves = []
-    for name, one in answers.items():
-        used = answered & one.done
-        if not used.any():
-            continue
-        lost = ~np.isfinite(one.value[used])
-        value = np.where(lost, best[used], one.value[used])
-        gap = np.where(lost, np.inf, np.abs(best[used] - value) / size[used])
-        apart = (np.abs(one.x - x) / span).max(axis=0)[used]
-        point = Point(
-            name,
-            np.nan,
-            float(np.median(gap)),
-            float(gap.max()),
-            one.seconds,
-            int(used.sum()),
-            {
-                "variable_error": float(np.median(_found(apart))),
-                "missed": float(np.mean(gap > MISSED)),
-                "evaluations": float(np.median(one.evaluations[used])),
-            },
-        )
-        curves.append(Curve("optimisers", problem.criterion.output, name, (point,)))
+    used = {name: answered & one.done for name, one in answers.items()}
+    points = [
+        _point(name, one, best, size, (np.abs(one.x - x) / span).max(axis=0), used[name])
+        for name, one in answers.items()
+        if used[name].any()
+    ]
+    curves = (Curve("optimisers", problem.criterion.output, one.setting, (one,)) for one in points)
     return Measured("optimisers", tuple(curves), tuple(notes))
 
 
-def _found(apart: Array) -> NDArray[np.float64]:
-    """Return distances, 1 where a method found nothing."""
-    return np.where(np.isnan(apart), 1.0, apart)
+def _answers(
+    names: Collection[str],
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+    seconds: float,
+) -> tuple[dict[str, OptimiserResult], list[str]]:
+    """Return what methods find, and those that were not done; they share the seconds."""
+    answers: dict[str, OptimiserResult] = {}
+    ends = time.monotonic() + seconds
+    for position, name in enumerate(names):
+        if watch.stopped():
+            break
+        # What a fast method leaves over, the slow ones after it share.
+        each = (ends - time.monotonic()) / (len(names) - position)
+        answers[name] = answer(name, problem, design, scales, watch, max(each, 0.0))
+        watch.advance(1 / len(names))
+    done = {name for name, one in answers.items() if one.done.all()}
+    return answers, [name for name in names if name not in done]
+
+
+def _reference(
+    answers: Mapping[str, OptimiserResult], problem: OptimisationProblem
+) -> tuple[Array, Array, str]:
+    """Return the best objective that is known of each design, the variables there, and of whom."""
+    values = np.stack([one.value for one in answers.values()])
+    winner = np.asarray(values.argmax(axis=0))
+    best = values.max(axis=0)
+    x = np.stack([one.x for one in answers.values()])[winner, :, np.arange(winner.size)].T
+    known = next((name for name in ("exact", "newton") if name in answers), None)
+    if known is None:
+        return best, x, (
+            "Reference: the best that any method found, since there is no exact answer; a gap that "
+            "all share would not show."
+        )  # fmt: skip
+    exact = answers[known]
+    has = np.isfinite(exact.value)
+    note = f"Reference: {_kind(known, problem)}; its own gap is 0 by definition."
+    return np.where(has, exact.value, best), np.where(has, exact.x, x), note
+
+
+def _point(
+    name: str, one: OptimiserResult, best: Array, size: Array, apart: Array, used: NDArray[np.bool_]
+) -> Point:
+    """Return gap, error of the variables and time of a method, over the designs that it reached."""
+    lost = ~np.isfinite(one.value[used])
+    value = np.where(lost, best[used], one.value[used])
+    gap = np.where(lost, np.inf, np.abs(best[used] - value) / size[used])
+    apart = np.where(np.isnan(apart[used]), 1.0, apart[used])  # 1 where it found nothing
+    more = {
+        "variable_error": float(np.median(apart)),
+        "missed": float(np.mean(gap > MISSED)),
+        "evaluations": float(np.median(one.evaluations[used])),
+    }
+    median, largest = float(np.median(gap)), float(gap.max())
+    return Point(name, np.nan, median, largest, one.seconds, int(used.sum()), more)
 
 
 def _kind(name: str, problem: OptimisationProblem) -> str:

@@ -1,4 +1,4 @@
-"""Values, margins and slopes at an answer, and what the conditions of an optimum leave there."""
+"""Margins that all families share, and what the conditions of an optimum leave at an answer."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 
 from core.compiled import compiled
 from core.optimise.kernels.columns import (
-    ACROSS,
     ACROSS_LOWER,
     ACROSS_UPPER,
-    ALONG,
     ALPHA_HI,
     ALPHA_LO,
     ALPHA_LOWER,
@@ -23,79 +21,53 @@ from core.optimise.kernels.columns import (
     BETA_UPPER,
     FLOOR,
     LIMIT,
-    MU_K,
-    MU_S,
     NORMAL,
     OBJECTIVE,
     P_,
-    PLANE_PHYSICAL,
-    PLANE_THESIS,
     START,
-    TRACK_PHYSICAL,
-    TRACK_THESIS,
     WALL,
     Numbers,
 )  # fmt: skip
 
 
 @compiled
-def gradients(
-    problem: int, p: Numbers, alpha: float, beta: float, F: Numbers, slopes: Numbers,
+def bounds(
+    p: Numbers,
+    alpha: float,
+    beta: float,
+    room: float,
+    F: Numbers,
+    slopes: Numbers,
     margins: Numbers,
-) -> None:  # fmt: skip
-    """Fill value, a_y, their gradients and the margins of all constraints with theirs.
+) -> None:
+    """Fill the margins of the angles, the floor and the wall, and their gradients.
 
-    F: a_x or K, a_y, n0, wall margin. `slopes` rows: 0 objective, then the constraints in the
-    order of their bits; `margins` alike. In units of P.
+    n0 = g - sb on the floor, room - cb sa at the wall, in units of P. `slopes` has a row for the
+    objective, then the constraints in the order of their bits; `margins` alike. F: a_x or K, a_y,
+    n0, margin of the wall. There is no limit on a_y and on the start until a family says so.
     """
-    k, y, g = p[ALONG] / p[P_], p[ACROSS] / p[P_], p[NORMAL] / p[P_]
-    mu, mu_s, e = p[MU_K], p[MU_S], p[LIMIT] / p[P_]
-    ca, sa, q, dz = math.cos(alpha), math.sin(alpha), math.cos(beta), math.sin(beta)
-    dx, dy = q * ca, q * sa
+    q, dz = math.cos(beta), math.sin(beta)
+    sine = math.sin(alpha)
     slopes[:] = 0.0
     margins[ALPHA_LOWER], slopes[ALPHA_LOWER, 0] = alpha - p[ALPHA_LO], 1.0
     margins[ALPHA_UPPER], slopes[ALPHA_UPPER, 0] = p[ALPHA_HI] - alpha, -1.0
     margins[BETA_LOWER], slopes[BETA_LOWER, 1] = beta - p[BETA_LO], 1.0
     margins[BETA_UPPER], slopes[BETA_UPPER, 1] = p[BETA_HI] - beta, -1.0
-    n = g - dz
-    margins[FLOOR], slopes[FLOOR, 1] = n, -q
-    room = -y if problem == TRACK_THESIS else y
-    margins[WALL], slopes[WALL, 0], slopes[WALL, 1] = room - dy, -dx, dz * sa
-    margins[START] = math.inf
-    F[2], F[3] = n, room - dy
-    if problem == PLANE_PHYSICAL:
-        X, Y, m = dx - k, dy, mu * n
-        R = math.hypot(X, Y)
-        Ra, Rb = k * Y / R, -dz * (q - k * ca) / R
-        rest, rest_a = 1.0 - m / R, m * Ra / (R * R)
-        rest_b = mu * q / R + m * Rb / (R * R)
-        F[0], F[1] = X * rest, Y * rest
-        slopes[OBJECTIVE, 0], slopes[OBJECTIVE, 1] = (
-            -dy * rest + X * rest_a,
-            -dz * ca * rest + X * rest_b,
-        )
-        ay_a, ay_b = dx * rest + Y * rest_a, -dz * sa * rest + Y * rest_b
-        if mu_s > mu:
-            margins[START], slopes[START, 0], slopes[START, 1] = R - mu_s * n, Ra, Rb + mu_s * q
-    elif problem == PLANE_THESIS:
-        F[0], F[1] = dx - k - mu * n, dy - mu * n
-        slopes[OBJECTIVE, 0], slopes[OBJECTIVE, 1] = -dy, -dz * ca + mu * q
-        ay_a, ay_b = dx, -dz * sa + mu * q
-    else:
-        F[0], F[1] = dx - k - mu * (room - dy), 0.0
-        slopes[OBJECTIVE, 0], slopes[OBJECTIVE, 1] = -dy + mu * dx, -dz * (ca + mu * sa)
-        ay_a = ay_b = 0.0
-        if problem == TRACK_PHYSICAL:
-            F[0] -= mu * n
-            slopes[OBJECTIVE, 1] += mu * q
-            if mu_s > mu:
-                margins[START] = dx - k - mu_s * (n + room - dy)
-                slopes[START, 0], slopes[START, 1] = (
-                    -dy + mu_s * dx,
-                    -dz * (ca + mu_s * sa) + mu_s * q,
-                )
-    margins[ACROSS_LOWER], slopes[ACROSS_LOWER, 0], slopes[ACROSS_LOWER, 1] = F[1] + e, ay_a, ay_b
-    margins[ACROSS_UPPER], slopes[ACROSS_UPPER, 0], slopes[ACROSS_UPPER, 1] = e - F[1], -ay_a, -ay_b
+    F[2], F[3] = p[NORMAL] / p[P_] - dz, room - q * sine
+    margins[FLOOR], slopes[FLOOR, 1] = F[2], -q
+    margins[WALL], slopes[WALL, 0], slopes[WALL, 1] = F[3], -(q * math.cos(alpha)), dz * sine
+    margins[ACROSS_LOWER] = margins[ACROSS_UPPER] = margins[START] = math.inf
+
+
+@compiled
+def across(
+    p: Numbers, F: Numbers, by_alpha: float, by_beta: float, slopes: Numbers, margins: Numbers
+) -> None:
+    """Fill the margins of |a_y| <= limit, and their gradients, from those of a_y."""
+    e = p[LIMIT] / p[P_]
+    margins[ACROSS_LOWER], margins[ACROSS_UPPER] = F[1] + e, e - F[1]
+    slopes[ACROSS_LOWER, 0], slopes[ACROSS_LOWER, 1] = by_alpha, by_beta
+    slopes[ACROSS_UPPER, 0], slopes[ACROSS_UPPER, 1] = -by_alpha, -by_beta
 
 
 @compiled

@@ -73,7 +73,7 @@ class Block(NamedTuple):
     a1: float
 
 
-class Best(NamedTuple):
+class BestAcross(NamedTuple):
     """The best at one beta.
 
     Attributes
@@ -224,19 +224,29 @@ def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
 
 
 @compiled
-def best_across(beta: float, block: Block) -> Best:
+def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
+    """Return the largest D_x of a sliding block, R >= mu_s n, and what holds it; -1 if none slides.
+
+    R^2 = q^2 - k^2 - 2 k D_x falls with D_x on a climbing track, and grows on a falling one.
+    """
+    free = at.q * at.q - k * k - at.ms * at.ms
+    if k > 0 and free < 2 * k * most:
+        return free / (2 * k), STICK_EDGE
+    if k <= 0 and free - 2 * k * most < 0:
+        return -1.0, NEAREST
+    return most, NEAREST
+
+
+@compiled
+def best_across(beta: float, block: Block) -> BestAcross:
     """Return the best that the block can do at this beta."""
     k, e = block.k, block.e
     at = _level(beta, block)
-    q, nowhere = at.q, Best(False, 0.0, 0.0, 0.0, FREE)
+    q, nowhere = at.q, BestAcross(False, 0.0, 0.0, 0.0, FREE)
     most, least = q * math.cos(block.a0) - k, q * math.cos(block.a1) - k
-    low, high, held = max(least, 0.0), most, NEAREST
-    free = q * q - k * k - at.ms * at.ms
-    if k > 0 and free < 2 * k * high:
-        high, held = free / (2 * k), STICK_EDGE
+    low = max(least, 0.0)
+    high, held = _most_along(most, k, at)
     if not (high > 0 and high >= low):
-        return nowhere
-    if k <= 0 and free - 2 * k * high < 0:
         return nowhere
     X = high
     if k > 0 and at.m > 0:
@@ -253,7 +263,7 @@ def best_across(beta: float, block: Block) -> Best:
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
     if R <= 0:
         return nowhere
-    return Best(True, X * (1.0 - at.m / R), _slope_along(X, held, at, block), X, held)
+    return BestAcross(True, X * (1.0 - at.m / R), _slope_along(X, held, at, block), X, held)
 
 
 @compiled
@@ -385,7 +395,7 @@ def _climbed(
 
 
 @compiled
-def _azimuth(beta: float, at: Best, block: Block) -> float:
+def _azimuth(beta: float, at: BestAcross, block: Block) -> float:
     """Return |alpha| of the best at one beta."""
     if at.held == NEAREST:
         return block.a0
@@ -399,7 +409,7 @@ def _azimuth(beta: float, at: Best, block: Block) -> float:
 
 
 @compiled
-def _is_held(beta: float, at: Best, block: Block) -> bool:
+def _is_held(beta: float, at: BestAcross, block: Block) -> bool:
     """Return whether static friction just holds the block at its best."""
     q, X, k, g = math.cos(beta), at.drive, block.k, block.g
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
@@ -437,6 +447,21 @@ def _highest(
 
 
 @compiled
+def _slides_straight(beta: float, lift_off: float, block: Block) -> bool:
+    """Return whether a drive straight along x moves the block: q - k > mu_s n."""
+    floor = block.g - math.sin(beta) if beta < lift_off else 0.0
+    return math.cos(beta) - block.k > block.mu_s * floor
+
+
+@compiled
+def _fill(count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Block) -> None:
+    """Fill the largest a_x at each sample of beta, and its slope; -inf where nothing slides."""
+    for i in range(count):
+        at = best_across(betas[i], block)
+        values[i], rises[i] = (at.value, at.slope) if at.slides else (-math.inf, 0.0)
+
+
+@compiled
 def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best: Numbers) -> int:
     """Return the status of the block with the friction disc; `best` becomes alpha, beta.
 
@@ -459,13 +484,10 @@ def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best
     if a0 == 0 and (k <= 0 or (whole and sideways == 0)):
         # Straight along x is best at every beta, or at the best beta.
         straight = min(max(math.atan(mu), first), last)
-        floor = g - math.sin(straight) if straight < lift_off else 0.0
-        if math.cos(straight) - k > mu_s * floor:
+        if _slides_straight(straight, lift_off, block):
             best[0], best[1] = 0.0, straight
             return OPTIMAL
     steps = STEPS if a0 == 0 and a1 >= RIGHT else STEPS_WITHIN
     count = _sampled(first, last, steps, sideways, block, betas)
-    for i in range(count):
-        at = best_across(betas[i], block)
-        values[i], rises[i] = (at.value, at.slope) if at.slides else (-math.inf, 0.0)
+    _fill(count, betas, values, rises, block)
     return _highest(count, betas, values, rises, lift_off, side, block, best)

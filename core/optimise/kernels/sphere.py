@@ -10,28 +10,20 @@ from __future__ import annotations
 import math
 
 from core.compiled import compiled
-from core.optimise.codes import TIGHT
 from core.optimise.kernels.columns import (
-    ACROSS,
-    ALONG,
     ALPHA_HI,
     ALPHA_LO,
     BETA_HI,
     BETA_LO,
     INFEASIBLE,
     KEPT,
-    LIMIT,
-    MU_K,
-    MU_S,
     NO_MOTION,
     NORMAL,
-    NOT_ATTAINED,
     OPTIMAL,
     P_,
-    PLANE_THESIS,
-    TRACK_PHYSICAL,
-    TRACK_THESIS,
+    Best,
     Numbers,
+    Work,
 )  # fmt: skip
 
 ROWS = 9  # most planes of one problem
@@ -82,7 +74,7 @@ def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers
 
 
 @compiled
-def _top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
+def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
     """Return whether a unit vector keeps a.d <= b; `best` becomes the one with the largest u.d.
 
     The rows of A are unit vectors. Where the top of the sphere oversteps a plane and the top of
@@ -114,7 +106,7 @@ def _top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers)
 
 
 @compiled
-def _plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit: float) -> int:
+def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit: float) -> int:
     """Put the plane (x, y, z).d <= limit into the next row, and return the number of rows."""
     size = math.sqrt(x * x + y * y + z * z)
     A[row, 0], A[row, 1], A[row, 2] = x / size, y / size, z / size
@@ -123,54 +115,33 @@ def _plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit
 
 
 @compiled
-def linear(
-    problem: int, floor: bool, wall: bool, p: Numbers, u: Numbers, A: Numbers, b: Numbers,
-    best: Numbers,
-) -> int:  # fmt: skip
-    """Return the status of a linear problem; `best` becomes the direction."""
-    P, k, y, g = p[P_], p[ALONG] / p[P_], p[ACROSS] / p[P_], p[NORMAL] / p[P_]
-    mu, mu_s, e = p[MU_K], p[MU_S], p[LIMIT] / p[P_]
+def angles_within(p: Numbers, floor: bool, A: Numbers, b: Numbers) -> int:
+    """Put the bounds of the angles, and the floor's sb <= g, into the first rows; their number."""
     a0, a1, b0, b1 = p[ALPHA_LO], p[ALPHA_HI], p[BETA_LO], p[BETA_HI]
-    rows = _plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)
-    rows = _plane(A, b, rows, -math.sin(a1), math.cos(a1), 0.0, 0.0)
+    rows = plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)
+    rows = plane(A, b, rows, -math.sin(a1), math.cos(a1), 0.0, 0.0)
     middle = (a0 + a1) / 2
     # Two half-planes back to back leave a whole plane: keep to the side between the bounds.
-    rows = _plane(A, b, rows, -math.cos(middle), -math.sin(middle), 0.0, 0.0)
-    rows = _plane(A, b, rows, 0.0, 0.0, -1.0, -math.sin(b0))
-    top = math.sin(b1)
-    if (floor or problem == TRACK_PHYSICAL) and g < top:
+    rows = plane(A, b, rows, -math.cos(middle), -math.sin(middle), 0.0, 0.0)
+    rows = plane(A, b, rows, 0.0, 0.0, -1.0, -math.sin(b0))
+    top, g = math.sin(b1), p[NORMAL] / p[P_]
+    if floor and g < top:
         top = g
-    rows = _plane(A, b, rows, 0.0, 0.0, 1.0, top)
-    u[0], u[1], u[2] = 1.0, 0.0, 0.0
-    constant = -k
-    if problem == PLANE_THESIS:
-        u[2] = mu
-        constant -= mu * g
-        if e < math.inf:
-            rows = _plane(A, b, rows, 0.0, 1.0, mu, mu * g + e)
-            rows = _plane(A, b, rows, 0.0, -1.0, -mu, e - mu * g)
-    else:
-        u[1] = mu
-        room = -y if problem == TRACK_THESIS else y
-        constant -= mu * room
-        if wall or problem == TRACK_PHYSICAL:
-            rows = _plane(A, b, rows, 0.0, 1.0, 0.0, room)
-    if problem == TRACK_PHYSICAL:
-        u[2] = mu
-        constant -= mu * g
-        u[1] = u[2] = mu_s
-        if not _top_of_pieces(u, A, b, rows, best):
-            return INFEASIBLE
-        needed = k + mu_s * (y + g)
-        if best[0] + mu_s * (best[1] + best[2]) <= needed:
-            return NO_MOTION
-        u[1] = u[2] = mu
-        if mu_s > mu:
-            rows = _plane(A, b, rows, -1.0, -mu_s, -mu_s, -needed)
-        _top_of_pieces(u, A, b, rows, best)
-        held = needed - best[0] - mu_s * (best[1] + best[2])
-        return NOT_ATTAINED if mu_s > mu and held > -TIGHT else OPTIMAL
-    if not _top_of_pieces(u, A, b, rows, best):
-        return INFEASIBLE
-    value = u[0] * best[0] + u[1] * best[1] + u[2] * best[2] + constant
-    return OPTIMAL if P * value > 0 else NO_MOTION
+    return plane(A, b, rows, 0.0, 0.0, 1.0, top)
+
+
+@compiled
+def angles_of(d: Numbers) -> tuple[float, float]:
+    """Return azimuth and elevation of a direction."""
+    return math.atan2(d[1], d[0]), math.atan2(d[2], math.hypot(d[0], d[1]))
+
+
+@compiled
+def highest(P: float, constant: float, rows: int, work: Work) -> Best:
+    """Return status, alpha and beta of the largest u.d + constant within the planes of the rows."""
+    u, d = work.upwards, work.direction
+    if not top_of_pieces(u, work.planes, work.levels, rows, d):
+        return Best(INFEASIBLE, False, math.nan, math.nan)
+    value = u[0] * d[0] + u[1] * d[1] + u[2] * d[2] + constant
+    alpha, beta = angles_of(d)
+    return Best(OPTIMAL if P * value > 0 else NO_MOTION, True, alpha, beta)

@@ -9,7 +9,7 @@ between two loops, some thousand cells at a time.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -139,24 +139,36 @@ def program_of(
         lanes = Lanes(updates, period, LONGEST_ROW // period * period)
     edge = edge_of(traced, names, shape, order.inner, most)
     results, needed = _renewed(traced, names, edge, special)
+    called = [node for node in needed if _is_called(node)]
+    stages = _stages(order, needed, results, lanes)
+    taken = [node for node in needed if not _is_called(node)]
+    return Program(order, stages, work_of(order, lengths, taken), len(called), lanes)
+
+
+def _is_called(node: Node) -> bool:
+    """True if numpy takes a step between two loops."""
+    return node.function is not None and node.function not in IN_LOOPS
+
+
+def _stages(
+    order: Order, nodes: Sequence[Node], results: Sequence[Any], lanes: Lanes | None
+) -> tuple[Stage, ...]:
+    """Return the loops that compute some results, and what numpy does between them."""
     ready = _ready(results)
-    leaves = [node for node in needed if node.function is None]
-    called = [node for node in needed if node.function and node.function not in IN_LOOPS]
-    stages = []
-    for number in range(1 + max((ready[node.number] for node in called), default=0)):
-        before = [node for node in called if ready[node.number] <= number]
-        after = tuple(node for node in called if ready[node.number] == number + 1)
-        if after:
-            wanted = {one.number: one for node in after for one in node.before}
-            known = {one.number for one in before}
-            columns = tuple(one for one in wanted.values() if one.number not in known)
-            write = write_loop(order, leaves, before, columns, in_place=False) if columns else None
-            stages.append(Stage(write, columns, after))
-        else:
-            loop = write_loop(order, leaves, before, results, in_place=True, lanes=lanes)
-            stages.append(Stage(loop, (), ()))
-    taken = [node for node in needed if node.function is None or node.function in IN_LOOPS]
-    return Program(order, tuple(stages), work_of(order, lengths, taken), len(called), lanes)
+    leaves = [node for node in nodes if node.function is None]
+    turns = [(ready[node.number], node) for node in nodes if _is_called(node)]
+    stages, known = [], dict[int, Node]()
+    for now in range(1, 1 + max((turn for turn, _ in turns), default=0)):
+        after = tuple(node for turn, node in turns if turn == now)
+        wanted = {one.number: one for node in after for one in node.before}
+        columns = tuple(wanted[number] for number in wanted if number not in known)
+        loop = None
+        if columns:
+            loop = write_loop(order, leaves, known.values(), columns, in_place=False)
+        stages.append(Stage(loop, columns, after))
+        known |= {node.number: node for node in after}
+    last = write_loop(order, leaves, known.values(), results, in_place=True, lanes=lanes)
+    return (*stages, Stage(last, (), ()))
 
 
 def _renewed(
@@ -191,9 +203,7 @@ def _ready(results: Iterable[Any]) -> dict[int, int]:
     def visit(node: Node) -> int:
         if node.number not in ready:
             before = max((visit(one) for one in node.before), default=0)
-            ready[node.number] = before + (
-                node.function is not None and node.function not in IN_LOOPS
-            )
+            ready[node.number] = before + _is_called(node)
         return ready[node.number]
 
     for one in results:

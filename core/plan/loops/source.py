@@ -229,44 +229,48 @@ class _Writer:
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
         """Return what stands within so many loops, but not within the next."""
-        lines = []
-        place = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
-        for one in arrays:
-            if self.order.level(one) == level:
-                index = ", ".join(place[name] for name in self.order.kept(one))
-                name = f"a{one.number}"
-                taken = f"{name}[{index}]" if index else name
-                if self.order.is_row(one):
-                    taken += "[at:stop]"
-                lines.append(f"{pad}{name}_ = {taken}")
         here = [node for node in self.nodes if self._level(node) == level]
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
         rows = [node for node in here if self._is_row(node)]
-        lines += [f"{pad}t{node.number} = {self._step(node)}" for node in plain]
-        last = level == self.deepest
-        if rows or last:
-            if last and self.lanes:
-                lines += [f"{pad}start = {self._place('strides')}"]
-                lines += [f"{pad}number = 0.0 + ({self._place('numbers')})"]
-            elif last and self.in_place:
-                terms = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
-                lines.append(f"{pad}start = {' + '.join([*terms, 'at'])}")
-            if last:
-                start = "start" if self.in_place else "done"
-                lines += [f"{pad}o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
-            lines.append(f"{pad}for i in range(cells):")
-            for node in rows:
-                lines.append(f"{pad}    t{node.number} = {self._step(node)}")
-                if node.number in self.kept:
-                    value = f"t{node.number}"
-                    if node.dtype == np.bool_:
-                        value = f"choose({value}, 1.0, 0.0)"
-                    lines.append(f"{pad}    r{node.number}[i] = {value}")
-            if last:
-                lines += [f"{pad}    {line}" for line in self._updated()]
-                lines.append(f"{pad}done += cells")
-        return lines
+        lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
+        lines += [f"t{node.number} = {self._step(node)}" for node in plain]
+        if level == self.deepest:
+            lines += [*self._starts(), *self._row(rows, self._updated()), "done += cells"]
+        elif rows:
+            lines += self._row(rows, [])
+        return [f"{pad}{line}" for line in lines]
+
+    def _taken(self, one: Node) -> str:
+        """Return the line that takes out of an array what the loops within need."""
+        turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
+        index = ", ".join(turns[name] for name in self.order.kept(one))
+        taken = f"a{one.number}[{index}]" if index else f"a{one.number}"
+        return f"a{one.number}_ = {taken}{'[at:stop]' if self.order.is_row(one) else ''}"
+
+    def _starts(self) -> list[str]:
+        """Return the lines that find where the results of a row begin."""
+        lines = []
+        if self.lanes:
+            lines += [f"start = {self._place('strides')}"]
+            lines += [f"number = 0.0 + ({self._place('numbers')})"]
+        elif self.in_place:
+            turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
+            lines += [f"start = {' + '.join([*turns, 'at'])}"]
+        start = "start" if self.in_place else "done"
+        return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
+
+    def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
+        """Return the loop along a row: its steps, the rows that are kept, then some updates."""
+        lines = ["for i in range(cells):"]
+        for node in rows:
+            lines.append(f"    t{node.number} = {self._step(node)}")
+            if node.number in self.kept:
+                value = f"t{node.number}"
+                if node.dtype == np.bool_:
+                    value = f"choose({value}, 1.0, 0.0)"
+                lines.append(f"    r{node.number}[i] = {value}")
+        return [*lines, *(f"    {line}" for line in updates)]
 
     def _place(self, strides: str) -> str:
         """Return the place of the first cell of a piece of a row."""

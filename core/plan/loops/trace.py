@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -131,7 +131,8 @@ class Graph:
         given = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
         if not any(isinstance(one, Node) for one in given):
             return function(*given)
-        simpler = _simplified(function, given)
+        simplify = SIMPLER.get(function)
+        simpler = simplify(given) if simplify else None
         if simpler is not None:
             return simpler[0]
         key = (function, *map(_identity, given))
@@ -167,29 +168,45 @@ def _dtype(function: Function, given: Iterable[Any]) -> np.dtype[Any]:
             raise UntraceableError(str(error)) from None
 
 
-def _simplified(function: Function, given: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return what a step gives without being taken, where that is the same to the last bit."""
-    if function is np.where:
-        condition, one, other = given
-        if not isinstance(condition, Node):
-            return (one if condition else other,)
-        return (one,) if _identity(one) == _identity(other) else None
-    if function is np.positive:
-        return given
-    if function in (np.bitwise_and, np.bitwise_or):
-        for one, other in (given, given[::-1]):
-            if isinstance(one, bool | np.bool_):
-                return (other if bool(one) == (function is np.bitwise_and) else one,)
-        return (given[0],) if _identity(given[0]) == _identity(given[1]) else None
-    if function is np.multiply:
-        for one, other in (given, given[::-1]):
-            if _is(one, 1.0) and isinstance(other, Node) and other.dtype == np.float64:
-                return (other,)
-    if function is np.divide and _is(given[1], 1.0) and given[0].dtype == np.float64:
-        return (given[0],)
-    if function is np.subtract and _is(given[1], 0.0) and given[0].dtype == np.float64:
-        return (given[0],)
+def _chosen(given: tuple[Any, ...]) -> tuple[Any] | None:
+    """Return what a choice gives where its condition is a number, or both of its ways are one."""
+    condition, one, other = given
+    if not isinstance(condition, Node):
+        return (one if condition else other,)
+    return (one,) if _identity(one) == _identity(other) else None
+
+
+def _joined(given: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
+    """Return what "and" or "or" gives where one of two is true or false, or both are one."""
+    for one, other in (given, given[::-1]):
+        if isinstance(one, bool | np.bool_):
+            return (other if bool(one) == neutral else one,)
+    return (given[0],) if _identity(given[0]) == _identity(given[1]) else None
+
+
+def _product(given: tuple[Any, ...]) -> tuple[Any] | None:
+    """Return the other factor of 1."""
+    for one, other in (given, given[::-1]):
+        if _is(one, 1.0) and isinstance(other, Node) and other.dtype == np.float64:
+            return (other,)
     return None
+
+
+def _unchanged(given: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
+    """Return the first of two where the second is a number that leaves it as it is."""
+    return (given[0],) if _is(given[1], by) and given[0].dtype == np.float64 else None
+
+
+SIMPLER: dict[Function, Callable[[tuple[Any, ...]], tuple[Any] | None]] = {
+    np.where: _chosen,
+    np.positive: lambda given: (given[0],),
+    np.bitwise_and: partial(_joined, neutral=True),
+    np.bitwise_or: partial(_joined, neutral=False),
+    np.multiply: _product,
+    np.divide: partial(_unchanged, by=1.0),
+    np.subtract: partial(_unchanged, by=0.0),
+}
+"""What a step gives without being taken, where that is the same to the last bit; else None."""
 
 
 def _is(one: Any, value: float) -> bool:

@@ -80,6 +80,12 @@ def fall_from_start(condition: Array) -> float:
     return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
 
 
+def sample(stretch: Stretch, phases: Array, end: float, rows: Array) -> None:
+    """Fill the states at those of some phases that a stretch reaches."""
+    for k in np.nonzero((phases > stretch.start) & (phases <= end))[0]:
+        rows[k] = stretch.state((phases[k] - stretch.start) / stretch.length)
+
+
 class Tally:
     """What a run counts: phases spent in each way, impacts, extremes, contact with the wall."""
 
@@ -257,6 +263,15 @@ class Part:
             self.laws, self.until = laws, reached if jumps else math.inf
             self.smoothly(reached, asked, rows)
 
+    def rest_on(self, mode: Mode) -> bool:
+        """Note what the part is on; return whether a slip begins from rest."""
+        self.on_floor = mode.floor
+        # Without slip a block stays at the wall though it does not press on it.
+        held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
+        self.on_wall = mode.wall or (self.on_wall and held)
+        touching = mode.floor or mode.wall
+        return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
+
     def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
         """Go on to a phase up to which the push does not jump."""
         opened, still = "", 0
@@ -271,14 +286,7 @@ class Part:
             if self.close(mode, end):
                 opened = ""
                 continue
-            touching = mode.floor or mode.wall
-            begins = (
-                mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
-            )
-            self.on_floor = mode.floor
-            # Without slip a block stays at the wall though it does not press on it.
-            held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
-            self.on_wall = mode.wall or (self.on_wall and held)
+            begins = self.rest_on(mode)
             stretch = self.follow(mode, end, begins)
             at, event = self.first_event(mode, stretch, begins)
             self.note(mode, stretch, at)
@@ -286,8 +294,7 @@ class Part:
             if at == 1.0 and end - reached < 1e-15 * (1.0 + end):
                 reached = end
             if asked is not None and rows is not None:
-                for k in np.nonzero((asked > stretch.start) & (asked <= reached))[0]:
-                    rows[k] = stretch.state((asked[k] - stretch.start) / stretch.length)
+                sample(stretch, asked, reached, rows)
             self.phase, self.state = reached, stretch.state(at)
             opened = self.happen(event, mode)
             still = still + 1 if reached == stretch.start else 0

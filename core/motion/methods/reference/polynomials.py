@@ -81,6 +81,10 @@ def values(coefficients: Array, at: float) -> Array:
     return coefficients @ np.cos(angle * _DEGREES)
 
 
+def _sense(rises: bool) -> int:
+    return 1 if rises else -1
+
+
 def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     """Yield where a polynomial changes sign, in order, each with its sense (1 rising, -1 falling).
 
@@ -98,7 +102,7 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
             continue
         if abs(first) > others:
             if above is not None and above != (first > 0.0):
-                yield start, 1 if first > 0.0 else -1
+                yield start, _sense(first > 0.0)
             above = first > 0.0
             continue
         slope = SLOPE @ c
@@ -110,16 +114,16 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
             ]
             continue
         low, high = float(c[::2].sum() - c[1::2].sum()), float(c.sum())
-        if above is not None and low != 0.0 and above != (low > 0.0):
-            yield start, 1 if low > 0.0 else -1
         if low != 0.0:
+            if above is not None and above != (low > 0.0):
+                yield start, _sense(low > 0.0)
             above = low > 0.0
         if high == 0.0:
             continue
         rises = high > 0.0
         if above is not None and above != rises:
             at = start + width * _root(c, slope, low, high) if low * high < 0.0 else start
-            yield at, 1 if rises else -1
+            yield at, _sense(rises)
         above = rises
 
 

@@ -9,7 +9,7 @@ laws of theory 13.1 come back as `slip_speed` goes to 0 and `contact_stiffness` 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -75,9 +75,19 @@ def followed(
     return run, orbit_of(run, cell.rest(), max_periods, closeness), closeness
 
 
+def _cells(part: Groups, slip: float, stiffness: float, kept: Sequence[int]) -> list[Cell]:
+    """Return a cell with its laws as asked for, then with laws once and twice as coarse."""
+    kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
+    drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
+    coarser = [(COARSER**n * slip, stiffness / SOFTER**n) for n in range(3)]
+    return [
+        Cell(laws(kinetic, static, rebound, *pair), drive, gravity, part.wave) for pair in coarser
+    ]
+
+
 def _cell_motion(
     cell: Cell,
-    coarse: tuple[Cell, Cell],
+    coarse: Sequence[Cell],
     solver: str,
     tolerance: float,
     max_periods: int,
@@ -204,22 +214,15 @@ def regularised_motion(
     for place, row in zip(np.ndindex(shape), rows, strict=True):
         if watch.stopped():
             break
-        part, (slip, stiffness, error, periods) = one_of(row, groups.wave is not None, 4)
-        kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
-        drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
-        usable = bool(np.isfinite(row).all()) and min(slip, stiffness, error, periods) > 0
-        if not (usable and kinetic >= 0 and 0 <= rebound <= 1):
+        part, numbers = one_of(row, groups.wave is not None, 4)
+        usable = bool(np.isfinite(row).all()) and min(numbers) > 0
+        if not (usable and part.friction_kinetic >= 0 and 0 <= part.restitution <= 1):
             status[place] = STATUS["no_solution"]
             continue
-        cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity, part.wave)
-        once, twice = (
-            replace(
-                cell, laws=laws(kinetic, static, rebound, COARSER**n * slip, stiffness / SOFTER**n)
-            )
-            for n in (1, 2)
-        )
+        slip, stiffness, error, periods = numbers
+        cell, *coarse = _cells(part, slip, stiffness, kept)
         try:
-            found = _cell_motion(cell, (once, twice), solver, error, int(periods), watch)
+            found = _cell_motion(cell, coarse, solver, error, int(periods), watch)
         except StoppedError:
             break
         for name, values in fields.items():

@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics import rolling
 from core.mechanics.arrays import Array
-from core.optimise.exact.answers import PlaneOptimum
-from core.optimise.exact.candidates import Candidate, fastest_slide
+from core.optimise.families.family import Family
+from core.optimise.families.friction_disc import Candidate, fastest_slide
+from core.optimise.families.optimum import Optimum
+from core.study.optimise_study import Maximise
 
 # Friction directions at which the value is sampled before its root is bisected.
 DIRECTIONS = 129
@@ -26,7 +28,7 @@ def cylinder_physical_fastest(
     gravity_normal: ArrayLike,
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
-) -> PlaneOptimum:
+) -> Optimum:
     """Return the angles of the largest a_x of a cylinder on the floor (theory 7.3, 12.2).
 
     As for the block alpha = 0, beta = min(atan(mu_k), asin(G/P)), and a_y = 0. Here a drive from
@@ -158,3 +160,11 @@ def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Arra
         rolling.slipping_acceleration_x(in_plane_drive_x=D[0], roll_root=z, **friction),
         rolling.slipping_acceleration_y(in_plane_drive_y=D[1], roll_root=z, **friction),
     )
+
+
+FAMILY = Family(
+    name="cylinder_physical",
+    systems=(("cylinder-on-plane", "physical", "acceleration_x"),),
+    closed={Maximise: cylinder_physical_fastest},
+    contacts=frozenset({"floor_contact"}),
+)

@@ -1,4 +1,4 @@
-"""What exact answers look like, and what all of them share."""
+"""What closed answers look like, and what all of them share."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from core.mechanics.arrays import Array, Mask
 from core.optimise.codes import ACTIVE, STATUS, TIGHT, Flags, Statuses
 
 
-class PlaneOptimum(NamedTuple):
-    """The best angles on a plane; all arrays have the broadcast shape.
+class Optimum(NamedTuple):
+    """The best angles; all arrays have the broadcast shape.
 
     Attributes
     ----------
     alpha, beta : ndarray
         Azimuth and elevation of the drive [rad]; NaN where there are none.
     acceleration_x, acceleration_y : ndarray
-        The accelerations there [m s-2].
+        The accelerations there; on the track K = a_x at rest, and 0 [m s-2].
     active : ndarray of int16
         Sum of the `ACTIVE` bits of the constraints that hold with equality.
     status : ndarray of int8
@@ -30,16 +30,6 @@ class PlaneOptimum(NamedTuple):
     beta: Array
     acceleration_x: Array
     acceleration_y: Array
-    active: Flags
-    status: Statuses
-
-
-class TrackOptimum(NamedTuple):
-    """The best angles on the track; as `PlaneOptimum`, with K = a_x at rest [m s-2]."""
-
-    alpha: Array
-    beta: Array
-    starting_acceleration: Array
     active: Flags
     status: Statuses
 
@@ -96,25 +86,10 @@ def bounds_active(alpha: Array, beta: Array) -> Flags:
     )
 
 
-def plane_optimum(
+def optimum(
     alpha: Array, beta: Array, along: Array, across: Array, active: Flags, status: Statuses
-) -> PlaneOptimum:
+) -> Optimum:
     """Return the answer; NaN where the status tells that there is none."""
-    bad = _hidden(status)
+    bad = (status == STATUS["infeasible"]) | (status == STATUS["invalid"])
     alpha, beta, along, across = (np.where(bad, np.nan, p) for p in (alpha, beta, along, across))
-    return PlaneOptimum(
-        alpha, beta, along, across, np.where(bad, 0, active).astype(np.int16), status
-    )
-
-
-def track_optimum(
-    alpha: Array, beta: Array, K: Array, active: Flags, status: Statuses
-) -> TrackOptimum:
-    """Return the answer; NaN where the status tells that there is none."""
-    bad = _hidden(status)
-    alpha, beta, K = (np.where(bad, np.nan, part) for part in (alpha, beta, K))
-    return TrackOptimum(alpha, beta, K, np.where(bad, 0, active).astype(np.int16), status)
-
-
-def _hidden(status: Statuses) -> Mask:
-    return np.asarray((status == STATUS["infeasible"]) | (status == STATUS["invalid"]))
+    return Optimum(alpha, beta, along, across, np.where(bad, 0, active).astype(np.int16), status)

@@ -1,62 +1,25 @@
-"""The rectangle on the track: the printed forces, and both contacts kept (theory 4, 12)."""
+"""The rectangle on the track, friction on floor and wall, both contacts kept (theory 4.4, 12)."""
 
 from __future__ import annotations
-
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import ACTIVE, STATUS
-from core.optimise.exact.answers import (
-    TrackOptimum,
+from core.optimise.families.family import Family
+from core.optimise.families.optimum import (
+    Optimum,
     all_finite,
     bounds_active,
     broadcast,
+    optimum,
     statuses,
     tight,
-    track_optimum,
     usable,
 )
-
-
-def track_fastest(
-    *,
-    variant: Literal["thesis", "derived"],
-    vibration_acceleration: ArrayLike,
-    gravity_along: ArrayLike,
-    gravity_across: ArrayLike,
-    friction_kinetic: ArrayLike,
-    wall_contact: bool,
-) -> TrackOptimum:
-    """Return the angles of the largest K of the track's printed forces (theory 4.2, 12).
-
-    tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) - c -+ mu g_y. There the wall has to pull unless
-    g_y is large. With `wall_contact` (at rest, W <= g_y): alpha = min(atan(mu), asin(g_y/P)). The
-    `thesis` variant prints the balance with the other sign, W <= -g_y, which no lean onto the wall
-    allows: `infeasible`.
-    """
-    P, c, gy, mu = broadcast(
-        vibration_acceleration, gravity_along, gravity_across, friction_kinetic
-    )
-    valid = all_finite(P, c, gy, mu) & (P >= 0) & (mu >= 0)
-    driven = valid & (P > 0)
-    P, c, gy, mu = usable(valid, P, c, gy, mu)
-    sign = 1.0 if variant == "derived" else -1.0
-    room = sign * gy
-    alpha = np.arctan(mu)
-    infeasible = np.zeros_like(valid)
-    if wall_contact:
-        infeasible = valid & (room < 0)
-        sine = np.clip(room / np.where(driven, P, 1.0), 0.0, 1.0)
-        alpha = np.minimum(alpha, np.arcsin(sine))
-    beta = np.zeros_like(alpha)
-    K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * room
-    active = bounds_active(alpha, beta)
-    if wall_contact:
-        active |= tight(ACTIVE["wall"], room - P * np.sin(alpha), P + np.abs(gy))
-    return track_optimum(alpha, beta, K, active, statuses(valid, infeasible, driven, K))
+from core.optimise.kernels.columns import TrackPhysical
+from core.study.optimise_study import Maximise
 
 
 def track_physical_fastest(
@@ -67,7 +30,7 @@ def track_physical_fastest(
     gravity_normal: ArrayLike,
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
-) -> TrackOptimum:
+) -> Optimum:
     """Return the angles of the largest a_x at rest with floor and wall kept (theory 4.4, 12).
 
     K_0 = P cb ca - c - mu (g_z - P sb + g_y - P cb sa). Without bounds tan(alpha) = mu and
@@ -107,7 +70,9 @@ def track_physical_fastest(
     status = np.where(at_edge, STATUS["not_attained"], status).astype(np.int8)
     hidden = at_edge | (status == STATUS["no_motion"])
     alpha, beta, K = (np.where(hidden, np.nan, part) for part in (alpha, beta, K))
-    return track_optimum(alpha, beta, K, np.where(hidden, 0, active).astype(np.int16), status)
+    across = np.where(hidden, np.nan, np.zeros_like(K))
+    active = np.where(hidden, 0, active).astype(np.int16)
+    return optimum(alpha, beta, K, across, active, status)
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
@@ -128,3 +93,14 @@ def _both_value(
     push = P * np.cos(beta)
     floor, wall = gz - P * np.sin(beta), gy - push * np.sin(alpha)
     return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))
+
+
+FAMILY = Family(
+    name="track_physical",
+    systems=(("rectangle-on-track", "physical", "acceleration_x"),),
+    closed={Maximise: track_physical_fastest},
+    batch=(Maximise,),
+    kernel=TrackPhysical,
+    against=None,
+    contacts=frozenset({"floor_contact", "wall_contact"}),
+)

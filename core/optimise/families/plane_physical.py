@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array, ratio
-from core.optimise.exact.answers import PlaneOptimum
-from core.optimise.exact.candidates import Candidate, fastest_slide
+from core.optimise.families.family import Family
+from core.optimise.families.friction_disc import Candidate, fastest_slide
+from core.optimise.families.optimum import Optimum
+from core.optimise.kernels.columns import PlanePhysical
+from core.study.optimise_study import Limited, Maximise
 
 # Newton's steps for the tilted optimum; more are needed only where two roots all but meet.
 MAX_STEPS = 60
@@ -20,7 +23,7 @@ def plane_physical_fastest(
     gravity_normal: ArrayLike,
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
-) -> PlaneOptimum:
+) -> Optimum:
     """Return the angles of the largest a_x of a block on the floor, friction disc (theory 12.2).
 
     On a horizontal or falling track: alpha = 0, a_y = 0, beta = min(atan(mu_k), asin(G/P)); there
@@ -108,3 +111,13 @@ def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Arra
     """Return D (1 - mu n/|D|), sliding from rest."""
     left = 1.0 - ratio(mu * floor, np.hypot(*D), 0.0)
     return D[0] * left, D[1] * left
+
+
+FAMILY = Family(
+    name="plane_physical",
+    systems=(("rectangle-on-plane", "physical", "acceleration_x"),),
+    closed={Maximise: plane_physical_fastest},
+    batch=(Maximise, Limited),
+    kernel=PlanePhysical,
+    contacts=frozenset({"floor_contact"}),
+)

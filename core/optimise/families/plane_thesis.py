@@ -7,41 +7,21 @@ from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array, ratio
 from core.optimise.codes import ACTIVE
-from core.optimise.exact.answers import (
+from core.optimise.families.family import Family
+from core.optimise.families.optimum import (
+    Optimum,
     ParetoSet,
-    PlaneOptimum,
     all_finite,
     bounds_active,
     broadcast,
-    plane_optimum,
+    optimum,
     statuses,
     tight,
     usable,
 )
+from core.optimise.kernels.columns import PlaneThesis
+from core.study.optimise_study import Limited, Maximise, Pareto, Weighted
 from core.study.spacing import evenly
-
-
-def plane_thesis_fastest(
-    *,
-    vibration_acceleration: ArrayLike,
-    gravity_along: ArrayLike,
-    gravity_normal: ArrayLike,
-    friction_kinetic: ArrayLike,
-    floor_contact: bool,
-) -> PlaneOptimum:
-    """Return the angles of the largest a_x under the printed friction (theory 12.1).
-
-    alpha = 0 and beta = atan(mu), or with `floor_contact` (n0 >= 0) the smaller of that and the
-    lift-off angle asin(G/P). The second is the smaller from P = G sqrt(1 + mu^2)/mu on.
-    """
-    return plane_thesis_limited(
-        vibration_acceleration=vibration_acceleration,
-        gravity_along=gravity_along,
-        gravity_normal=gravity_normal,
-        friction_kinetic=friction_kinetic,
-        limit=np.inf,
-        floor_contact=floor_contact,
-    )
 
 
 def plane_thesis_limited(
@@ -52,9 +32,11 @@ def plane_thesis_limited(
     friction_kinetic: ArrayLike,
     limit: ArrayLike,
     floor_contact: bool,
-) -> PlaneOptimum:
+) -> Optimum:
     """Return the angles of the largest a_x with |a_y| <= limit, printed friction (theory 12.1).
 
+    Without a limit alpha = 0 and beta = atan(mu), or with `floor_contact` (n0 >= 0) the smaller of
+    that and the lift-off angle asin(G/P), which is the smaller from P = G sqrt(1 + mu^2)/mu on.
     With asin(G/P) <= atan(mu) (case A): alpha = 0; beta is the lift-off angle, where a_y = 0, or
     without `floor_contact` sin(beta) = min((G + limit/mu)/P, sin(atan mu)). Else (case B):
     alpha = 0, beta = atan(mu) while a_y >= -limit there, then the point of a_y = -limit on the
@@ -86,7 +68,7 @@ def plane_thesis_limited(
     active |= tight(ACTIVE["across_upper"], E - across, P + G)
     if floor_contact:
         active |= tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
-    return plane_optimum(alpha, beta, along, across, active, status)
+    return optimum(alpha, beta, along, across, active, status)
 
 
 def plane_thesis_weighted(
@@ -97,7 +79,7 @@ def plane_thesis_weighted(
     friction_kinetic: ArrayLike,
     weight: ArrayLike,
     floor_contact: bool,
-) -> PlaneOptimum:
+) -> Optimum:
     """Return the angles of the largest a_x - weight |a_y|, printed friction (theory 12.1).
 
     Where a_y < 0 the sum is linear in d with the gradient (1, w, mu (1 + w)), so that its top has
@@ -124,7 +106,7 @@ def plane_thesis_weighted(
     active = bounds_active(alpha, beta) | tight(kink, across, P + G)
     if floor_contact:
         active |= tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
-    return plane_optimum(alpha, beta, along, across, active, status)
+    return optimum(alpha, beta, along, across, active, status)
 
 
 def plane_thesis_pareto(
@@ -220,3 +202,21 @@ def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
 def _alpha_max(g: Array, mu: Array) -> Array:
     """Return where a_y = 0 on the curve of case B; 90 deg where it stays negative."""
     return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
+
+
+FAMILY = Family(
+    name="plane_thesis",
+    systems=tuple(
+        (scene, variant, "acceleration_x")
+        for scene in ("rectangle-on-plane", "cylinder-on-plane")
+        for variant in ("thesis", "derived")
+    ),
+    closed={
+        Maximise: plane_thesis_limited,
+        Limited: plane_thesis_limited,
+        Weighted: plane_thesis_weighted,
+        Pareto: plane_thesis_pareto,
+    },
+    batch=(Maximise, Limited),
+    kernel=PlaneThesis,
+)

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array, Mask
 from core.optimise.codes import ACTIVE, STATUS
-from core.optimise.exact.answers import (
-    PlaneOptimum,
+from core.optimise.families.optimum import (
+    Optimum,
     all_finite,
     bounds_active,
     broadcast,
-    plane_optimum,
+    optimum,
     statuses,
     tight,
     usable,
@@ -55,7 +55,7 @@ def fastest_slide(
     friction_static: ArrayLike,
     turned: Others,
     accelerate: Accelerate,
-) -> PlaneOptimum:
+) -> Optimum:
     """Return the angles of the largest a_x: straight along x, or turned aside.
 
     Arguments broadcast; one out of range has the status `invalid`.
@@ -94,6 +94,4 @@ def fastest_slide(
     alpha, beta, along, across = (
         np.where(still, np.nan, part) for part in (alpha, beta, along, across)
     )
-    return plane_optimum(
-        alpha, beta, along, across, np.where(still, 0, active).astype(np.int16), status
-    )
+    return optimum(alpha, beta, along, across, np.where(still, 0, active).astype(np.int16), status)

@@ -1,0 +1,92 @@
+"""The rectangle on the track, printed forces: as printed, and with the wall's sign corrected.
+
+Theory 4.2, 12.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.optimise.codes import ACTIVE
+from core.optimise.families.family import Family
+from core.optimise.families.optimum import (
+    Optimum,
+    all_finite,
+    bounds_active,
+    broadcast,
+    optimum,
+    statuses,
+    tight,
+    usable,
+)
+from core.optimise.kernels.columns import TrackPrinted
+from core.study.optimise_study import Maximise
+
+
+def track_fastest(
+    *,
+    variant: Literal["thesis", "derived"],
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_across: ArrayLike,
+    friction_kinetic: ArrayLike,
+    wall_contact: bool,
+) -> Optimum:
+    """Return the angles of the largest K of the track's printed forces (theory 4.2, 12).
+
+    tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) - c -+ mu g_y. There the wall has to pull unless
+    g_y is large. With `wall_contact` (at rest, W <= g_y): alpha = min(atan(mu), asin(g_y/P)). The
+    `thesis` variant prints the balance with the other sign, W <= -g_y, which no lean onto the wall
+    allows: `infeasible`.
+    """
+    P, c, gy, mu = broadcast(
+        vibration_acceleration, gravity_along, gravity_across, friction_kinetic
+    )
+    valid = all_finite(P, c, gy, mu) & (P >= 0) & (mu >= 0)
+    driven = valid & (P > 0)
+    P, c, gy, mu = usable(valid, P, c, gy, mu)
+    sign = 1.0 if variant == "derived" else -1.0
+    room = sign * gy
+    alpha = np.arctan(mu)
+    infeasible = np.zeros_like(valid)
+    if wall_contact:
+        infeasible = valid & (room < 0)
+        sine = np.clip(room / np.where(driven, P, 1.0), 0.0, 1.0)
+        alpha = np.minimum(alpha, np.arcsin(sine))
+    beta = np.zeros_like(alpha)
+    K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * room
+    active = bounds_active(alpha, beta)
+    if wall_contact:
+        active |= tight(ACTIVE["wall"], room - P * np.sin(alpha), P + np.abs(gy))
+    status = statuses(valid, infeasible, driven, K)
+    return optimum(alpha, beta, K, np.zeros_like(K), active, status)
+
+
+THESIS = Family(
+    name="track_thesis",
+    systems=(
+        ("rectangle-on-track", "thesis", "acceleration_x"),
+        ("rectangle-on-track", "thesis", "starting_acceleration"),
+    ),
+    closed={Maximise: partial(track_fastest, variant="thesis")},
+    batch=(Maximise,),
+    kernel=partial(TrackPrinted, side=-1.0),
+    against=None,
+)
+
+DERIVED = Family(
+    name="track_derived",
+    systems=(
+        ("rectangle-on-track", "derived", "acceleration_x"),
+        ("rectangle-on-track", "derived", "starting_acceleration"),
+        ("rectangle-on-track", "physical", "starting_acceleration"),
+    ),
+    closed={Maximise: partial(track_fastest, variant="derived")},
+    batch=(Maximise,),
+    kernel=partial(TrackPrinted, side=1.0),
+    against=None,
+)

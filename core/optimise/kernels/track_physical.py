@@ -1,0 +1,92 @@
+"""Compiled answers of the block on the track, on floor and wall (theory 4.4, 12).
+
+K_0 = P cb ca - c - mu (g_z - P sb + g_y - P cb sa), and the same with mu_s for mu positive: linear
+in the drive direction d. In units of P, k = c/P, y = g_y/P and g = g_z/P.
+"""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.optimise.codes import TIGHT
+from core.optimise.kernels.columns import (
+    ACROSS,
+    ALONG,
+    INFEASIBLE,
+    MU_K,
+    MU_S,
+    NO_MOTION,
+    NORMAL,
+    NOT_ATTAINED,
+    OBJECTIVE,
+    OPTIMAL,
+    P_,
+    START,
+    Best,
+    Numbers,
+    TrackPhysical,
+    Work,
+)
+from core.optimise.kernels.conditions import bounds
+from core.optimise.kernels.sphere import angles_of, angles_within, plane, top_of_pieces
+
+
+@compiled
+def idle(kept: TrackPhysical, p: Numbers) -> tuple[float, float, float]:
+    """Return K_0 = -c - mu (g_y + g_z) without drive, a_y = 0, and the room at the wall."""
+    room = p[ACROSS]
+    return -p[ALONG] - p[MU_K] * (room + p[NORMAL]), 0.0, room
+
+
+@compiled
+def best(kept: TrackPhysical, p: Numbers, work: Work) -> Best:
+    """Return status, alpha and beta of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= g.
+
+    The part starts if d_x + mu_s (d_y + d_z) > k + mu_s (y + g) somewhere; what starts it is one
+    more plane.
+    """
+    k, y, g = p[ALONG] / p[P_], p[ACROSS] / p[P_], p[NORMAL] / p[P_]
+    mu, mu_s = p[MU_K], p[MU_S]
+    A, b, u, d = work.planes, work.levels, work.upwards, work.direction
+    rows = angles_within(p, True, A, b)
+    rows = plane(A, b, rows, 0.0, 1.0, 0.0, y)
+    u[0], u[1], u[2] = 1.0, mu_s, mu_s
+    if not top_of_pieces(u, A, b, rows, d):
+        return Best(INFEASIBLE, False, math.nan, math.nan)
+    needed = k + mu_s * (y + g)
+    if d[0] + mu_s * (d[1] + d[2]) <= needed:
+        return Best(NO_MOTION, False, math.nan, math.nan)
+    u[1] = u[2] = mu
+    if mu_s > mu:
+        rows = plane(A, b, rows, -1.0, -mu_s, -mu_s, -needed)
+    top_of_pieces(u, A, b, rows, d)
+    held = needed - d[0] - mu_s * (d[1] + d[2])
+    alpha, beta = angles_of(d)
+    status = NOT_ATTAINED if mu_s > mu and held > -TIGHT else OPTIMAL
+    return Best(status, True, alpha, beta)
+
+
+@compiled
+def gradients(kept: TrackPhysical, p: Numbers, alpha: float, beta: float, work: Work) -> None:
+    """Fill K_0 = d_x - k - mu (n + w) with its gradient over alpha and beta, and the margins.
+
+    n = g - d_z and w = y - d_y are the loads of floor and wall. Static friction just holds where
+    d_x - k = mu_s (n + w).
+    """
+    F, slopes, margins = work.values, work.slopes, work.margins
+    k, mu, mu_s = p[ALONG] / p[P_], p[MU_K], p[MU_S]
+    room = p[ACROSS] / p[P_]
+    bounds(p, alpha, beta, room, F, slopes, margins)
+    ca, sa, q, dz = math.cos(alpha), math.sin(alpha), math.cos(beta), math.sin(beta)
+    dx, dy = q * ca, q * sa
+    n = F[2]
+    F[0], F[1] = dx - k - mu * (room - dy) - mu * n, 0.0
+    slopes[OBJECTIVE, 0] = -dy + mu * dx
+    slopes[OBJECTIVE, 1] = -dz * (ca + mu * sa) + mu * q
+    if mu_s > mu:
+        margins[START] = dx - k - mu_s * (n + room - dy)
+        slopes[START, 0], slopes[START, 1] = (
+            -dy + mu_s * dx,
+            -dz * (ca + mu_s * sa) + mu_s * q,
+        )

@@ -1,0 +1,54 @@
+"""Compiled answers of the printed forces of the track (theory 4.2, 12).
+
+K = P (cb ca + mu cb sa) - c - mu g_y: linear in the drive direction d. The source prints g_y with
+the other sign. In units of P, k = c/P and y = +-g_y/P, which is the room at the wall.
+"""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.optimise.kernels.columns import (
+    ACROSS,
+    ALONG,
+    MU_K,
+    OBJECTIVE,
+    P_,
+    Best,
+    Numbers,
+    TrackPrinted,
+    Work,
+)
+from core.optimise.kernels.conditions import bounds
+from core.optimise.kernels.sphere import angles_within, highest, plane
+
+
+@compiled
+def idle(kept: TrackPrinted, p: Numbers) -> tuple[float, float, float]:
+    """Return K = -c - mu g_y without drive, a_y = 0, and the room at the wall."""
+    room = kept.side * p[ACROSS]
+    return -p[ALONG] - p[MU_K] * room, 0.0, room
+
+
+@compiled
+def best(kept: TrackPrinted, p: Numbers, work: Work) -> Best:
+    """Return status, alpha and beta of the largest d_x + mu d_y; d_y <= y at a wall."""
+    room, mu, u = kept.side * (p[ACROSS] / p[P_]), p[MU_K], work.upwards
+    rows = angles_within(p, kept.floor, work.planes, work.levels)
+    if kept.wall:
+        rows = plane(work.planes, work.levels, rows, 0.0, 1.0, 0.0, room)
+    u[0], u[1], u[2] = 1.0, mu, 0.0
+    return highest(p[P_], -(p[ALONG] / p[P_]) - mu * room, rows, work)
+
+
+@compiled
+def gradients(kept: TrackPrinted, p: Numbers, alpha: float, beta: float, work: Work) -> None:
+    """Fill K = d_x - k - mu (y - d_y) with its gradient over alpha and beta, and the margins."""
+    F, slopes, mu = work.values, work.slopes, p[MU_K]
+    bounds(p, alpha, beta, kept.side * (p[ACROSS] / p[P_]), F, slopes, work.margins)
+    q, dz = math.cos(beta), math.sin(beta)
+    dx, dy = q * math.cos(alpha), q * math.sin(alpha)
+    F[0], F[1] = dx - p[ALONG] / p[P_] - mu * F[3], 0.0
+    slopes[OBJECTIVE, 0] = -dy + mu * dx
+    slopes[OBJECTIVE, 1] = -dz * (math.cos(alpha) + mu * math.sin(alpha))
