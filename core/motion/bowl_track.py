@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -83,26 +83,30 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
     }
     count = max(n for which in own.values() for n in which)
     problems = [] if of_bowl else [_without_bowl(found[0][0])]
+    problems += [*_missing(own, count), *_twice(own, given)]
+    return (None if problems else Track(count, own)), problems
+
+
+def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
+    """Yield the numbers that stretches lack."""
     for stem in ("stretch_turns", "stretch_radius"):
-        missing = [n for n in range(1, count + 1) if n not in own[stem]]
-        problems += [
-            Problem(f"parameters.{stem}_{n}", "it is missing; each stretch needs it", "Add it")
-            for n in missing
-        ]
+        for n in range(1, count + 1):
+            if n not in own[stem]:
+                message = "it is missing; each stretch needs it"
+                yield Problem(f"parameters.{stem}_{n}", message, "Add it")
     for stem in ("stretch_climb", "stretch_friction"):
         if own[stem] and 1 not in own[stem]:
             message = "it is missing: the first stretch has none before it"
-            problems.append(Problem(f"parameters.{stem}_1", message, "Add it"))
+            yield Problem(f"parameters.{stem}_1", message, "Add it")
+
+
+def _twice(own: Mapping[str, Sequence[int]], given: Collection[str]) -> Iterator[Problem]:
+    """Yield the parameters that follow from stretches."""
     for stem, others in GIVES_WAY.items():
-        problems += [
-            Problem(
-                f"parameters.{name}", f"it follows from {stem}_{own[stem][0]}",
-                f"Remove it, or all of {stem}",
-            )
-            for name in others
-            if own[stem] and name in given
-        ]  # fmt: skip
-    return (None if problems else Track(count, own)), problems
+        for name in others:
+            if own[stem] and name in given:
+                message = f"it follows from {stem}_{own[stem][0]}"
+                yield Problem(f"parameters.{name}", message, f"Remove it, or all of {stem}")
 
 
 def _without_bowl(name: str) -> Problem:

@@ -148,6 +148,12 @@ def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> N
 
 
 @compiled
+def _touches_next(row: Row, v: Floats, i: int, span: float) -> bool:
+    """Return whether part i touches what is before it a span on: gap + span (v' - v) <= TOUCHES."""
+    return row.gap.size > i and row.gap[i] + span * (v[i + 1] - v[i]) <= TOUCHES
+
+
+@compiled
 def stepped_period(
     row: Row, gs: float, gn: float, pushes: Pushes, height: float, rate: float, tally: Floats,
     swept: Floats, before: Floats, v: Floats, mu: Floats, past: Past, period: int,
@@ -165,9 +171,7 @@ def stepped_period(
             row.speed[parts] = pushes.backward[k]
         first, taken, held = 0, 0.0, False
         for i in range(parts):
-            more = (
-                row.gap.size > i and row.gap[i] + 0.5 * h * (before[i + 1] - before[i]) <= TOUCHES
-            )
+            more = _touches_next(row, before, i, 0.5 * h)
             held = more and i == parts - 1
             if more:
                 past.touched[i] = period
