@@ -1,7 +1,7 @@
 """Derivatives of simulated motion by the parameters of a study (theory 13.16).
 
-Where a part moves in the plane of the track and its normal under a sine they are exact, carried
-through the events of the cycle. Any other motion is followed again on both sides.
+Where a part of one restitution moves in the plane of the track and its normal under a sine they are
+exact, carried through the events of the cycle. Any other motion is followed again on both sides.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ LARGEST_STEP = 0.02  # relative
 TRUSTED = 1e-3  # relative error of a derivative of simulated motion that is still given
 BY_DIFFERENCES = ("effective_mass_ratio", "part_load")
 """What has no exact derivative: plans with these are derived by differences."""
-COUNTS = ("period_multiple", "impacts_per_period")
-"""What does not change inside a regime."""
+COUNTS = ("period_multiple", "impacts_per_period", "collisions_per_period")
+"""What does not change inside a regime, as far as a scene has it."""
 
 BY = (
     "drive_number_along", "drive_number_normal", "gravity_number_along", "gravity_number_normal",
@@ -174,7 +174,7 @@ def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
     by_differences = any(equation.gives in BY_DIFFERENCES for equation in plan.equations)
     if contacts is None or plan.variant != "events" or groups.wave is not None or by_differences:
         return np.zeros(1, dtype=bool)
-    return np.atleast_1d(in_plane(groups, contacts))
+    return np.atleast_1d(in_plane(groups, contacts) & np.equal(groups.impact_damping, 0.0))
 
 
 def groups_at(plan: Plan, values: Mapping[str, Any]) -> Groups | None:
@@ -264,7 +264,9 @@ def _by_differences(
     the estimate of the error exceeds a thousandth: next to a jump, or in motion that hangs on its
     parameters too roughly.
     """
-    outputs, asked = plan.outputs, tuple(dict.fromkeys((*plan.outputs, *COUNTS)))
+    gives = plan.scene.outputs(plan.variant)
+    counts = tuple(name for name in COUNTS if name in gives)
+    outputs, asked = plan.outputs, tuple(dict.fromkeys((*plan.outputs, *counts)))
     more = plan_scene(plan.scene, plan.variant, asked, plan.parameters)
     settings = {name: value for name, value in plan.defaults.items() if name in more.defaults}
     plan = replace(more, defaults={**more.defaults, **settings})
@@ -275,7 +277,7 @@ def _by_differences(
         step = steps * (abs(at) or 1.0)
         around = at + np.concatenate([[0.0], -step, step])
         known = run(plan.equations, {**values, parameter: around})
-        same = _same_regime(plan, known)
+        same = _same_regime(plan, known, counts)
         for output in outputs:
             results = np.broadcast_to(known[output], around.shape)
             if same is None:
@@ -289,10 +291,10 @@ def _by_differences(
     return found
 
 
-def _same_regime(plan: Plan, known: Mapping[str, Any]) -> Any:
+def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) -> Any:
     """Return where the motion is of the kind of the first; None if that does not repeat."""
-    kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in COUNTS)))
-    kinds = kinds.reshape(3, -1)
+    kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in counts)))
+    kinds = kinds.reshape(1 + len(counts), -1)
     if not kinds[1, 0] >= 1:
         return None
     return np.isclose(kinds, kinds[:, :1], rtol=1e-12, atol=0).all(axis=0)

@@ -135,7 +135,7 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
     changed = []
     for one in known:
         if one.gives == "groups":
-            one = replace(one, function=_GROUPS[id(one.function)])
+            one = replace(one, function=_GROUPS.get(id(one.function)) or _with_wave(one.function))
         if one.gives == "motion":
             one = replace(one, function=_where_driven(one.function))
         if one.gives != "vibration_acceleration":

@@ -40,6 +40,9 @@ class Groups(NamedTuple):
         Coefficient at the wall.
     restitution, wall_restitution : array_like
         Of impacts on the floor and on the wall, 0 to 1.
+    impact_damping : array_like
+        Of a floor whose restitution falls with the speed of impact, by Hunt and Crossley's law, per
+        g/w; `restitution` then plays no part.
     wave : Wave or None
         The drive where it is no plain sine; the drive numbers are then what its push does not
         exceed.
@@ -57,6 +60,7 @@ class Groups(NamedTuple):
     curvature_number: Numbers = 0.0
     wall_friction: Numbers = 0.0
     wall_restitution: Numbers = 0.0
+    impact_damping: Numbers = 0.0
     wave: Wave | None = None
 
     @property

@@ -15,7 +15,9 @@ from core.motion.groups import Contacts
 from core.motion.method import Method
 from core.motion.part_load import price_of_load
 from core.motion.price import seconds_of, some_cells
+from core.motion.rolling_scene import ROLLING
 from core.motion.row_scene import ROW, choose_row, of_unit
+from core.motion.soft_floor import LINING, on_soft_floor
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.derived import Asked, asked_of
 from core.plan.grid import Grid
@@ -122,9 +124,10 @@ def price_of(
 
 
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
-    """Return a system with the drive that the given parameters tell, and the method in force.
+    """Return a system with the drive and floor of the given parameters, and the method in force.
 
-    The drive is a sine, another wave, or a drive unit. The third is what is wrong with the method.
+    The drive is a sine, another wave, or a drive unit; the floor is rigid, or as `on_soft_floor`
+    says. The third is what is wrong with the method.
 
     Raises
     ------
@@ -139,6 +142,8 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
             raise StudyError([*problems, *wrong])
     if name not in CONTACTS and name != ROW:
         return scene, method, problems
+    if name in CONTACTS:
+        scene = on_soft_floor(scene, names)
     unit, wrong = unit_of(names)
     if name == ROW:
         shape, more = None, of_unit(unit, method, names)  # its drive is in place
@@ -175,6 +180,9 @@ def prepare(study: SimulateStudy) -> Simulation:
         if name not in needed
     ]
     problems += _wrong_course(study, scene, method)
+    if "contact_stiffness" in settings and LINING in study.values():
+        message = f"it follows from {LINING}, mass and frequency"
+        problems.append(Problem("contact_stiffness", message, f"Remove it, or {LINING}"))
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
@@ -194,15 +202,16 @@ def _derivable(prepared: Simulation) -> Simulation:
     asked = prepared.derived
     if asked is None:
         return prepared
-    if prepared.plan.scene.name not in CONTACTS:
+    if "period_multiple" not in prepared.plan.scene.outputs(prepared.plan.variant):
         message = f"the motion of {prepared.plan.scene.name} is followed for a time, not a cycle"
-        fix = f"Leave it out, or choose among {', '.join(CONTACTS)}"
+        cyclic = (*CONTACTS, *ROLLING, ROW)
+        fix = f"Leave it out, or choose among {', '.join(cyclic)}"
         raise StudyError([Problem("sensitivities", message, fix)])
     runs = prepared.cells * len(asked.parameters)
     if runs > MAX_BY_DIFFERENCES and not _all_exact(prepared):
         message = (
-            "only motion in the plane under the plain sine, by the method events, has exact "
-            f"derivatives; {runs:,} others are too many"
+            "only motion in the plane under the plain sine, of one restitution, by the method "
+            f"events, has exact derivatives; {runs:,} others are too many"
         )
         fix = f"Keep cells times parameters within {MAX_BY_DIFFERENCES:,}, or set alpha to 0"
         raise StudyError([Problem("sensitivities", message, fix)])
@@ -218,8 +227,12 @@ def _all_exact(prepared: Simulation) -> bool:
         for name in ("alpha", "delta")
         if name in grid.axes or name in grid.fixed
     )
+    if scene.name not in CONTACTS:
+        return False
     straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
-    return prepared.plan.variant == "events" and is_sine and level and straight
+    falls = any(one.gives == "impact_damping" for one in prepared.plan.equations)
+    in_plane = level and straight and not falls
+    return prepared.plan.variant == "events" and is_sine and in_plane
 
 
 def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:

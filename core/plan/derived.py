@@ -166,8 +166,9 @@ def asked_of(
     if not wish:
         return None
     outputs = tuple(name for name in plan.outputs if QUANTITIES[name].is_derived)
-    names = wish if isinstance(wish, tuple) else tuple(given)
-    known = [name for name in (*plan.parameters, *plan.defaults) if QUANTITIES[name].parameter]
+    part = plan.part(outputs, ())  # a parameter of the regime alone moves no output
+    known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
+    names = wish if isinstance(wish, tuple) else tuple(name for name in given if name in known)
     problems = [
         Problem(PLACE, f"no output is computed from '{name[:60]}'", suggestion(name, known))
         for name in names

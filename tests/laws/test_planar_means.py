@@ -18,12 +18,15 @@ from core.kinds import run_study
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, one_hop, rests
+from core.motion.kernels.planar.cycle import one_hop
 from core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
 from core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
+from core.motion.kernels.planar.rebound import Restitution, restitution_of
 from core.motion.kernels.planar.slide import after_hops, contact
+from core.motion.kernels.planar.stays import rests
 from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
 from core.motion.kernels.planar.wave import wave_of
+from core.motion.kernels.rebounds import SETTLED_EXACTLY
 from core.motion.methods.events import planar_motion
 from core.motion.planar import waves_of
 from core.motion.result import STATUS, Motion
@@ -123,8 +126,9 @@ class Course(NamedTuple):
 
 @compiled
 def follow_from_rest(
-    drive: Drive, start: float, e: float, jolts: Floats, phase: Floats, place: Floats, slip: Floats
-) -> None:
+    drive: Drive, start: float, e: Restitution, jolts: Floats, phase: Floats, place: Floats,
+    slip: Floats,
+) -> None:  # fmt: skip
     """Follow a part event by event from rest on the floor, without looking for any cycle.
 
     At each rest it is lifted off with the next of the jolts, over and over.
@@ -164,7 +168,7 @@ def course(row: Floats, events: int, jolts: Floats) -> Course:
     else:
         drive, start, way = wave_of(cell, row, waves_of(row))
     found = Course(np.empty(events), np.empty(events), np.empty(events))
-    follow_from_rest(drive, start, cell.restitution, jolts, *found)
+    follow_from_rest(drive, start, restitution_of(cell), jolts, *found)
     return found._replace(place=way * found.place, slip=way * found.slip)
 
 

@@ -13,7 +13,7 @@ Cell = namedtuple(
     "Cell",
     "drive_number_along drive_number_normal gravity_number_along gravity_number_normal "
     "friction_static friction_kinetic restitution drive_number_across gravity_number_across "
-    "curvature_number wall_friction wall_restitution tolerance max_periods",
+    "curvature_number wall_friction wall_restitution impact_damping tolerance max_periods",
 )
 """The numbers of `core.motion.groups.Groups`, in its order, and the settings of a method."""
 

@@ -32,9 +32,9 @@ def test_shares_of_modes_stand_in_the_order_of_the_modes():
 def test_a_cell_has_the_numbers_of_groups_and_the_settings_of_a_method():
     fields = (*Groups._fields[:-1], "tolerance", "max_periods")
     assert cells.Cell._fields == fields
-    rows, shape = cells_of(Groups(*np.arange(12.0)), tolerance=12.0, max_periods=13.0)
+    rows, shape = cells_of(Groups(*np.arange(13.0)), tolerance=13.0, max_periods=14.0)
     assert shape == ()
-    np.testing.assert_array_equal(rows, [np.arange(14.0)])
+    np.testing.assert_array_equal(rows, [np.arange(15.0)])
 
 
 def test_a_cell_is_read_by_the_names_of_its_fields():

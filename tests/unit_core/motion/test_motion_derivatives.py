@@ -425,6 +425,39 @@ def test_a_tumbling_part_has_no_derivatives():
         prepare_content(study)
 
 
+def test_a_parameter_of_the_regime_alone_is_no_parameter_of_an_output():
+    study = {
+        "kind": "sweep", "scene": "cone-on-plane", "outputs": ["cone_factor"],
+        "parameters": {
+            "frequency": 50, "amplitude": 1e-5, "beta": 20, "friction": 0.3, "height": 0.02,
+            "diameter": 0.02, "small_diameter": 0.01, "axis_yaw": 80,
+        },
+    }  # fmt: skip
+    study["outputs"] = ["cone_factor", "rolling_acceleration"]
+    derived = prepare_content({**study, "sensitivities": True}).derived
+    assert "friction" not in derived.parameters
+    assert "diameter" in derived.parameters
+    with pytest.raises(StudyError, match="no output is computed from 'friction'"):
+        _ = prepare_content({**study, "sensitivities": ["friction"]}).derived
+
+
+def test_a_row_has_derivatives_by_differences():
+    study = {
+        "kind": "simulate", "scene": "row-on-plane", "outputs": ["conveying_velocity"],
+        "sensitivities": ["amplitude"],
+        "parameters": {
+            "frequency": 50, "amplitude": 3e-4, "beta": 20, "part_friction_1": 0.3,
+            "part_friction_2": 0.2,
+        },
+    }  # fmt: skip
+    found = tabulate(prepare_content(study))
+    by = found.variables["derivative_conveying_velocity_by_amplitude"].values
+    study["parameters"]["amplitude"] = [2.999e-4, 3.001e-4]
+    del study["sensitivities"]
+    low, high = tabulate(prepare_content(study)).variables["conveying_velocity"].values
+    assert by == pytest.approx((high - low) / 2e-7, rel=1e-3)
+
+
 SWEEP = {
     "kind": "sweep", "scene": "rectangle-on-track", "outputs": ["throw_number", "acceleration_x"],
     "sensitivities": ["amplitude", "beta"],

@@ -27,6 +27,7 @@ from core.motion.kernels.planar.drive import (
     smooth_span,
 )
 from core.motion.kernels.planar.flow import TURN
+from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
 from core.motion.kernels.planar.solve import UNREPEATED, solve_cell
@@ -83,7 +84,7 @@ def pieces_of(
     elif count > 0:
         _, _, used = follow_cycle(rows, count, u, drive, sums, log)
     elif status in UNKNOWN and lifts(drive):
-        e, max_periods = cell.restitution, int(cell.max_periods)
+        e, max_periods = restitution_of(cell), int(cell.max_periods)
         _, count, _ = normal_cycle(drive, phase, e, max_periods, math.inf, rows)
         shown, span = 0, 0.0
         while shown < count and span < SHOWN_PERIODS * TURN:

@@ -15,7 +15,6 @@ from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
-    rests,
     write_segment,
 )
 from core.motion.kernels.planar.drive import (
@@ -30,8 +29,10 @@ from core.motion.kernels.planar.drive import (
     to_lift_off,
 )
 from core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
+from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
 from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import after_hops, contact
+from core.motion.kernels.planar.stays import rests
 from core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, TIMES
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
@@ -145,7 +146,7 @@ def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
 
 @compiled
 def long_run(
-    run: int, phase: float, periods: int, patience: int, drive: Drive, e: float,
+    run: int, phase: float, periods: int, patience: int, drive: Drive, e: Restitution,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> FollowedRun:  # fmt: skip
     """Follow a part from rest on the floor, each run from another phase of the drive.
@@ -191,7 +192,8 @@ def long_run(
         if span < 0:
             break
         speed = max(0.0, -rise(drive, w, tau, span)[0])
-        write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
+        up = rebound(e, speed)[0]
+        write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
         count += 1
         since, covered = total - began, sums[DISTANCE]
         if began < math.inf:
@@ -201,7 +203,7 @@ def long_run(
         sums[TIMES + MODE.flight] += span
         impacts, fastest = impacts + 1, max(fastest, speed)
         total += span
-        tau, w = (tau + span) % TURN, e * speed
+        tau, w = (tau + span) % TURN, up
         stays = rests(drive, tau, w, e, SETTLED_ROUGHLY)
         u = slowed(u, mu_k, speed, 0.0 if stays else w)
         if stays:
@@ -304,7 +306,8 @@ def from_phases(
     repeats the way from there; more starts tell into which, and the error holds what each of them
     gives.
     """
-    drive, e = rounded(drive), kept(cell.restitution)
+    drive = rounded(drive)
+    e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
     max_periods = int(cell.max_periods)
     starts = min(MAX_STARTS, max(PHASES, max_periods // PERIODS_A_START))
     found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))

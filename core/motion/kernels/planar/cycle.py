@@ -18,8 +18,10 @@ from core.motion.kernels.planar.drive import (
 )
 from core.motion.kernels.planar.flow import EPSILON, TURN
 from core.motion.kernels.planar.growth import CERTAIN, grown, growth
+from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
+from core.motion.kernels.planar.stays import left_out_softly, rests
 from core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
-from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
+from core.motion.kernels.rebounds import SETTLED_EXACTLY
 
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
 SEARCH_PERIODS = 400
@@ -44,16 +46,16 @@ def write_segment(
 
 @compiled
 def one_hop(
-    drive: Drive, tau: float, w: float, e: float
+    drive: Drive, tau: float, w: float, e: Restitution
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
 
-    With the loads n0 at take-off and n1 at the landing, speed v after the span D, and rebound eps
-    v,
+    With the loads n0 at take-off and n1 at the landing, speed v after the span D, and rebound R(v),
+    R = eps v or as `rebound` says,
 
         d(phase)/d(tau)   = (n0 D - w)/v                 d(phase)/d(w)   = D/v
-        d(rebound)/d(tau) = -eps (n0 - n1 d(phase)/d(tau))
-        d(rebound)/d(w)   = -eps (1 - n1 d(phase)/d(w))
+        d(rebound)/d(tau) = -R' (n0 - n1 d(phase)/d(tau))
+        d(rebound)/d(w)   = -R' (1 - n1 d(phase)/d(w))
 
     in this order: the landing velocity changes by dw + n0 dtau - n1 dphase (theory 13.16).
     """
@@ -64,42 +66,17 @@ def one_hop(
         return span, speed, after, 0.0, 0.0, 0.0, 0.0, 0.0
     n0, n1 = load(drive, tau), load(drive, after)
     phase_tau, phase_w = (span * n0 - w) / speed, span / speed
-    # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -e times that.
+    # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -R' times that.
+    up, slope = rebound(e, speed)
     return (
-        span, speed, after, e * speed,
-        phase_tau, phase_w, -e * (n0 - n1 * phase_tau), -e * (1 - n1 * phase_w),
+        span, speed, after, up,
+        phase_tau, phase_w, -slope * (n0 - n1 * phase_tau), -slope * (1 - n1 * phase_w),
     )  # fmt: skip
 
 
 @compiled
-def rests(drive: Drive, tau: float, w: float, e: float, settled: float) -> bool:
-    """True if the part stays on the floor after a landing with rebound w (theory 13.5).
-
-    It does where it does not rebound, and where the hops still to come shrink to nothing within the
-    time T = 2 w/(n (1 - eps)), with w T < `settled`, and long before lift-off. Their impulses then
-    add up to what the floor gives in that time, less w: the last impact is taken as one without
-    rebound, and the hops as a stay on the floor. The position is wrong by less than friction times
-    `settled`.
-
-    Without rebound it stays too where it lands just as the floor lets go, n(tau) = 0, as at throw
-    number sqrt(1 + n^2 pi^2): it rests for no time. A landing up to a hair late counts as one (the
-    margin of `to_lift_off`, hundreds of roundings), since from there to fly on or to take off a
-    hair earlier is the same motion but for the square of the hair: dD/dtau = n0/w is 0 there.
-    """
-    n = load(drive, tau)
-    if w == 0:
-        return n > 0 or to_lift_off(drive, tau) == 0.0
-    if n <= 0:
-        return False
-    if e >= 1:
-        return False
-    left = 2 * w / (n * (1 - e))
-    return w * left < settled and left < SETTLED_TIME * to_lift_off(drive, tau)
-
-
-@compiled
 def run_cycle(
-    drive: Drive, tau: float, w: float, hops: int, e: float, rows: Floats
+    drive: Drive, tau: float, w: float, hops: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
     """Return phase, rebound and their four derivatives after some hops; fill `rows`.
 
@@ -108,18 +85,18 @@ def run_cycle(
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(drive, tau, w, e)
-        if span <= 0 or rests(drive, after, rebound, e, SETTLED_EXACTLY):
+        span, speed, after, up, tt, tw, wt, ww = one_hop(drive, tau, w, e)
+        if span <= 0 or rests(drive, after, up, e, SETTLED_EXACTLY):
             return math.nan, 0.0, a, b, c, d
-        write_segment(rows, hop, tau % TURN, span, w, speed, (1 + e) * speed)
+        write_segment(rows, hop, tau % TURN, span, w, speed, impulse(e, speed, up))
         a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
-        tau, w = after, rebound
+        tau, w = after, up
     return tau, w, a, b, c, d
 
 
 @compiled
 def fixed_point(
-    drive: Drive, at: float, rebound: float, hops: int, periods: int, e: float, rows: Floats
+    drive: Drive, at: float, up: float, hops: int, periods: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, bool]:
     """Return a state near the given one that repeats after some hops, and whether it attracts.
 
@@ -127,20 +104,20 @@ def fixed_point(
     is found. It attracts where |tr M| < 1 + det M and det M < 1 (Jury). Fills `rows`.
     """
     for _ in range(MAX_NEWTON):
-        after, rebound_after, a, b, c, d = run_cycle(drive, at, rebound, hops, e, rows)
+        after, up_after, a, b, c, d = run_cycle(drive, at, up, hops, e, rows)
         if math.isnan(after):
             break
-        off, off_rebound = after - at - periods * TURN, rebound_after - rebound
+        off, off_up = after - at - periods * TURN, up_after - up
         determinant = (a - 1) * (d - 1) - b * c
         if determinant == 0:
             break
-        step = (off * (d - 1) - b * off_rebound) / determinant
-        step_rebound = ((a - 1) * off_rebound - c * off) / determinant
-        at, rebound = at - step, max(0.0, rebound - step_rebound)
-        if abs(step) + abs(step_rebound) <= 1e-14 * (TURN + sizes(drive)[1]):
+        step = (off * (d - 1) - b * off_up) / determinant
+        step_up = ((a - 1) * off_up - c * off) / determinant
+        at, up = at - step, max(0.0, up - step_up)
+        if abs(step) + abs(step_up) <= 1e-14 * (TURN + sizes(drive)[1]):
             product = a * d - b * c
-            return at, rebound, abs(a + d) < 1 + product and product < 1
-    return at, rebound, False
+            return at, up, abs(a + d) < 1 + product and product < 1
+    return at, up, False
 
 
 @compiled
@@ -163,7 +140,7 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
 
 @compiled
 def find_cycle(
-    drive: Drive, e: float, rows: Floats, count: int, tau: float, w: float
+    drive: Drive, e: Restitution, rows: Floats, count: int, tau: float, w: float
 ) -> tuple[int, int]:
     """Return hops and periods of an attracting cycle near the last states; 0, 0 if there is none.
 
@@ -182,20 +159,20 @@ def find_cycle(
         tries += 1
         if tries > MAX_TRIES:
             break
-        at, rebound = tau % TURN, w
-        start, start_rebound = at, rebound
+        at, up = tau % TURN, w
+        start, start_up = at, up
         scratch = rows[count:]
         if scratch.shape[0] < hops:
             return 0, 0
-        at, rebound, attracts = fixed_point(drive, at, rebound, hops, periods, e, scratch)
-        distance = abs(at - start) + abs(rebound - start_rebound)
+        at, up, attracts = fixed_point(drive, at, up, hops, periods, e, scratch)
+        distance = abs(at - start) + abs(up - start_up)
         if not attracts or distance > 100 * recurrence + 1e-9:
             continue
-        after, rebound_after, _, _, _, _ = run_cycle(drive, start, start_rebound, hops, e, scratch)
-        nearer = abs(after - at - periods * TURN) + abs(rebound_after - rebound)
+        after, up_after, _, _, _, _ = run_cycle(drive, start, start_up, hops, e, scratch)
+        nearer = abs(after - at - periods * TURN) + abs(up_after - up)
         if not (nearer < distance or distance < 1e-9):
             continue
-        if math.isnan(run_cycle(drive, at, rebound, hops, e, scratch)[0]):
+        if math.isnan(run_cycle(drive, at, up, hops, e, scratch)[0]):
             continue
         shortest = shortest_part(scratch, hops, periods)
         for hop in range(shortest):
@@ -207,7 +184,7 @@ def find_cycle(
 
 @compiled
 def normal_cycle(
-    drive: Drive, start: float, e: float, max_periods: int, most_growth: float, rows: Floats
+    drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float, rows: Floats
 ) -> tuple[int, int, int]:
     """Return the cycle that the part falls into from rest on the floor at phase `start`.
 
@@ -223,17 +200,18 @@ def normal_cycle(
     w, total, count, look_at = 0.0, 0.0, 0, FIRST_LOOK
     doubt = CERTAIN
     while count < MAX_SEGMENTS - LONGEST_CYCLE - 2:
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(drive, tau, w, e)
+        span, speed, after, up, tt, tw, wt, ww = one_hop(drive, tau, w, e)
         if span < 0:
             return 0, count, -1
-        write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
+        write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
         count += 1
         total += span
         if most_growth < math.inf:
-            doubt = grown(doubt, span, speed, after, drive, e, (tt, tw, wt, ww))
+            slope = rebound(e, speed)[1]
+            doubt = grown(doubt, span, speed, after, drive, slope, (tt, tw, wt, ww))
             if not growth(doubt, speed, after, drive) <= most_growth:
                 return 0, count, 0
-        tau, w = after % TURN, rebound
+        tau, w = after % TURN, up
         if rests(drive, tau, w, e, SETTLED_EXACTLY):
             # On the floor until lift-off; the cycle is closed if one began there before.
             span = to_lift_off(drive, tau)
@@ -272,7 +250,7 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 
 
 @compiled
-def phase_doubt(rows: Floats, count: int, drive: Drive, e: float) -> float:
+def phase_doubt(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
     """Return by how much roundings may move a phase of the cycle, as far as that moves the part.
 
     They grow along a chain of hops by the product M of the matrices of `one_hop`, |M|/min |M| so
@@ -291,9 +269,9 @@ def phase_doubt(rows: Floats, count: int, drive: Drive, e: float) -> float:
             a, b, c, d, least = 1.0, 0.0, 0.0, 1.0, 2.0
             never_rests = never_rests and w >= 0
             continue
-        n0, n1 = load(drive, tau), load(drive, tau + span)
+        n0, n1, slope = load(drive, tau), load(drive, tau + span), rebound(e, speed)[1]
         tt, tw = (span * n0 - w) / speed, span / speed
-        wt, ww = -e * (n0 - n1 * tt), -e * (1 - n1 * tw)
+        wt, ww = -slope * (n0 - n1 * tt), -slope * (1 - n1 * tw)
         a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
         size = abs(a) + abs(b) + abs(c) + abs(d)
         if not 1e-100 < size < 1e100:
@@ -301,7 +279,7 @@ def phase_doubt(rows: Floats, count: int, drive: Drive, e: float) -> float:
         least = min(least, size)
         given = min(1.0, (abs(n1) + speed) / (s + gn))
         growth = max(growth, 1.0 + (size / least - 1.0) * given)
-    rounding = EPSILON * (TURN + s)
+    rounding = EPSILON * (TURN + s) + left_out_softly(rows, count, drive, e)[1]
     if never_rests:
         # Of a cycle that has just doubled one half may have been kept: it does not quite close.
         last = count - 1
@@ -309,7 +287,7 @@ def phase_doubt(rows: Floats, count: int, drive: Drive, e: float) -> float:
             rows[last, SEGMENT.phase] + rows[last, SEGMENT.span] - rows[0, SEGMENT.phase]
         ) / TURN
         open_by = abs(apart - round(apart)) * TURN + abs(
-            e * rows[last, SEGMENT.landing] - rows[0, SEGMENT.take_off]
+            rebound(e, rows[last, SEGMENT.landing])[0] - rows[0, SEGMENT.take_off]
         )
         determinant = abs((a - 1) * (d - 1) - b * c)
         return (rounding + open_by) * max(

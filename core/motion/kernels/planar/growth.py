@@ -28,7 +28,7 @@ CERTAIN = (0.0, 0.0, 0.0)
 
 @compiled
 def grown(
-    known: Doubt, span: float, speed: float, after: float, drive: Drive, e: float,
+    known: Doubt, span: float, speed: float, after: float, drive: Drive, slope: float,
     slopes: tuple[float, float, float, float],
 ) -> Doubt:  # fmt: skip
     """Return the doubt after a hop from that before it, E' = M E M^T + j j^T (theory 13.7).
@@ -37,13 +37,14 @@ def grown(
     d(rebound)/d(tau) and d(rebound)/d(w) of `one_hop`. What is added, j, is a rounding of the
     parameters: it moves the height at the landing by (s + n) D^2, thus the phase by that over the
     speed. A landing that only grazes the floor makes it huge; it is at most the flight itself.
+    `slope` is the derivative of the rebound by the speed before it, the restitution if constant.
     """
     square, product, rebounds = known
     tt, tw, wt, ww = slopes
     s, gn = sizes(drive)[1], drive.gn
     n1 = load(drive, after)
     late = TURN + min((s + gn) * span * span / max(speed, 1e-300), span / ROUNDED)
-    fast = e * ((s + gn) * (1 + span) + abs(n1) * late)
+    fast = slope * ((s + gn) * (1 + span) + abs(n1) * late)
     return (
         tt * tt * square + 2 * tt * tw * product + tw * tw * rebounds + late * late,
         tt * wt * square + (tt * ww + tw * wt) * product + tw * ww * rebounds,

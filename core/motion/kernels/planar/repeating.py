@@ -21,8 +21,10 @@ from core.motion.kernels.planar.drive import (
     track_speed,
 )
 from core.motion.kernels.planar.flow import TURN
+from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.settle import settle
 from core.motion.kernels.planar.slide import contact, follow_cycle
+from core.motion.kernels.planar.stays import left_out_softly
 from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
@@ -132,9 +134,11 @@ def repeating(
     time = periods * cycles * TURN
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
     slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
-    doubt = ROUNDING + (phase_doubt(rows, count, drive, cell.restitution) if lifts(drive) else 0.0)
+    e = restitution_of(cell)
+    doubt = ROUNDING + (phase_doubt(rows, count, drive, e) if lifts(drive) else 0.0)
     rubbing = mu_k * (s + gn) * min(1.0, MAX_RUBBING * slides)
     result[COLUMN.error] = error + doubt * (c + abs(gs) + rubbing)
+    result[COLUMN.error] += mu_k * left_out_softly(rows, count, drive, e)[0] / (periods * TURN)
     if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
         result[COLUMN.error] += slip_doubt(drive) * slides
     for mode in range(MODES):

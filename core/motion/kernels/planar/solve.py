@@ -12,6 +12,7 @@ from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, sizes, two_sided
 from core.motion.kernels.planar.growth import MAX_GROWTH
+from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import (
     ROUNDING,
     repeating,
@@ -94,7 +95,7 @@ def solve(
     before the second, which starts at that velocity; the log holds its last pass. Where no cycle is
     found, `result` is left as it was, and the status is `UNREPEATED`.
     """
-    e, max_periods = cell.restitution, int(cell.max_periods)
+    e, max_periods = restitution_of(cell), int(cell.max_periods)
     first, count, periods = normal_cycle(drive, phase, e, max_periods, MAX_GROWTH, rows)
     if periods < 1:
         status = UNREPEATED if periods == 0 else STATUS.limit_reached
@@ -123,7 +124,8 @@ def solve_cell(
     """
     drive, phase, way = drive_of(cell, row, waves)
     result[:] = math.nan
-    status, first, count, u = solve_at_once(drive, cell.restitution, result), 0, 0, 0.0
+    e = cell.restitution + cell.impact_damping
+    status, first, count, u = solve_at_once(drive, e, result), 0, 0, 0.0
     if status == UNDECIDED and closed and slides_on(drive, result):
         status = STATUS.periodic
     if status == UNDECIDED:

@@ -18,6 +18,7 @@ from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, Waves, drive_of
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.growth import LAST_DIGIT
+from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.solve import turn_round
@@ -43,7 +44,7 @@ def reach_way(
     """
     own, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
     max_periods = int(cell.max_periods)
-    found = normal_cycle(drive, phase, cell.restitution, max_periods, LAST_DIGIT, rows)
+    found = normal_cycle(drive, phase, restitution_of(cell), max_periods, LAST_DIGIT, rows)
     first, count, periods = found
     if periods < 1:
         return
@@ -93,7 +94,8 @@ def average_spent(
         spent[:] = math.nan
         if raised(stop):
             return
-        _, count, _ = normal_cycle(drive, phase, cell.restitution, FELT_PERIODS, math.inf, rows)
+        e = restitution_of(cell)
+        _, count, _ = normal_cycle(drive, phase, e, FELT_PERIODS, math.inf, rows)
         first = count // LED_IN
         if count - first < LED_IN:
             continue

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from core.mechanics import soft_contact
 from core.mechanics.arrays import Array
 from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
 from core.motion.methods.reference.polynomials import (
@@ -35,6 +36,9 @@ PRESSED = 1e-12
 
 RESOLVED = 1e-16
 """Of the last coefficients of a slip's change, in g/w: smaller ones are rounding."""
+
+SOFT_HOP = 1e-4
+"""As `Care.hop`, where restitution falls with the speed of impact."""
 
 MAX_CUTS = 100
 """Of a stretch that the nodes do not resolve: each leaves 0.9 of it at most, so that 1e-5 is
@@ -361,7 +365,11 @@ class Part:
         """Apply the impulses of a landing or of an impact on the wall, or of both (theory 13.1)."""
         p, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
         _, dy, dz = self.laws.free(self.phase, float(s[UX]))
-        target_z = self.rebound(-float(s[UZ]), p.restitution, -float(dz))
+        target_z = (
+            self.falling(-float(s[UZ]), p.impact_damping, -float(dz))
+            if p.impact_damping > 0.0
+            else self.rebound(-float(s[UZ]), p.restitution, -float(dz))
+        )
         target_y = self.rebound(-float(s[UY]), p.wall_restitution, -float(dy))
         normal = side = fx = fy = wx = wz = 0.0
         for _ in range(500):
@@ -415,6 +423,16 @@ class Part:
             steady = 1e3 * self.laws.drive.steepest * lasts < press
             if speed * lasts < self.care.hop and steady and self.phase + lasts < self.until:
                 return 0.0
+        return speed if speed > STOPPED else 0.0
+
+    def falling(self, approach: float, damping: float, press: float) -> float:
+        """Return the speed after an impact whose restitution falls with it: 0 where it is tiny.
+
+        Its hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
+        """
+        speed = approach * float(soft_contact.hunt_crossley(np.asarray(damping * approach)))
+        if press > 0.0 and 3.0 * speed / (damping * press) < SOFT_HOP:
+            return 0.0
         return speed if speed > STOPPED else 0.0
 
     # --- counting

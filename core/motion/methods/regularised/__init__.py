@@ -75,11 +75,13 @@ def followed(
     return run, orbit_of(run, cell.rest(), max_periods, closeness), closeness
 
 
-def _cells(part: Groups, slip: float, stiffness: float, kept: Sequence[int]) -> list[Cell]:
+def _cells(
+    part: Groups, slip: float, stiffness: float, softer: float, kept: Sequence[int]
+) -> list[Cell]:
     """Return a cell with its laws as asked for, then with laws once and twice as coarse."""
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
     drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
-    coarser = [(COARSER**n * slip, stiffness / SOFTER**n) for n in range(3)]
+    coarser = [(COARSER**n * slip, stiffness / softer**n) for n in range(3)]
     return [
         Cell(laws(kinetic, static, rebound, *pair), drive, gravity, part.wave) for pair in coarser
     ]
@@ -146,6 +148,7 @@ def regularised_motion(
     max_periods: ArrayLike,
     solver: str,
     planar: bool,
+    softer: float = SOFTER,
     watch: Watch | None = None,
 ) -> Motion:
     """Return the motion with regularised friction on a stiff floor, by a stiff integrator.
@@ -173,6 +176,9 @@ def regularised_motion(
         a landing until the evaluations are used up; Radau did not fail.
     planar : bool
         True for motion along and normal to the track only; the groups across must then be 0.
+    softer : float
+        Factor of the stiffness for the estimate of the error; 1 where the stiffness is that of a
+        lining, and no error.
     watch : Watch, optional
         May stop it; what is not finished is `not_computed`.
 
@@ -220,7 +226,7 @@ def regularised_motion(
             status[place] = STATUS["no_solution"]
             continue
         slip, stiffness, error, periods = numbers
-        cell, *coarse = _cells(part, slip, stiffness, kept)
+        cell, *coarse = _cells(part, slip, stiffness, softer, kept)
         try:
             found = _cell_motion(cell, coarse, solver, error, int(periods), watch)
         except StoppedError:
@@ -254,37 +260,43 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
     return price
 
 
+def sprung(solver: str, softer: float = SOFTER) -> Follow:
+    """Return the equation of the motion on a sprung floor by one of the integrators."""
+
+    def motion(
+        *,
+        groups: Groups,
+        slip_speed: Array,
+        contact_stiffness: Array,
+        tolerance: Array,
+        max_periods: Array,
+        watch: Watch | None = None,
+    ) -> Motion:
+        """Return the motion with regularised friction on a stiff floor.
+
+        A comparison for the methods that keep the exact laws: a cell takes seconds.
+        """
+        return regularised_motion(
+            groups,
+            slip_speed=slip_speed,
+            contact_stiffness=contact_stiffness,
+            tolerance=tolerance,
+            max_periods=max_periods,
+            solver=solver,
+            planar=groups.planar,
+            softer=softer,
+            watch=watch,
+        )
+
+    return motion
+
+
 def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
     """Return the method by one of the integrators."""
 
     def follow(contacts: Contacts) -> Follow:
         del contacts
-
-        def motion(
-            *,
-            groups: Groups,
-            slip_speed: Array,
-            contact_stiffness: Array,
-            tolerance: Array,
-            max_periods: Array,
-            watch: Watch | None = None,
-        ) -> Motion:
-            """Return the motion with regularised friction on a stiff floor.
-
-            A comparison for the methods that keep the exact laws: a cell takes seconds.
-            """
-            return regularised_motion(
-                groups,
-                slip_speed=slip_speed,
-                contact_stiffness=contact_stiffness,
-                tolerance=tolerance,
-                max_periods=max_periods,
-                solver=solver,
-                planar=groups.planar,
-                watch=watch,
-            )
-
-        return motion
+        return sprung(solver)
 
     return Method(
         name=name,

@@ -1,0 +1,80 @@
+"""How fast a part leaves the floor after an impact: one restitution, or one that falls with speed.
+
+Hunt and Crossley's contact F = k x^n (1 + b x') has the restitution e(d) of d = b v, v the speed of
+impact, whatever n and k (theory 18.3):
+
+    d - ln(1 + d) = -e d - ln(1 - e d).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+
+from core.compiled import compiled
+from core.motion.kernels.cells import Cell
+
+STEPS = 8  # at most, of Newton's method: two more than twelve orders of magnitude need
+SMALL, TERMS = 0.5, 16  # below it exp(x) - 1 - x is summed as a series
+CONVERGED = 1e-15
+
+Restitution = namedtuple("Restitution", "constant damping")
+"""The share of the speed that an impact leaves; with a damping b, by the law above instead."""
+
+
+@compiled
+def restitution_of(cell: Cell) -> Restitution:
+    """Return how a part of a cell rebounds from the floor."""
+    return Restitution(cell.restitution, cell.impact_damping)
+
+
+@compiled
+def excess(x: float) -> float:
+    """Return exp(x) - 1 - x, without cancellation."""
+    if abs(x) >= SMALL:
+        return math.expm1(x) - x
+    series = 1.0
+    for k in range(TERMS, 2, -1):
+        series = 1.0 + x / k * series
+    return 0.5 * x * x * series
+
+
+@compiled
+def hunt_crossley(number: float) -> float:
+    """Return e d, the rebound times the damping, of an impact of d = b v > 0.
+
+    With s = ln(1 + d) and t = -ln(1 - e d) the law is exp(s) - 1 - s = exp(-t) - 1 + t: t by
+    Newton's method, from s.
+    """
+    t = math.log1p(number)
+    known = excess(t)
+    for _ in range(STEPS):
+        step = (excess(-t) - known) / math.expm1(-t)
+        t += step
+        if abs(step) <= CONVERGED * t:
+            break
+    return -math.expm1(-t)
+
+
+@compiled
+def rebound(e: Restitution, speed: float) -> tuple[float, float]:
+    """Return the speed after an impact, and its derivative by the speed before it.
+
+    eps v and eps; or e(b v) v and (1 - e d)/((1 + d) e), which lies between 0 and 1: a faster
+    impact rebounds faster, and phases of landing stay in their order.
+    """
+    if e.damping == 0.0:
+        return e.constant * speed, e.constant
+    number = e.damping * speed
+    if number <= 0.0:
+        return speed, 1.0
+    left = hunt_crossley(number)
+    return left / e.damping, (1.0 - left) * number / ((1.0 + number) * left)
+
+
+@compiled
+def impulse(e: Restitution, speed: float, up: float) -> float:
+    """Return what an impact takes from the floor, per mass: the speeds before and after it."""
+    if e.damping == 0.0:
+        return (1.0 + e.constant) * speed
+    return speed + up

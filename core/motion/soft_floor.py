@@ -1,0 +1,182 @@
+"""Floors that give: restitution that falls with speed, linings, damping.
+
+Which of them a study has, its parameters tell.
+
+A study that gives `restitution_speed` has Hunt and Crossley's law in the place of one restitution,
+one that gives `lining_stiffness` is told where its lining is too soft for a rigid floor, and one by
+a floor with a spring and a damper may give the damping. Nothing else carries any of it.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+import numpy as np
+
+from core.mechanics import soft_contact
+from core.mechanics.arrays import Array
+from core.motion.groups import Groups
+from core.motion.methods.regularised import sprung
+from core.scenes.scene import Condition, Constraint, Equation, Scene
+
+SOURCE = "theory 18.3"
+FALLING, LINING, DAMPED = "restitution_speed", "lining_stiffness", "contact_damping_ratio"
+BY_EVENTS = ("events", "reference")
+"""Methods that follow a part whose restitution falls with the speed of impact."""
+SPRUNG = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA": "LSODA"}
+"""Methods whose floor is a spring with a damper, and their integrators."""
+
+
+def on_soft_floor(system: Scene, names: Collection[str]) -> Scene:
+    """Return the system of a conveyed part on the floor that a study's parameters tell."""
+    given = set(names)
+    if FALLING in given:
+        system = _falling(system, given)
+    if LINING in given:
+        system = _lined(system)
+    return _damped(system, given)
+
+
+# --- restitution that falls with speed
+
+
+def _falling(system: Scene, given: Collection[str]) -> Scene:
+    """Return the system with Hunt and Crossley's law, by one restitution at one speed."""
+    law = Equation("impact_damping", soft_contact.impact_damping, SOURCE)
+
+    def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
+        found = [
+            replace(one, function=_with_damping(one.function)) if one.gives == "groups" else one
+            for one in known
+        ]
+        return (law, *found)
+
+    return replace(
+        system,
+        variants={
+            name: changed(known) if name in BY_EVENTS else known
+            for name, known in system.variants.items()
+        },
+        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
+        constraints=(*system.constraints, *_refusals(system, given)),
+    )
+
+
+def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
+    """Return the equation of the groups of a part whose restitution falls with speed."""
+
+    def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
+        found = groups(**numbers)
+        damping = impact_damping * velocity_scale
+        endless = np.isinf(damping)
+        return found._replace(
+            restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
+        )
+
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    more = [inspect.Parameter(name, keyword) for name in ("impact_damping", "velocity_scale")]
+    needed = inspect.signature(groups).parameters.values()
+    falling.__signature__ = inspect.Signature([*more, *needed])  # type: ignore[attr-defined]
+    falling.__doc__ = groups.__doc__
+    return falling
+
+
+def _refusals(system: Scene, given: Collection[str]) -> list[Constraint]:
+    """Return what a study of this law must respect."""
+    message = "restitution that falls with speed is known for motion in the plane of the track"
+    nothing = [
+        Constraint(
+            (FALLING, name),
+            lambda _, __, least, largest: least == largest == 0.0,
+            message,
+            f"Leave restitution_speed out, or set {name} to 0",
+        )
+        for name in ("alpha", "delta")
+    ]
+    across = [n for n in given if n == "radius" or "_across_" in n]
+    nothing += [
+        Constraint((FALLING, name), lambda *_: False, message, f"Leave it or {name} out")
+        for name in across
+    ]
+    fix = f"Leave restitution_speed out, or set method to {' or '.join(BY_EVENTS)}"
+    return nothing + [
+        Constraint(
+            (FALLING,),
+            lambda *_: False,
+            f"{name} follows parts of one restitution, whatever the speed",
+            fix,
+            variant=name,
+        )
+        for name in system.variants
+        if name not in BY_EVENTS
+    ]
+
+
+# --- linings
+
+
+def contact_stiffness(*, lining_stiffness: Array, mass: Array, frequency: Array) -> Array:
+    """Return the stiffness of the lining over mass times w^2 [1]."""
+    return lining_stiffness / (mass * np.square(2 * np.pi * frequency))
+
+
+def _lined(system: Scene) -> Scene:
+    """Return the system with a lining.
+
+    Methods with rigid contacts say where it is too soft for them; a sprung floor has its stiffness.
+    """
+    own = (
+        Equation("lining_frequency", soft_contact.lining_frequency, SOURCE),
+        Equation("lining_sag", soft_contact.lining_sag, SOURCE),
+        Equation("stiffness_ratio", soft_contact.stiffness_ratio, SOURCE),
+    )
+
+    def conditions(name: str) -> tuple[Condition, ...]:
+        known = system.conditions[name]
+        if name in SPRUNG:
+            return known
+        # It gives way to what has no answer, and stands before all that is told of the motion.
+        place = [one.regime for one in known].index("runaway") + 1
+        soft = Condition("soft_contact", soft_contact.is_soft, known[0].outputs, "contact")
+        return (*known[:place], soft, *known[place:])
+
+    def equations(name: str) -> tuple[Equation, ...]:
+        known = system.variants[name]
+        if name not in SPRUNG:
+            return (*own, *known)
+        motion = sprung(SPRUNG[name], softer=1.0)
+        found = [replace(e, function=motion) if e.gives == "motion" else e for e in known]
+        return (*own, Equation("contact_stiffness", contact_stiffness, SOURCE), *found)
+
+    return replace(
+        system,
+        variants={name: equations(name) for name in system.variants},
+        conditions={name: conditions(name) for name in system.conditions},
+    )
+
+
+# --- a spring and a damper
+
+
+def _damped(system: Scene, given: Collection[str]) -> Scene:
+    """Return the system whose sprung floors tell damping by restitution, and take either."""
+    told: tuple[Equation, ...] = (
+        Equation("damping_of_restitution", soft_contact.damping_of_restitution, SOURCE),
+        Equation("restitution_of_damping", soft_contact.restitution_of_damping, SOURCE),
+    )
+    if DAMPED in given:
+        told = (*told, Equation("restitution", _restitution, SOURCE))
+    return replace(
+        system,
+        variants={
+            name: (*told, *known) if name in SPRUNG else known
+            for name, known in system.variants.items()
+        },
+    )
+
+
+def _restitution(*, contact_damping_ratio: Array) -> Array:
+    """Return the restitution of a floor with a spring and a damper that never pulls [1]."""
+    return soft_contact.restitution_of_damping(contact_damping_ratio=contact_damping_ratio)
