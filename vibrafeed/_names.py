@@ -202,6 +202,8 @@ SweptOutput: TypeAlias = (
         "vibration_angle",
         "bowl_turn",
         "bowl_lift",
+        "leaf_frequency",
+        "leaf_mass",
         "spring_stress",
         "stress_margin",
         "air_gap_margin",

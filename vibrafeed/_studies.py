@@ -134,6 +134,7 @@ def study(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -398,6 +399,7 @@ def sweep(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -707,7 +709,7 @@ def sweep(
         Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
         from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, with spacers between. Above 0, for example 8.
+        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -716,6 +718,8 @@ def sweep(
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
         Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    spring_density : values, optional
+        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
     clamp_factor : values, optional
         Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
@@ -1079,6 +1083,7 @@ def simulate(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -1239,7 +1244,7 @@ def simulate(
         Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
         from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, with spacers between. Above 0, for example 8.
+        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -1248,6 +1253,8 @@ def simulate(
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
         Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    spring_density : values, optional
+        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
     clamp_factor : values, optional
         Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
@@ -1534,6 +1541,7 @@ def optimise(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -1888,7 +1896,7 @@ def optimise(
         Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
         from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, with spacers between. Above 0, for example 8.
+        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -1897,6 +1905,8 @@ def optimise(
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
         Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    spring_density : values, optional
+        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
     clamp_factor : values, optional
         Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
@@ -2397,6 +2407,7 @@ def sensitivity(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -2743,7 +2754,7 @@ def sensitivity(
         Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
         from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, with spacers between. Above 0, for example 8.
+        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -2752,6 +2763,8 @@ def sensitivity(
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
         Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    spring_density : values, optional
+        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
     clamp_factor : values, optional
         Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
@@ -3210,6 +3223,7 @@ def calibrate(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -3380,7 +3394,7 @@ def calibrate(
         Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
         from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, with spacers between. Above 0, for example 8.
+        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -3389,6 +3403,8 @@ def calibrate(
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
         Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    spring_density : values, optional
+        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
     clamp_factor : values, optional
         Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
@@ -3677,6 +3693,7 @@ def open_lazily(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,
@@ -3879,6 +3896,7 @@ def drive_error(
     spring_thickness: Values | None = None,
     spring_length: Values | None = None,
     elastic_modulus: Values | None = None,
+    spring_density: Values | None = None,
     clamp_factor: Values | None = None,
     allowable_stress: Values | None = None,
     ring_down_frequency: Values | None = None,

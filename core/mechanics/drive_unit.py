@@ -13,6 +13,7 @@ import numpy as np
 from core.mechanics.arrays import Array, Mask, hypot
 
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N A-2, CODATA 2022
+FIRST_MODE = 22.373285448061052  # of a beam clamped at both ends: cos(x) cosh(x) = 1, squared
 
 
 def circular_frequency(*, frequency: Array) -> Array:
@@ -39,6 +40,28 @@ def spring_stress(
 ) -> Array:
     """Return the bending stress at the clamps of a leaf, sigma = 3 E t s/L^2 [Pa]."""
     return 3 * elastic_modulus * (spring_thickness / spring_length) * (stroke / spring_length)
+
+
+def leaf_frequency(
+    *, elastic_modulus: Array, spring_density: Array, spring_thickness: Array, spring_length: Array
+) -> Array:
+    """Return the first natural frequency of a leaf by itself, clamped at both ends [Hz].
+
+    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)), x = 4.7300407 the first root of cos(x) cosh(x) = 1.
+    """
+    speed = np.sqrt(elastic_modulus / (12 * spring_density))
+    return FIRST_MODE / (2 * np.pi) * (spring_thickness / spring_length) * (speed / spring_length)
+
+
+def leaf_mass(
+    *, spring_count: Array, spring_density: Array, spring_width: Array, spring_thickness: Array,
+    spring_length: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of all leaves that moves with one end, 13/35 of it, the other held [kg].
+
+    The leaf bends by 3 x^2 - 2 x^3 of its stroke: the mean of the square of that.
+    """
+    return 13 / 35 * spring_count * spring_density * spring_width * spring_thickness * spring_length
 
 
 def stress_margin(*, allowable_stress: Array, spring_stress: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -19,6 +20,7 @@ from core.optimise.slopes import MAX_SENSITIVE
 from core.plan.grid import Grid, to_si
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, placed, plan_study
+from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.scenes.graph import behind
 from core.study.distributions import Distribution, nominal, tolerance
@@ -48,6 +50,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     problems = [
         *misplaced(study, values),
         *_wrong_count(bounds),
+        *_wrong_whole(bounds),
         *wrong_intervals(study, intervals, values, bounds),
     ]
     spans = _spans(bounds, intervals, values)
@@ -104,6 +107,15 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
     return chosen
 
 
+def _wrong_whole(bounds: Mapping[str, Between]) -> Iterable[Problem]:
+    """Yield what is wrong with the bounds of what is counted."""
+    for name, between in bounds.items():
+        if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
+            message = "it is a whole number, and there is no choice between these bounds"
+            fix = "Widen them, or give one value among the parameters"
+            yield Problem(f"variables.{name}", message, fix)
+
+
 def _wrong_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
     """Yield what is wrong with the number of variables."""
     if not bounds:
@@ -130,6 +142,8 @@ def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -
 
 def _variable(name: str, between: Between) -> Variable:
     ends = (between.lower, between.upper)
+    if QUANTITIES[name].count:
+        ends = (math.ceil(between.lower), math.floor(between.upper))
     return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
 
 

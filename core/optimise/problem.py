@@ -20,6 +20,7 @@ from core.optimise.robust import Uncertain
 from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
 from core.plan.plan import Plan
+from core.quantities import QUANTITIES
 from core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
 from core.watch import Watch
 
@@ -142,10 +143,21 @@ class OptimisationProblem:
         watch: Watch | None = None,
         plan: Plan | None = None,
     ) -> Arrays:
-        """Return every quantity of the plan at candidates x, shape (variables, ...); SI units."""
+        """Return every quantity of the plan at candidates x, shape (variables, ...); SI units.
+
+        Of what is counted, such as springs, the nearest whole number is evaluated.
+        """
         plan = plan or self.plan
         given = {name: design[name] for name in plan.parameters if name in design}
-        return run_equations(plan, {**given, **dict(zip(self.names, x, strict=True))}, watch)
+        chosen = dict(zip(self.names, self.whole(x), strict=True))
+        return run_equations(plan, {**given, **chosen}, watch)
+
+    def whole(self, x: Array) -> Array:
+        """Return candidates with the whole numbers that are evaluated of what is counted."""
+        counted = np.array([QUANTITIES[name].count for name in self.names])
+        if not counted.any():
+            return x
+        return np.where(counted.reshape(-1, *[1] * (x.ndim - 1)), np.rint(x), x)
 
     def output(self, name: str, known: Arrays) -> Array:
         """Return an output in the unit of studies."""

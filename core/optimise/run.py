@@ -18,7 +18,6 @@ from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
 from core.plan.grid import Grid
 from core.plan.pieces import Computed
-from core.quantities import QUANTITIES
 from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
@@ -56,15 +55,8 @@ def _solved(
         scales = {name: np.repeat(values, points) for name, values in scales.items()}
     else:
         found = METHODS[method].solve(problem, design, scales, watch)
-    found = replace(found, x=_whole(problem, found.x))
+    found = replace(found, x=problem.whole(found.x))
     return checked(prepared, found, design, scales), found.says
-
-
-def _whole(problem: OptimisationProblem, x: Array) -> Array:
-    """Return values of the variables; of what is counted the whole number that was evaluated."""
-    counted = np.array([QUANTITIES[name].count for name in problem.names])
-    rows: Array = np.where(counted.reshape(-1, *[1] * (x.ndim - 1)), np.rint(x), x)
-    return rows if counted.any() else x
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:

@@ -56,8 +56,10 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "Tilt of the leaves from the vertical: the line of a linear unit is as steep.", 89.0,
         "20 deg", (1.0, 60.0),
     ),
-    "spring_count": _given(
-        "1", "n", "Number of leaves", "Leaves side by side, with spacers between.", "8", strict=True
+    "spring_count": Quantity(
+        "1", "n", "Number of leaves",
+        "Leaves side by side, in all packs together, with spacers between.", 0.0, strict=True,
+        parameter=True, examples=("8",), count=True,
     ),
     "spring_width": length("b", "Width of a leaf", "Width of a leaf spring.", "40 mm"),
     "spring_thickness": length("t", "Thickness of a leaf", "Thickness of a leaf spring.", "3 mm"),
@@ -67,6 +69,10 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "elastic_modulus": _given(
         "Pa", "E", "Elastic modulus", "Of the leaves: 206 GPa of spring steel.", "206 GPa",
         strict=True,
+    ),
+    "spring_density": _given(
+        "kg m-3", "rho", "Density of the leaves", "Of the leaves: 7850 kg/m^3 of spring steel.",
+        "7850 kg/m^3", strict=True,
     ),
     "clamp_factor": _given(
         "1", "c_k", "Clamp factor", "Stiffness of the leaves over that with rigid clamps.", "0.9",
@@ -188,6 +194,14 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "largest_amplitude": Quantity(
         "m", "A_0", "Largest amplitude",
         "Largest amplitude at which drive and parts agree; the smallest is the one from rest.",
+    ),
+    "leaf_frequency": Quantity(
+        "Hz", "f_1", "Natural frequency of a leaf",
+        "Of a leaf by itself, clamped at both ends; the drive's has to stay below a third of it.",
+    ),
+    "leaf_mass": Quantity(
+        "kg", "", "Moving mass of the leaves",
+        "Mass of the leaves that counts with the mass at either end, the other held.",
     ),
     "spring_stress": Quantity(
         "Pa", "sigma", "Stress of the leaves", "Bending stress at the clamps, zero to peak."

@@ -17,6 +17,8 @@ SHARED = (
     Equation("drive_unit_power", drive_unit.drive_unit_power, "theory 15.2"),
     Equation("spring_stress", drive_unit.spring_stress, "theory 15.1"),
     Equation("stress_margin", drive_unit.stress_margin, "theory 15.1"),
+    Equation("leaf_frequency", drive_unit.leaf_frequency, "theory 15.1"),
+    Equation("leaf_mass", drive_unit.leaf_mass, "theory 15.1"),
     Equation("air_gap_margin", drive_unit.air_gap_margin, "theory 15.2"),
     Equation("second_harmonic", drive_unit.second_harmonic, "theory 15.2"),
 )

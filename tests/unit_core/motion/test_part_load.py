@@ -5,6 +5,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import fsolve
 
 import vibrafeed
 from core.errors import StudyError
@@ -53,6 +55,46 @@ def test_a_fast_slider_weighs_next_to_nothing_and_damps_as_its_friction_does():
     assert float(found.effective_mass_ratio) == pytest.approx(0.00132, abs=5e-6)
     assert float(found.drive_power) / (g * g / w) == pytest.approx(2.54476, abs=1e-5)
     assert float(found.conveying_velocity) / (g / w) == pytest.approx(0.30811, abs=5e-6)
+
+
+def test_a_fast_slider_by_two_equations():
+    """The same slider by its two phases of reversal, forward a to b: no stepping, no events.
+
+    u' = (p_x +- mu p_z) sin(tau) -+ mu while u > 0, < 0. For fast drives v tends to
+    mu p_z (pi/2 + 2/pi) = 0.30815, of which the 0.30811 of p = 20 are 1e-4 off.
+    """
+    p, mu, angle = 20.0, 0.2, np.radians(2)
+    along, normal = p * np.cos(angle), p * np.sin(angle)
+
+    def speed(way, start, tau):
+        size = along + way * mu * normal
+        return size * (np.cos(start) - np.cos(tau)) - way * mu * (tau - start)
+
+    def left(turns):
+        a, b = turns
+        return speed(1, a, b), speed(-1, b, a + 2 * np.pi)
+
+    a, b = fsolve(left, (1.5, 4.7), xtol=1e-12)
+    ways = ((1, a, b), (-1, b, a + 2 * np.pi))
+
+    def mean(of):
+        return sum(
+            quad(lambda t, w=w, s=s: of(t, speed(w, s, t), w), s, e, epsabs=1e-13)[0]
+            for w, s, e in ways
+        ) / (2 * np.pi)
+
+    v = mean(lambda t, u, w: u)
+    power = mean(lambda t, u, w: w * mu * (1 - normal * np.sin(t)) * u)
+    share = 1 + 2 * mean(lambda t, u, w: u * np.cos(angle) * np.cos(t)) / p
+    g, w = 9.80665, 2 * np.pi * 50
+    found = vibrafeed.simulate(
+        scene="rectangle-on-plane", frequency=50, amplitude=p * g / w**2, beta=2, friction=mu,
+        outputs=["effective_mass_ratio", "drive_power", "conveying_velocity"],
+    )  # fmt: skip
+    assert float(found.conveying_velocity) / (g / w) == pytest.approx(v, rel=1e-9)
+    assert float(found.drive_power) / (g * g / w) == pytest.approx(power, rel=1e-9)
+    assert float(found.effective_mass_ratio) == pytest.approx(share, rel=1e-8)
+    assert v == pytest.approx(mu * normal * (np.pi / 2 + 2 / np.pi), rel=2e-4)
 
 
 # --- a magnet on a half wave
