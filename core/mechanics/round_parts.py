@@ -35,11 +35,6 @@ def ball_factor(*, diameter: Array, inner_diameter: Array) -> Array:
     return 2.5 * (1 + q * (1 + q)) / (1 + q * (1 + q * (1 + q * (1 + q))))
 
 
-def is_no_tube(*, diameter: Array, inner_diameter: Array) -> Mask:
-    """True where the hole is wider than the part."""
-    return inner_diameter > diameter
-
-
 def rolling_share(*, rolling_factor: Array) -> Array:
     """Return what rolling leaves of a push, kap/(1 + kap) [1]."""
     return rolling_factor / (1 + rolling_factor)

@@ -156,6 +156,19 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
     return (driven(scene, shape) if shape else scene), method, problems
 
 
+def _wrong_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+    """Yield the settings that a method does not use, or that follow from parameters."""
+    settings = study.settings()
+    needed = {name for equation in scene.variants[method] for name in equation.inputs}
+    for name in settings:
+        if name not in needed:
+            message = f"the method {method} does not use it"
+            yield Problem(name, message, who_uses(scene, name))
+    if "contact_stiffness" in settings and LINING in study.values():
+        message = f"it follows from {LINING}, mass and frequency"
+        yield Problem("contact_stiffness", message, f"Remove it, or {LINING}")
+
+
 def prepare(study: SimulateStudy) -> Simulation:
     """Return the simulation of a study.
 
@@ -173,16 +186,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     asked = tuple(dict.fromkeys((*study.outputs, *never_left_out(scene, method))))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
-    needed = {name for equation in scene.variants[method] for name in equation.inputs}
-    problems = [
-        Problem(name, f"the method {method} does not use it", who_uses(scene, name))
-        for name in settings
-        if name not in needed
-    ]
-    problems += _wrong_course(study, scene, method)
-    if "contact_stiffness" in settings and LINING in study.values():
-        message = f"it follows from {LINING}, mass and frequency"
-        problems.append(Problem("contact_stiffness", message, f"Remove it, or {LINING}"))
+    problems = [*_wrong_settings(study, scene, method), *_wrong_course(study, scene, method)]
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:

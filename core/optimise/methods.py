@@ -6,7 +6,7 @@ watch. scipy's take one design after the other; the others all at once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from core.mechanics.arrays import Array
@@ -18,28 +18,20 @@ from core.optimise.problem import OptimisationProblem
 from core.watch import Watch
 
 
-def _exact(
-    problem: OptimisationProblem,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-    watch: Watch,
-) -> Optima:
-    found = known_answers.by_closed_form(problem, design)
-    found = with_best_rest(problem, found, design, scales, watch)
-    watch.advance(1.0)
-    return found
+def _known(answer: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:
+    """Return the method that takes known answers, and where nothing moves the best rest."""
 
+    def solve(
+        problem: OptimisationProblem,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch,
+    ) -> Optima:
+        optima = with_best_rest(problem, answer(problem, design), design, scales, watch)
+        watch.advance(1.0)
+        return optima
 
-def _newton(
-    problem: OptimisationProblem,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-    watch: Watch,
-) -> Optima:
-    found = known_answers.by_newton(problem, design)
-    found = with_best_rest(problem, found, design, scales, watch)
-    watch.advance(1.0)
-    return found
+    return solve
 
 
 @dataclass(frozen=True)
@@ -65,8 +57,12 @@ class OptimisationMethod:
 
 
 METHODS: dict[str, OptimisationMethod] = {
-    "exact": OptimisationMethod(_exact, 1e-10, "closed form", at_once=True),
-    "newton": OptimisationMethod(_newton, 1e-10, "compiled batch solver", at_once=True),
+    "exact": OptimisationMethod(
+        _known(known_answers.by_closed_form), 1e-10, "closed form", at_once=True
+    ),
+    "newton": OptimisationMethod(
+        _known(known_answers.by_newton), 1e-10, "compiled batch solver", at_once=True
+    ),
     "population": OptimisationMethod(
         by_population, 1e-8, "differential evolution of all designs at once", at_once=True
     ),

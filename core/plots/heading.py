@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 
+from core.plots.matplotlib_parts import heading_of
 from core.plots.names import leave_out_what_meets
 from core.plots.style import Style
 
@@ -58,7 +59,8 @@ def finish(
     lines = [_packed(figure, facts, room, size), _cut(figure, source, room, size)]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
-    heading = figure._suptitle  # type: ignore[attr-defined]
+    heading = heading_of(figure)
+    assert heading is not None
     start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
     if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
         heading.set_x(start / figure.bbox.width)

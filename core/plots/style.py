@@ -14,6 +14,7 @@ from matplotlib.legend import Legend
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
 from numpy import linspace
 
+from core.plots.matplotlib_parts import colour_grid, heading_of
 from core.plots.picture import NotebookFigure
 
 RGB = tuple[float, float, float]
@@ -135,8 +136,9 @@ class Style:
             for text in (legend.get_title(), *legend.get_texts()):
                 text.set_color(self.ink)
                 text.set_fontsize(self.text(9))
-        if figure._suptitle is not None:  # type: ignore[attr-defined]
-            figure._suptitle.set_color(self.ink)  # type: ignore[attr-defined]
+        heading = heading_of(figure)
+        if heading is not None:
+            heading.set_color(self.ink)
 
     def _dress_axes(self, axes: Axes) -> None:
         axes.set_facecolor(self.ground)
@@ -152,7 +154,7 @@ class Style:
             sides.append(axes.zaxis)
             for side in sides:
                 side.set_pane_color((*to_rgb(mix(self.ground, self.ink, 0.03)), 1.0))
-                side._axinfo["grid"]["color"] = self.grid
+                colour_grid(side, self.grid)
                 side.line.set_color(mix(self.ground, self.ink, 0.5))
         for side in sides:
             side.label.set_color(self.ink)

@@ -7,6 +7,7 @@ distance is: no zero is missed, a grazing one included.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from core.compiled import borrowing
 from core.motion.kernels.planar.flow import TURN, flow, phase_to
@@ -19,6 +20,15 @@ LAST_BIT = 1e-16
 """Of the terms of a sum: where it is smaller it is 0 but for rounding, and no zero is nearer."""
 ROUNDING = 1e-13
 """Of the terms of a bound: nearer to 0 than this it says nothing."""
+
+
+class Pull(NamedTuple):
+    """What drives a velocity, u' = C sin(tau) - k; sine and cosine of the phase at the start."""
+
+    C: float
+    k: float
+    sine: float
+    cosine: float
 
 
 @borrowing
@@ -37,22 +47,12 @@ def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]
 
 
 @borrowing
-def refined(
-    order: int,
-    x: float,
-    v: float,
-    C: float,
-    k: float,
-    sine: float,
-    cosine: float,
-    low: float,
-    high: float,
-) -> float:
+def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float) -> float:
     """Return the zero of the velocity (order 0) or of the distance (1) between two phases.
 
-    Newton's iteration, by bisection where it leaves the bracket; `sine` and `cosine` are those of
-    the phase at the start.
+    Newton's iteration, by bisection where it leaves the bracket.
     """
+    C, k, sine, cosine = pull
     speed, way = flow(v, C, k, sine, cosine, low)
     value, slope = x + way, speed
     if order == 0:
@@ -101,7 +101,7 @@ def first_stop(
         if way * speed <= 0.0:
             if low == 0.0 and v == 0.0:
                 return 0.0
-            return refined(0, 0.0, v, C, k, sine, cosine, low, high)
+            return refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
         if high == span:
             break
         low, high = high, other if j == 0 else span
@@ -125,12 +125,12 @@ def first_contact(
     for j in range(3):
         after, way = flow(v, C, k, sine, cosine, high)
         if before < 0.0 < after and left + before * (high - low) <= ROUNDING * (left + abs(way)):
-            turn = refined(0, 0.0, v, C, k, sine, cosine, low, high)
+            turn = refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
             if g + flow(v, C, k, sine, cosine, turn)[1] < -size:
                 return _closed(g, v, C, k, sine, cosine, low, turn)
         if g + way < -size:
             if after < 0.0 < before:  # it opens before it closes
-                low = refined(0, 0.0, v, C, k, sine, cosine, low, high)
+                low = refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
             return _closed(g, v, C, k, sine, cosine, low, high)
         if high == span:
             break
@@ -145,7 +145,7 @@ def _closed(
     """Return where a gap closes between two phases, to the second of which its way is one."""
     if low == 0.0 and g <= 0.0:
         return 0.0
-    return refined(1, g, v, C, k, sine, cosine, low, high)
+    return refined(1, g, v, Pull(C, k, sine, cosine), low, high)
 
 
 @borrowing

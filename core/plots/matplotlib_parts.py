@@ -1,0 +1,19 @@
+"""Parts of figures for which matplotlib has no public name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+
+def heading_of(figure: Figure) -> Text | None:
+    """Return the heading above all axes, which `Figure.suptitle` writes; None without one."""
+    heading: Text | None = figure._suptitle  # type: ignore[attr-defined]
+    return heading
+
+
+def colour_grid(axis: Any, colour: tuple[float, float, float] | str) -> None:
+    """Give the grid behind an axis of a picture in space a colour."""
+    axis._axinfo["grid"]["color"] = colour
