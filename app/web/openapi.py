@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
+from functools import cache
 from typing import Any
 
 import orjson
@@ -60,8 +61,9 @@ def install(app: FastAPI) -> None:
     app.openapi = openapi  # type: ignore[method-assign]
 
 
+@cache
 def _components() -> dict[str, Any]:
-    """Return the schemas of problem documents, studies, and execute requests."""
+    """Return the schemas of problem documents, studies, and execute requests; to be read only."""
     models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
     models += [process.study for process in PROCESSES.values()]
     _, schemas = models_json_schema(

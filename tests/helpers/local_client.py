@@ -7,13 +7,17 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
+from app.jobs.process_pool import ProcessPool
 from waiting import wait_for
 
 HERE = "http://127.0.0.1"
 
+_idle: list[Any] = []  # processes of services that are closed, for the services that follow
+
 
 def local_client(app: FastAPI, **options: Any) -> TestClient:
     """Return a client; by itself it would call the service `testserver`, which is refused."""
+    _hand_on(app.state.process_pool)
     return TestClient(app, base_url=HERE, **options)
 
 
@@ -25,3 +29,23 @@ def ended(client: TestClient, address: str) -> dict[str, Any]:
         return None if job["status"] in ("accepted", "running") else job
 
     return wait_for(over, lambda: client.get(address).json())
+
+
+def _hand_on(pool: Any) -> None:
+    """Let a pool have the idle processes of those before, and leave its own to those after it.
+
+    A process of its own for each service that a test makes would load what is compiled anew: a
+    second each time.
+    """
+    if not isinstance(pool, ProcessPool):
+        return  # a test's own
+    pool._idle.extend(_idle)
+    _idle.clear()
+    close = pool.close
+
+    def hand_on_and_close() -> None:
+        _idle.extend(pool._idle)
+        pool._idle.clear()
+        close()
+
+    pool.close = hand_on_and_close

@@ -40,7 +40,9 @@ def test_motion_by_file_by_request_and_by_call(scene, tmp_path):
     assert ran.exit_code == 0, ran.output
     read = xarray.load_dataset(tmp_path / "by_file.nc", engine="netcdf4", decode_times=False)
     xarray.testing.assert_equal(read, called)
-    patient = Settings(data_directory=tmp_path / "data", max_synchronous_seconds=600)
+    patient = Settings(
+        data_directory=tmp_path / "data", max_synchronous_seconds=600, max_execution_seconds=600
+    )
     with local_client(create_app(patient)) as client:
         reply = client.post("/processes/simulate/execution", json=content)
     assert reply.status_code == 200, reply.text

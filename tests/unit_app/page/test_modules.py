@@ -10,14 +10,6 @@ from tools import tool
 HERE = Path(__file__).parent
 
 
-def test_types_of_all_modules() -> None:
-    project = HERE.parents[2] / "app" / "page"
-    done = subprocess.run(
-        [tool("tsc"), "--project", str(project)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout
-
-
 def test_pure_modules() -> None:
     files = sorted(HERE.glob("*.test.js"))
     assert files

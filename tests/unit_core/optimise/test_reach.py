@@ -25,6 +25,12 @@ FIXED = {"scene": "rectangle-on-plane", "frequency": 50, "friction": 0.3, "gamma
 OUTPUTS = ["conveying_velocity", "throw_number"]
 
 
+@pytest.fixture(scope="module")
+def ways():
+    """Return what would keep the limits of the study; the searches for it take seconds."""
+    return optimise.ways(parse_study(STUDY))
+
+
 def test_each_limit_is_reached_as_far_as_the_others_allow():
     throw, speed = optimise.nearest(parse_study(STUDY))
     assert (throw.output, speed.output) == ("throw_number", "conveying_velocity")
@@ -44,25 +50,25 @@ def test_each_limit_is_reached_as_far_as_the_others_allow():
     assert float(slow.max()) < 0.05
 
 
-def test_an_ellipse_keeps_limits_that_no_line_keeps():
-    (way,) = [one for one in optimise.ways(parse_study(STUDY)) if "ellip" in one.change]
+def test_an_ellipse_keeps_limits_that_no_line_keeps(ways):
+    (way,) = [one for one in ways if "ellip" in one.change]
     held = vibrafeed.simulate(**FIXED, **way.choice, outputs=OUTPUTS)
     assert float(held.conveying_velocity) == pytest.approx(way.value, rel=1e-9)
     assert way.value > 0.05
     assert float(held.throw_number) <= 1 + 1e-9
 
 
-def test_more_friction_keeps_limits_where_it_does():
+def test_more_friction_keeps_limits_where_it_does(ways):
     limits = [STUDY["constraints"][0], {"output": "conveying_velocity", "lower": "14 mm/s"}]
-    ways = optimise.ways(parse_study({**STUDY, "constraints": limits}))
-    (way,) = [one for one in ways if one.change == "more friction"]
+    slower = optimise.ways(parse_study({**STUDY, "constraints": limits}))
+    (way,) = [one for one in slower if one.change == "more friction"]
     assert 0.3 < way.choice["friction"] <= 0.8
     held = vibrafeed.simulate(**{**FIXED, **way.choice}, outputs=OUTPUTS)
     assert float(held.conveying_velocity) == pytest.approx(way.value, rel=1e-9)
     assert way.value > 0.014
     assert float(held.throw_number) <= 1 + 1e-9
     # With 50 mm/s no friction does: nothing is said of it.
-    assert all("friction" not in one.change for one in optimise.ways(parse_study(STUDY)))
+    assert all("friction" not in one.change for one in ways)
     rough = {**STUDY, "parameters": {**STUDY["parameters"], "friction": 0.9}}
     assert all("friction" not in one.change for one in optimise.ways(parse_study(rough)))
 
