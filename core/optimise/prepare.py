@@ -165,9 +165,12 @@ def choose_problem_scene(
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
         system, method, _ = choose_system(name, None, given)
-        sine = system is SYSTEMS[name]
-        if not sine or any(o not in closed and o in system.outputs(method) for o in outputs):
-            fix = "Remove it, or ask for outputs of the closed forms alone" if sine else "Remove it"
+        # A wave, a drive unit and a floor that gives have equations of their own.
+        plain = system.variants[method] == SYSTEMS[name].variants[method]
+        if not plain or any(o not in closed and o in system.outputs(method) for o in outputs):
+            fix = (
+                "Remove it, or ask for outputs of the closed forms alone" if plain else "Remove it"
+            )
             told = [Problem("variant", "motion in time has no variants", fix)] if variant else []
             return system, method, told
     return scene, chosen, problems
