@@ -2,25 +2,29 @@
 
 Processor time of a cell on one core: rows of random friction from event to event, each for all of
 100 periods, studies of them, which end where a row repeats, free and at a stop, and rows of one
-friction beside a part alone.
+friction beside a part alone. `--service 10000` has a server carry out so many rows of 10 parts in a
+job, and dismisses the same job half done.
 """
 
 from __future__ import annotations
 
-import argparse
 import time
+import urllib.request
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 import vibrafeed
+from benchmarks.options import options
+from benchmarks.serving import Served, served
 from core.motion.kernels.rows import path_of_row
 from core.motion.kernels.rows.tables import NO_STOP, Head
 
 DRIVE: dict[str, Any] = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
 ROW: dict[str, Any] = {"scene": "row-on-plane", "friction": 0.4, "max_periods": 100}
 MAX_AMPLITUDE = 6e-4  # m, a throw number of 2.5
+LOOK = 0.2  # s between two looks at a job
 
 
 def whole_rows(parts: int, rows: int) -> tuple[float, float]:
@@ -60,11 +64,60 @@ def of_rows(parts: int, **more: Any) -> Callable[[int], object]:
     return study
 
 
+def over_http(cells: int) -> None:
+    """Print how a server carries out a study of rows as a job, and how it gives one up."""
+    study: dict[str, Any] = {
+        "kind": "simulate", "scene": "row-on-plane", "max_periods": 100,
+        "outputs": ["conveying_velocity", "platoons"],
+        "parameters": {
+            "frequency": 50, "beta": 25, "parts": 10, "friction": 0.4, "friction_spread": 0.08,
+            "amplitude": {"start": 1e-4, "stop": MAX_AMPLITUDE, "num": cells // 100},
+            "friction_seed": {"start": 0, "stop": 99, "num": 100},
+        },
+    }  # fmt: skip
+    with served() as server:
+        job, seen = _posted(server, study), set()
+        start = time.perf_counter()
+        while (now := server.get(f"/jobs/{job}"))["status"] in ("accepted", "running"):
+            seen.add(now["progress"])
+            time.sleep(LOOK)
+        taken = time.perf_counter() - start
+        print(f"{cells} rows of 10 parts in a job: {now['status']} after {taken:.0f} s,")
+        print(f"  {len(seen)} values of its progress seen on the way")
+        study["parameters"]["frequency"] = 60
+        job = _posted(server, study)
+        while server.get(f"/jobs/{job}")["progress"] < 50:
+            time.sleep(LOOK)
+        start = time.perf_counter()
+        urllib.request.urlopen(
+            urllib.request.Request(f"{server.address}/jobs/{job}", method="DELETE")
+        )
+        few = {**study, "parameters": {**study["parameters"], "friction_seed": 0}}
+        number = _posted(server, few)
+        while (small := server.get(f"/jobs/{number}"))["status"] in ("accepted", "running"):
+            time.sleep(LOOK)
+        ended = server.get(f"/jobs/{job}")
+        print(f"  the same, dismissed half done: {ended['status']} at {ended['progress']} %;")
+        after = time.perf_counter() - start
+        print(f"  {cells // 100} rows more are {small['status']} {after:.1f} s after")
+
+
+def _posted(server: Served, study: dict[str, Any]) -> str:
+    path = "/processes/simulate/execution"
+    return str(server.post(path, study, Prefer="respond-async")["jobID"])
+
+
 def main() -> None:
     """Print all figures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=int, default=1000, help="cells of a study, 50 or more")
-    cells = max(50, parser.parse_args().cells // 50 * 50)
+    asked = options(
+        __doc__,
+        cells=(1000, "cells of a study, 50 or more"),
+        service=(0, "cells of a study over HTTP"),
+    )
+    if asked.service:
+        over_http(asked.service)
+        return
+    cells = max(50, asked.cells // 50 * 50)
     print("random drive and friction, all of 100 periods     ms a row   at most")
     for parts in (2, 5, 10, 20):
         mean, most = whole_rows(parts, cells // 5)

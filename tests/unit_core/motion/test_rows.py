@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
@@ -15,6 +19,9 @@ from core.motion.kernels.rows.tables import row_of
 from core.quantities import REGIMES
 from night import count
 from rows import TURN, cell
+
+ROOT = Path(__file__).parents[3]
+
 
 # --- another method: isotonic regression by scipy
 
@@ -240,9 +247,35 @@ def test_parts_a_minute_are_those_that_leave_at_either_end():
     assert forth == 0.0
 
 
+ONE_PART = """
+import sys
+from core.intake import prepare_content
+from core.kinds import tabulate
+study = {
+    "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
+    "parameters": {"frequency": 50, "amplitude": [1e-4, 2e-4], "beta": 20, "friction": 0.3},
+}
+prepare_content(study)  # what is read once a process has been read
+called = []
+sys.setprofile(lambda frame, event, argument: called.append(frame.f_code.co_filename))
+prepared = prepare_content(study)
+tabulate(prepared)
+sys.setprofile(None)
+print(len(called), *sorted({one for one in called if "row" in one.rpartition("core")[2]}))
+print(*(one.gives for one in prepared.plan.equations))
+print(*(one for one in sys.modules if ".kernels." in one))
+"""
+"""Prints the files of rows that a study of one part calls, its equations, the kernels it loads."""
+
+
 def test_a_study_of_one_part_knows_nothing_of_rows():
-    prepared = prepare_content({
-        "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
-        "parameters": {**DRIVEN, "friction": 0.3},
-    })  # fmt: skip
-    assert not {"row", "parts"} & {one.gives for one in prepared.plan.equations}
+    done = subprocess.run(
+        [sys.executable, "-c", ONE_PART], capture_output=True, text=True, cwd=ROOT, check=True
+    )
+    (calls, *files), equations, kernels = (line.split() for line in done.stdout.splitlines())
+    assert int(calls) > 1000
+    assert not files
+    assert "motion" in equations
+    assert not {"row", "parts"} & set(equations)
+    assert "core.motion.kernels.planar.solve" in kernels
+    assert not [name for name in kernels if "rows" in name]
