@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
@@ -75,18 +76,29 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
         0.0, 1.35, "", transform=strip.transAxes, fontsize=style.text(9), color=style.ink,
         animated=True,
     )  # fmt: skip
+
+    def put(i: int) -> None:
+        time = 1000 * film.times[i]
+        moving.put(i)
+        clock.set_xdata([time, time])
+        mode.set_text(f"{with_unit(f'{time:.1f}', 'ms')}: {film.says[film.modes[i]]}")
+
+    artists = [(view, one) for one in moving.artists] + [(strip, one) for one in (clock, mode)]
+    yield from frames_of(figure, film.times.size, put, artists)
+
+
+def frames_of(
+    figure: Figure, count: int, put: Callable[[int], None], artists: Sequence[tuple[Axes, Artist]]
+) -> Iterator[Frame]:
+    """Yield so many frames: what stands still is drawn once, `put` moves the artists for each."""
     canvas: Any = figure.canvas
     canvas.draw()
     empty = canvas.copy_from_bbox(figure.bbox)
-    for i, time in enumerate(film.times):
+    for i in range(count):
         canvas.restore_region(empty)
-        moving.put(i)
-        clock.set_xdata([1000 * time, 1000 * time])
-        shown = with_unit(f"{1000 * time:.1f}", "ms")
-        mode.set_text(f"{shown}: {film.says[film.modes[i]]}")
-        for axes, artists in ((view, moving.artists), (strip, (clock, mode))):
-            for artist in artists:
-                axes.draw_artist(artist)
+        put(i)
+        for axes, artist in artists:
+            axes.draw_artist(artist)
         frame = np.asarray(canvas.buffer_rgba())[..., :3]
         yield frame[: frame.shape[0] // 2 * 2, : frame.shape[1] // 2 * 2].copy()  # even, for MP4
 

@@ -126,9 +126,9 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     length = PART_LENGTH * span
     cycles = _cycles(dataset, time, span, length)
     frequency = float(dataset["frequency"])
-    slow = slow or _nice(PERIOD_SHOWN * frequency)
+    slow = slow or nice(PERIOD_SHOWN * frequency)
     whole = time[-1] - time[0]
-    frames = _frames(cycles * whole * slow)
+    frames = frames_in(cycles * whole * slow)
     moments = np.arange(frames) * (cycles * whole / frames)
     turns, within = np.divmod(moments, whole)
     within += time[0]
@@ -186,8 +186,8 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     settled = float(dataset["settling_time"]) if "settling_time" in dataset else np.nan
     if np.isfinite(settled):
         end = min(end, time[0] + AFTER_REST * settled)
-    slow = slow or _nice(FALL_SHOWN / (end - time[0]))
-    frames = _frames((end - time[0]) * slow)
+    slow = slow or nice(FALL_SHOWN / (end - time[0]))
+    frames = frames_in((end - time[0]) * slow)
     moments = np.linspace(time[0], end, frames)
     shown = units.of("m", float(upward[followed].max()))
     amplitude, frequency, beta = (
@@ -271,7 +271,7 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
     return int(np.clip(round(min(wanted, MAX_CYCLES)), 1, max(1, MAX_CYCLES // round(periods))))
 
 
-def _frames(seconds: float) -> int:
+def frames_in(seconds: float) -> int:
     """Return how many frames are shown in a time."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
@@ -282,10 +282,10 @@ def _frames(seconds: float) -> int:
 
 def _exaggeration(gap: float, height: float) -> float:
     """Return by how much a gap is drawn larger so that it is seen beside the part's height."""
-    return _nice(GAP_SEEN * height / gap) if 0 < gap < GAP_SEEN * height else 1.0
+    return nice(GAP_SEEN * height / gap) if 0 < gap < GAP_SEEN * height else 1.0
 
 
-def _nice(value: float) -> float:
+def nice(value: float) -> float:
     """Return 1, 2 or 5 times a power of ten, next to a value by its ratio."""
     power = 10.0 ** np.floor(np.log10(value))
     choices = [step * power for step in (*NICE, 10.0)]

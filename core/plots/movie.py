@@ -16,7 +16,9 @@ from core.dataset.files import whole
 from core.extras import installing
 from core.plots.animation import Frame, draw_frames
 from core.plots.film import FRAMES_PER_SECOND, read_film
+from core.plots.lane import draw_lane
 from core.plots.options import Options
+from core.plots.positions import FIRST
 from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
@@ -49,12 +51,12 @@ def animate(
     dark: bool = False,
     small: bool = False,
 ) -> None:
-    """Write the course of one part as an animation, GIF or MP4 by the suffix of the name.
+    """Write the course of a part or a row as an animation, GIF or MP4 by the suffix of the name.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        A simulation of one part with `trajectory`, of a drive or of a fall.
+        A simulation of one part with `trajectory`, of a drive or of a fall, or of one row.
     target : Path
         The file; an existing one is replaced.
     slow : float, optional
@@ -73,12 +75,16 @@ def animate(
     if suffix not in MOVING:
         message = f"'{target.suffix}': unknown animation format"
         raise PlotError("output", message, "End the name in .gif or .mp4")
-    style, film = Style(dark=dark, small=small), read_film(dataset, units_of(dataset, units), slow)
+    style, shown = Style(dark=dark, small=small), units_of(dataset, units)
+    if FIRST in dataset:
+        frames = draw_lane(dataset, shown, style, DOTS[suffix], slow=slow, title=title)
+    else:
+        frames = draw_frames(read_film(dataset, shown, slow), style, DOTS[suffix], title)
     write = _write_gif if suffix == ".gif" else _write_mp4
     if suffix == ".mp4":
         _ffmpeg()  # before anything is drawn
     with whole(target) as temporary:
-        write(draw_frames(film, style, DOTS[suffix], title), temporary)
+        write(frames, temporary)
 
 
 def _write_gif(frames: Iterable[Frame], target: Path) -> None:

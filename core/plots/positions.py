@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from core.kinds.results import tabulate
 from core.motion.row_scene import ROW
@@ -20,10 +23,37 @@ from core.plots.sliced import check_result
 from core.plots.style import mix
 from core.plots.text import scaled, shown_in
 from core.plots.trajectory import TIME
+from core.study.shown import Shown, ShownUnits
 
 FIRST = "part_position_1"
 TOUCHES = 1e-9
 """Of the way that is shown: gaps that are no larger are those of parts that touch."""
+PALE = 0.25
+
+
+class RowCourse(NamedTuple):
+    """The parts of a row over time, from the rear on, in the units in which they are drawn.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Times, in `time`.
+    places : ndarray, shape (parts, n)
+        Centres of the parts on the track, in `place`.
+    length : float
+        Length of a part, in `place`; 0 if the study does not have it.
+    closed : ndarray of bool, shape (parts - 1, n)
+        Where a part touches the one in front of it.
+    time, place : Shown
+        The units.
+    """
+
+    times: NDArray[np.float64]
+    places: NDArray[np.float64]
+    length: float
+    closed: NDArray[np.bool_]
+    time: Shown
+    place: Shown
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
@@ -32,6 +62,26 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
     if asked or dataset.attrs.get("scene") != ROW:
         return False
     return FIRST in dataset or followed(dataset) is not None
+
+
+def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowCourse:
+    """Return the parts of the row that a dataset holds.
+
+    Raises
+    ------
+    PlotError
+        If the dataset holds no row in time.
+    """
+    if FIRST not in dataset:
+        raise PlotError("dataset", "it has no row of parts in time", "Add trajectory = 400")
+    names = [
+        f"part_position_{n + 1}" for n in range(len(dataset)) if f"part_position_{n + 1}" in dataset
+    ]
+    time, place = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
+    places = np.array([scaled(dataset[name], place.factor) for name in names])
+    length = scaled(dataset["length"], place.factor).item() if "length" in dataset else 0.0
+    closed = np.diff(places, axis=0) - length <= TOUCHES * np.ptp(places)
+    return RowCourse(scaled(dataset[TIME], time.factor), places, length, closed, time, place)
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
@@ -45,34 +95,25 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     check_result(dataset)
     if FIRST not in dataset and (one := followed(dataset)) is not None:
         dataset = tabulate(one).to_xarray()
-    if FIRST not in dataset:
-        raise PlotError("dataset", "it has no row of parts in time", "Add trajectory = 400")
     style, units = options.style, options.units
-    names = [
-        f"part_position_{n + 1}" for n in range(len(dataset)) if f"part_position_{n + 1}" in dataset
-    ]
-    time, place = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
-    times = scaled(dataset[TIME], time.factor)
-    places = np.array([scaled(dataset[name], place.factor) for name in names])
+    row = read_row(dataset, units)
     figure = style.sheet()
     axes = figure.add_subplot()
-    pale = mix(style.ground, style.curve, 0.25)
-    # A study without the length of its parts has them as points.
-    length = scaled(dataset["length"], place.factor).item() if "length" in dataset else 0.0
-    closed = np.diff(places, axis=0) - length <= TOUCHES * np.ptp(places)
-    for below, above, touch in zip(places, places[1:], closed, strict=False):
-        axes.fill_between(times, below, above, where=touch, color=pale, linewidth=0.0)
-    for line in places:
-        axes.plot(times, line, color=style.curve, linewidth=style.width(1.4))
-    axes.set_xlabel(f"Time since the start ({time.unit})")
-    axes.set_ylabel(f"Position on the track ({place.unit})")
-    axes.set_xlim(times[0], times[-1])
-    axes.set_ylim(*add_room(float(places.min()), float(places.max())))
+    pale = mix(style.ground, style.curve, PALE)
+    for below, above, touch in zip(row.places, row.places[1:], row.closed, strict=False):
+        axes.fill_between(row.times, below, above, where=touch, color=pale, linewidth=0.0)
+    for line in row.places:
+        axes.plot(row.times, line, color=style.curve, linewidth=style.width(1.4))
+    axes.set_xlabel(f"Time since the start ({row.time.unit})")
+    axes.set_ylabel(f"Position on the track ({row.place.unit})")
+    axes.set_xlim(row.times[0], row.times[-1])
+    axes.set_ylim(*add_room(float(row.places.min()), float(row.places.max())))
     entries = [
         Line2D([], [], color=style.curve, linewidth=style.width(1.4), label="centre of a part"),
         Patch(color=pale, label="neighbours that touch"),
     ]
+    name = options.title or f"A row of {len(row.places)} parts, from its start"
     return finish(
-        figure, axes, style, name=options.title or f"A row of {len(names)} parts, from its start",
+        figure, axes, style, name=name,
         facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries,
     )  # fmt: skip

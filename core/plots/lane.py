@@ -1,0 +1,107 @@
+"""A row of parts as an animation: seen from above, on its moving track."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import xarray
+from matplotlib.patches import Rectangle
+
+from core.plots.animation import DOT, Frame, frames_of
+from core.plots.film import PERIOD_SHOWN, TURN, frames_in, nice
+from core.plots.heading import finish
+from core.plots.positions import PALE, read_row
+from core.plots.problem import PlotError
+from core.plots.selection import held_fixed
+from core.plots.style import Style, mix
+from core.plots.text import number, with_unit
+from core.study.shown import ShownUnits
+
+SIZE = (6.4, 4.0)  # inches
+MARKS = 24
+"""On the width of the view, by which the track is seen to move."""
+WIDTH = 0.5
+"""Of the lane, that the parts take."""
+
+
+def draw_lane(
+    dataset: xarray.Dataset, units: ShownUnits, style: Style, dots: int, *,
+    slow: float | None = None, title: str | None = None,
+) -> Iterator[Frame]:  # fmt: skip
+    """Draw one frame of a row after the other; parts that touch are filled.
+
+    Raises
+    ------
+    PlotError
+        If the dataset holds no row in time, or not the length of its parts.
+    """
+    row = read_row(dataset, units)
+    if row.length == 0.0:
+        raise PlotError("dataset", "it does not say how long the parts are", "Give length")
+    slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
+    times = 1000.0 * row.times / row.time.factor
+    moments = np.linspace(times[0], times[-1], frames_in(np.ptp(times) / 1000.0 * slow))
+    nearest = np.searchsorted(times, moments, side="right") - 1
+    swing = np.zeros(moments.size)
+    notes = ["seen from above, breadth not to scale"]
+    if {"amplitude", "beta"} <= set(dataset.coords):
+        along = float(dataset["amplitude"]) * np.cos(np.deg2rad(float(dataset["beta"])))
+        phase = TURN * float(dataset["frequency"]) * moments / 1000.0
+        swing = row.place.factor * along * np.sin(phase)
+    else:
+        notes.append("as the track sees it")
+    places = np.array([np.interp(moments, times, one) for one in row.places]) + swing
+
+    figure = style.sheet(*SIZE)
+    figure.set_dpi(dots)
+    view, strip = figure.subplots(2, 1, height_ratios=(1.0, 0.5))
+    slower = f", {number(slow)} times slower" if slow != 1 else ""
+    left, right = places.min() - row.length, places.max() + row.length
+    view.set(xlim=(left, right), ylim=(0.0, 1.0), yticks=[])
+    view.set_xlabel(f"Position ({row.place.unit})")
+    pale = mix(style.ground, style.curve, PALE)
+    for contact, touch in enumerate(row.closed, start=1):
+        strip.fill_between(times, contact - 0.4, contact + 0.4, where=touch, color=pale)
+    strip.set(xlim=(times[0], times[-1]), ylim=(0.4, len(row.closed) + 0.6))
+    pairs = [f"{n}\N{EN DASH}{n + 1}" for n in range(1, len(places))]
+    strip.set_yticks(range(1, len(places)), pairs, fontsize=style.text(8))
+    strip.set(xlabel="Time (ms)", ylabel="Contact of")
+    strip.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
+    finish(
+        figure, view, style, name=title or f"A row of {len(places)} parts{slower}",
+        facts=held_fixed(dataset, units), source=DOT.join(notes).capitalize(),
+    )  # fmt: skip
+    figure.canvas.draw()  # lays out what stands still
+    figure.set_layout_engine("none")
+
+    marks = np.linspace(left - swing.max(), right - swing.min(), MARKS)
+    (track,) = view.plot([], [], color=style.other, linewidth=1.0, animated=True)
+    parts = [
+        Rectangle((0.0, (1.0 - WIDTH) / 2), row.length, WIDTH, linewidth=1.4, animated=True)
+        for _ in places
+    ]
+    for part in parts:
+        part.set_edgecolor(style.curve)
+        view.add_patch(part)
+    (clock,) = strip.plot([], [], color=style.ink, linewidth=2.0, animated=True)
+    says = strip.text(
+        0.0, 1.05, "", transform=strip.transAxes, fontsize=style.text(9), color=style.ink,
+        animated=True,
+    )  # fmt: skip
+
+    def put(i: int) -> None:
+        x = np.stack([marks + swing[i]] * 2 + [np.full(MARKS, np.nan)], axis=1).ravel()
+        track.set_data(x, np.tile([0.0, 1.0, np.nan], MARKS))
+        closed = row.closed[:, nearest[i]]
+        touched = np.r_[False, closed] | np.r_[closed, False]
+        for part, place, touches in zip(parts, places[:, i], touched, strict=True):
+            part.set_x(place - row.length / 2)
+            part.set_facecolor(pale if touches else style.ground)
+        clock.set_data([moments[i]] * 2, [0.0, len(row.closed) + 1.0])
+        count = int(closed.sum())
+        shown = with_unit(f"{moments[i]:.1f}", "ms")
+        says.set_text(f"{shown}: {count} of {closed.size} contacts closed")
+
+    artists = [(view, one) for one in (track, *parts)] + [(strip, one) for one in (clock, says)]
+    yield from frames_of(figure, moments.size, put, artists)
