@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from typing import Any
 
@@ -18,6 +17,7 @@ from core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
 from core.plan.loops.source import LONGEST_ROW
 from core.plan.loops.trace import Node, Traced
 from core.plan.plan import Plan
+from core.threads import share_out
 
 TASK_CELLS = 1 << 20
 """Most cells of one call of a loop: some hundred microseconds."""
@@ -129,9 +129,7 @@ class Fused:
             for task in tasks:
                 run(task)
             return
-        with ThreadPoolExecutor(min(threads, len(tasks)), thread_name_prefix="sweep") as pool:
-            for _ in pool.map(run, tasks):
-                pass
+        share_out(run, tasks, threads)
 
 
 def missing(program: Program) -> frozenset[str]:

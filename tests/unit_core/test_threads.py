@@ -1,0 +1,73 @@
+"""Kept threads carry out every task once, tell the first error, and leave nothing running."""
+
+from __future__ import annotations
+
+import multiprocessing
+import threading
+
+import pytest
+
+from core.threads import share_out
+
+
+def test_every_task_once_and_no_more_at_a_time_than_asked():
+    done, under_way, most = [], [], []
+    lock = threading.Lock()
+
+    def call(task):
+        with lock:
+            under_way.append(task)
+            most.append(len(under_way))
+        with lock:
+            under_way.remove(task)
+            done.append(task)
+
+    share_out(call, range(100), 2)
+    assert sorted(done) == list(range(100))
+    assert max(most) <= 2
+
+
+def test_the_next_call_takes_the_same_threads():
+    names: set[str] = set()
+    for _ in range(20):
+        share_out(lambda _: names.add(threading.current_thread().name), range(6), 2)
+    assert len(names) <= 2
+
+
+def test_the_first_error_comes_after_what_has_begun_and_the_rest_is_left_out():
+    begun, ended, released = [], [], threading.Event()
+
+    def call(task):
+        begun.append(task)
+        if task == 0:
+            released.set()
+            raise ValueError("of the first task")
+        released.wait(60)
+        ended.append(task)
+
+    with pytest.raises(ValueError, match="of the first task"):
+        share_out(call, range(1000), 2)
+    assert set(begun) - {0} == set(ended)  # nothing goes on
+    before = len(begun)
+    share_out(lambda _: None, range(4), 2)
+    assert len(begun) == before < 1000
+
+
+def _fork_answers(pipe):
+    done = []
+    share_out(done.append, range(4), 2)
+    pipe.send(sorted(done))
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_fork_has_threads_of_its_own():
+    share_out(lambda _: None, range(4), 2)
+    here, there = multiprocessing.Pipe()
+    child = multiprocessing.get_context("fork").Process(target=_fork_answers, args=(there,))
+    child.start()
+    try:
+        assert here.poll(60)
+        assert here.recv() == [0, 1, 2, 3]
+    finally:
+        child.kill()
+        child.join()
