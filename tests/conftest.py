@@ -60,8 +60,16 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     """Write what was measured, where it is asked for."""
     file = os.environ.get("VIBRAFEED_DURATIONS")
     if file and not hasattr(session.config, "workerinput"):
-        worth = {name: round(took, 2) for name, took in sorted(measured.items()) if took >= 0.05}
-        Path(file).write_text(json.dumps(worth, indent=0) + "\n")
+        worth = {name: round(took, 2) for name, took in measured.items() if took >= 0.05}
+        worth |= {name: took for name, took in DURATIONS.items() if is_left_out(name)}
+        Path(file).write_text(json.dumps(worth, indent=0, sort_keys=True) + "\n")
+
+
+def is_left_out(name: str) -> bool:
+    """True if a test is there and was not run, as those of the night."""
+    file, *_, function = name.split("::")
+    path = HERE / file
+    return name not in measured and path.exists() and f"def {function}(" in path.read_text()
 
 
 @pytest.fixture(scope="session")
