@@ -25,7 +25,7 @@ DEPTH = 240
 """Most cells that a lane gathers: their sum is that exact, and counts fit in 8 bits."""
 LANES, MAX_LANES = 1024, 1 << 15
 """Lanes of a tile, and their number where few cells go to each."""
-TILE_CELLS = 1 << 18
+TILE_CELLS = 1 << 19
 """Most cells of a tile: some hundred microseconds."""
 STAGED_CELLS = 1 << 15
 """The same where numpy works between loops: its arrays stay in the second-level cache."""
