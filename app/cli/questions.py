@@ -37,6 +37,8 @@ class Question:
         Earlier questions, and the words of which one must be their answer, spaces between.
     unless : str
         A question whose answer stands in the place of this one.
+    values : int
+        How many values from 0 to the answer the study takes; 1 for the answer alone.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Question:
     says: str = ""
     needs: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     unless: str = ""
+    values: int = 1
 
     def belongs(self, answers: Mapping[str, str]) -> bool:
         """True if it matters, after the earlier answers."""
@@ -203,9 +206,9 @@ QUESTIONS: Final = (
         needs=_OF_SPRINGS,
     ),
     Question(
-        "load", "Mass of the parts on the track", "0.5 kg", parameter="conveyed_mass",
-        says="Mass of all parts that travel. A range of it gives the rate against the load.",
-        needs=_OF_SPRINGS,
+        "load", "Mass of all parts on a full track", "2 kg", parameter="conveyed_mass",
+        says="Mass of all parts that travel, up to a full track: the rate against the load.",
+        needs=_OF_SPRINGS, values=41,
     ),
     Question(
         "friction", "Friction between part and track", "0.3", parameter="friction",

@@ -170,9 +170,19 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
             if question.parameter in more.get("uncertain", {}) or question.name in more.get("", ()):
                 continue
             _say(table, question.says)
-            table.add(question.parameter, typed(answers[question.name]))
+            value = typed(answers[question.name])
+            if question.values > 1:
+                value = _range(value, question.values)
+            table.add(question.parameter, value)
     document.add("parameters", table)
     return tomlkit.dumps(document)
+
+
+def _range(stop: Any, count: int) -> Any:
+    """Return a range of values from 0, in one line."""
+    table = tomlkit.inline_table()
+    table.update({"start": 0, "stop": stop, "num": count})
+    return table
 
 
 TABLES_SAY: Final = {
