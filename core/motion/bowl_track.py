@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.errors import Problem
-from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.arrays import Array, Mask
 from core.mechanics.bowl_track import (
     Stretches,
     bounds,
@@ -31,12 +31,15 @@ from core.plan.equations import run
 from core.quantities.bowl_track import OF_STRETCHES
 from core.scenes.graph import between
 from core.scenes.scene import Condition, Equation, fields, keywords
+from core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"
 PARTS = 16
 """Equal parts of a stretch, at whose ends the motion is followed."""
 INSIDE = 1e-9
 """Of a stretch: how far its first and last node lie from its ends."""
+SMALL = 1e-4
+"""Of a speed: changes below this are taken by a series."""
 PIECE = 100_000
 """Motions that are followed together."""
 GIVES_WAY = {"stretch_climb": ("gamma",), "stretch_friction": ("friction", "friction_static",
@@ -222,6 +225,20 @@ class Passage(NamedTuple):
     radius: Array
 
 
+def slowness(first: Array, last: Array) -> Array:
+    """Return the mean of 1/v between two places, v linear: ln(v_2/v_1)/(v_2 - v_1) [s m-1].
+
+    Infinite where one of both is not above 0, NaN where one has no value.
+    """
+    moves = (first > 0.0) & (last > 0.0)
+    v = np.where(moves, first, 1.0)
+    x = np.where(moves, last - first, 0.0) / v
+    small = np.abs(x) < SMALL
+    share = np.where(small, 1.0 - x / 2.0 + x * x / 3.0, np.log1p(x) / np.where(small, 1.0, x))
+    held = np.where(np.isnan(first + last), np.nan, np.inf)
+    return np.where(moves, share / v, held)
+
+
 @dataclass(frozen=True)
 class AlongTrack:
     """The function of the equation that gives the `Passage`.
@@ -256,14 +273,16 @@ class AlongTrack:
 
     def __call__(self, **given: Any) -> Passage:
         """Return the passage of each cell."""
-        columns = np.broadcast_arrays(
-            *(np.asarray(given[name], dtype=float) for name in self.needs)
-        )
+        settings = {name: given[name] for name in self.needs if name in SETTINGS}
+        names = [name for name in self.needs if name not in settings]
+        columns = np.broadcast_arrays(*(np.asarray(given[name], dtype=float) for name in names))
         shape = columns[0].shape
         flat = [column.reshape(-1, 1) for column in columns]
         step = max(1, PIECE // self.nodes)
         pieces = [
-            self._of_cells({n: v[at : at + step] for n, v in zip(self.needs, flat, strict=True)})
+            self._of_cells(
+                settings | {n: v[at : at + step] for n, v in zip(names, flat, strict=True)}
+            )
             for at in range(0, len(flat[0]), step)
         ]
         return Passage._make(
@@ -280,9 +299,8 @@ class AlongTrack:
         found = run(self.way, {**known, "stretches": stretches, "track_fraction": nodes})
         velocity = np.broadcast_to(found["conveying_velocity"], nodes.shape)
         rows, slowest = np.arange(cells), np.argmin(velocity, axis=1)  # NaN is least of all
-        slowness = ratio(np.ones(()), velocity, np.inf)
-        slowness = np.where(velocity < 0.0, np.inf, slowness).reshape(cells, -1, PARTS + 1)
-        means = (slowness[..., 1:] + slowness[..., :-1]).mean(axis=2) / 2.0
+        of_stretch = velocity.reshape(cells, -1, PARTS + 1)
+        means = slowness(of_stretch[..., :-1], of_stretch[..., 1:]).mean(axis=2)
         lengths = np.concatenate(stretches.length, axis=1)
         return Passage(
             time=(lengths * means).sum(axis=1),

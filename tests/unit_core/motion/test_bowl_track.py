@@ -10,7 +10,9 @@ import vibrafeed
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.mechanics.bowl_track import Stretches, radius_at
+from core.motion.bowl_track import AllStretches, AlongTrack, track_length, track_of
 from core.quantities import REGIMES
+from core.scenes.scene import Equation
 from night import NIGHT
 
 BOWL = {
@@ -106,6 +108,29 @@ def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track():
     assert float(fine.bottleneck_radius) == pytest.approx(
         float(fine.track_radius[slowest]), abs=0.002
     )
+
+
+def test_a_method_gets_its_settings_as_they_are_and_nodes_are_enough_for_a_mean():
+    """A speed of 0.1 + x takes L (ln(1.1) - ln(0.1)); methods take one number of a setting."""
+    (track, _) = track_of(TRACK, of_bowl=True)
+
+    def speed(*, track_fraction, max_periods):
+        assert np.ndim(max_periods) == 0
+        return 0.1 + track_fraction
+
+    stretches = AllStretches(track)
+    walk = AlongTrack(
+        stretches,
+        (Equation("conveying_velocity", speed, ""),),
+        (*stretches.inputs, "max_periods"),
+    )
+    given = {name: np.array(TRACK[name]) for name in stretches.inputs}
+    given |= {name: np.radians(given[name]) for name in given if "climb" in name}
+    passage = walk(**given, max_periods=np.array(7.0))
+    length = float(track_length(stretches=stretches(**given)))
+    assert float(passage.time) == pytest.approx(length * np.log(11), rel=1e-7)
+    assert float(passage.slowest) == pytest.approx(0.1, rel=1e-7)
+    assert float(passage.radius) == pytest.approx(0.1, rel=1e-7)
 
 
 def test_the_rate_is_that_of_the_bottleneck():
