@@ -151,24 +151,31 @@ def row_motion(
     """
     periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
     rows, shape = _cells(groups, parts, periods)
-    room, columns = len(parts.friction), len(compiled.rows.RowColumns._fields)
+    room, columns = len(parts.friction), RowMotion._fields.index("part_velocity")
     width = columns + 2 * room
     alike, supported = _alike(rows, room), rows[:, _head("max_periods")] > 0.0
-    table_ = np.full((len(rows), width), np.nan)
-    status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
     as_one = alike & supported & (parts.stop == "none" and steps is None)
-    rest = ~as_one & supported
-    if rest.any():
+    if as_one.all():
+        means, each, status = _as_one(groups, rows, shape, as_one, room, watch)
+    else:
+        table_ = np.full((len(rows), width), np.nan)
+        status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
+        rest = ~as_one & supported
         held = _merged(rows[rest], alike[rest], room)
         kernel = compiled.rows.row_cells if steps is None else _stepped(steps)
-        table_[rest], status[rest] = run_cells(kernel, held, columns=width, piece=16, watch=watch)
+        if rest.any():
+            table_[rest], status[rest] = run_cells(
+                kernel, held, columns=width, piece=16, watch=watch
+            )
         _spread(table_, rows, alike & rest, room, columns)
-    if as_one.any():
-        table_[as_one], status[as_one] = _as_one(groups, rows, shape, as_one, room, watch)
-    means = [np.ascontiguousarray(column).reshape(shape) for column in table_.T]
-    each = [np.reshape(means[start : start + room], (room, *shape))
-            for start in (columns, columns + room)]  # fmt: skip
-    return RowMotion._make([*means[:columns], *each, status.reshape(shape)])
+        if as_one.any():
+            of_rows, of_parts, status[as_one] = _as_one(groups, rows, shape, as_one, room, watch)
+            table_[as_one] = np.concatenate([np.stack(of_rows, axis=1), *of_parts], axis=1)
+        means = [np.ascontiguousarray(column) for column in table_.T[:columns]]
+        each = [table_[:, start : start + room] for start in (columns, columns + room)]
+    by_part = [np.reshape(np.ascontiguousarray(one.T), (room, *shape)) for one in each]
+    return RowMotion._make([*(one.reshape(shape) for one in means), *by_part,
+                            status.reshape(shape)])  # fmt: skip
 
 
 def _stepped(steps: int) -> Kernel:
@@ -221,14 +228,19 @@ def _spread(table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, col
 def _as_one(
     groups: Groups, rows: Array, shape: tuple[int, ...], alike: NDArray[np.bool_], room: int,
     watch: Watch | None,
-) -> tuple[Array, NDArray[np.int8]]:  # fmt: skip
-    """Return table and statuses of rows of one friction: those of one part."""
+) -> tuple[list[Array], list[Array], NDArray[np.int8]]:  # fmt: skip
+    """Return what rows of one friction do: as one part does.
+
+    The columns of `RowMotion` for each row, those for each part (rows, room), and the statuses.
+    """
     static, kinetic = (rows[:, _HEAD + k * room].reshape(shape) for k in (0, 1))
     one = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
     settings: dict[str, Any] = dict(events.EVENTS.defaults)
     motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
-    flat = {name: np.broadcast_to(part, shape).ravel()[alike]
-            for name, part in motion._asdict().items()}  # fmt: skip
+    names = ("velocity", "spread", "error", "flight", "multiple", "status")
+    flat = {
+        name: np.broadcast_to(getattr(motion, name), shape).ravel()[alike] for name in names
+    }  # fmt: skip
     answered = np.isin(flat["status"], [STATUS[name] for name in ANSWERED])
     nothing = np.where(answered, 0.0, np.nan)
     inside = _inside(rows[alike], room)
@@ -245,7 +257,7 @@ def _as_one(
         np.where(inside, value[:, np.newaxis], np.nan)
         for value in (flat["velocity"], nothing + 1.0)
     ]
-    return np.concatenate([np.stack(columns, axis=1), *each], axis=1), flat["status"]
+    return columns, each, flat["status"]
 
 
 _HEAD_NAMES = (
