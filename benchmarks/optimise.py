@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from core.assurance.accuracy.optimisers import answer
+from core.assurance.accuracy.optimisers import run_optimiser
 from core.intake import parse_study
 from core.kinds import run_study
 from core.mechanics.arrays import Array
@@ -83,7 +83,7 @@ def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]
             continue
         design = chosen_cells(designs_of(problem, prepared.designs), moves)
         scales = problem.scales(design)
-        found = answer(name, problem, design, scales, Watch())
+        found = run_optimiser(name, problem, design, scales, Watch())
         error = np.abs(exact[moves] - found.value) / problem.scale(scales)
         results[name] = error, found.seconds, found.evaluations
     return results

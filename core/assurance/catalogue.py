@@ -99,14 +99,14 @@ def cases(families: Collection[str] = (), random: int = 0, seed: int = 1) -> tup
     StudyError
         If a letter is no family.
     """
-    found: list[Case] = []
+    members: list[Case] = []
     for letter in families_of(families):
         for form in forms().values():
             if form.name.startswith(f"{letter}-"):
-                found += [*form.cases(), *form.random(random, seed)]
+                members += [*form.cases(), *form.random(random, seed)]
         for make in ELSEWHERE.get(letter, ()):
-            found += [case for case in make() if case.family == letter]
-    return tuple(found)
+            members += [case for case in make() if case.family == letter]
+    return tuple(members)
 
 
 def document(asked: Collection[Case]) -> dict[str, Any]:

@@ -181,13 +181,13 @@ def judge(case: Case, computed: CaseValues) -> Outcome:
 
 def summaries(outcomes: Sequence[Outcome]) -> list[Summary]:
     """Return a summary of each family, in the order of the outcomes."""
-    found = []
+    families = []
     for family in dict.fromkeys(outcome.case.family for outcome in outcomes):
         judged = [o for o in outcomes if o.case.family == family and o.judged]
         worst = max(judged, key=lambda outcome: outcome.share, default=None)
         passed = sum(outcome.passed for outcome in judged)
-        found.append(Summary(family, len(judged), passed, worst))
-    return found
+        families.append(Summary(family, len(judged), passed, worst))
+    return families
 
 
 def results_of(content: Content) -> Table:

@@ -31,22 +31,22 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
     """
     plan = sweep.plan
     cells = sample_size(sweep.grid, cells)
-    given = random_cells(sweep.grid, cells, plan.parameters)
+    sample = random_cells(sweep.grid, cells, plan.parameters)
     pieces: list[_Known] = []
     share = watch.part(0.9 / cells)
     for start in range(0, cells, PIECE):
         if pieces and watch.stopped():
             break
-        piece = {name: values[start : start + PIECE] for name, values in given.items()}
+        piece = {name: values[start : start + PIECE] for name, values in sample.items()}
         pieces.append(_known(plan, piece, share))
     done = min(cells, len(pieces) * PIECE)
-    given = {name: values[:done] for name, values in given.items()}
+    sample = {name: values[:done] for name, values in sample.items()}
     curves, left_out, without = [], [], []
     for name in plan.outputs:
         if name not in pieces[0].moved:
             left_out.append(name)
             continue
-        curve = _curve(plan, name, given, _joined(pieces, name))
+        curve = _curve(plan, name, sample, _joined(pieces, name))
         if curve.points:
             curves.append(curve)
         else:
@@ -69,7 +69,7 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
         notes.append(f"The time given ran out: {done} of {cells} cells were reached.")
     if without:
         notes.append(f"0 or without a value in all these cells: {', '.join(without)}.")
-    fits = _fits(given, np.float32)
+    fits = _fits(sample, np.float32)
     if not fits.all():
         notes.append(
             "Left out of the rows of float32 are cells with a parameter that it cannot hold: "
@@ -110,19 +110,19 @@ def _joined(pieces: Sequence[_Known], name: str) -> _Known:
     return _Known(exact, {name: np.concatenate([p.moved[name] for p in pieces])})
 
 
-def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> Curve:
+def _curve(plan: Plan, name: str, sample: Mapping[str, Array], known: _Known) -> Curve:
     """Return the errors and times of one output; without points where it has no value."""
     plan = plan.only(name)
-    given = {key: given[key] for key in plan.parameters}
+    sample = {key: sample[key] for key in plan.parameters}
     points = []
     for title, dtype in TYPES.items():
-        held = _held(given, dtype)
+        held = _held(sample, dtype)
         exact, moved = known.exact[title][name], known.moved[name]
         got = np.broadcast_to(_evaluate(plan, held, dtype)[name], moved.size)
         errors = errors_of(got, exact, moved, dtype)
         # What has no value, or is 0, is right or wrong: it has no error that a median could count.
         alike = ~np.isfinite(got) | (got == 0)
-        judged = _fits(given, dtype) & ~(alike & (errors.relative == 0))
+        judged = _fits(sample, dtype) & ~(alike & (errors.relative == 0))
         judged &= ~np.isnan(errors.relative)
         if not judged.any():
             continue

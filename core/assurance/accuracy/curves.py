@@ -198,7 +198,7 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
 
     Words stand as CF flags (`flag_values` and `flag_meanings`), so that any client reads them.
     """
-    every = list(chain.from_iterable(one.curves for one in measured))
+    every = list(chain.from_iterable(family.curves for family in measured))
     curves = [curve for curve in every for _ in curve.points]
     points = [point for curve in every for point in curve.points]
     number = np.arange(len(points), dtype=np.int32)
@@ -217,8 +217,8 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
         **_columns(curves, CURVE_NUMBERS),
         **_further(points),
     }
-    for one in measured:
-        variables |= {f"cell_{name}": variable for name, variable in one.cells.items()}
+    for family in measured:
+        variables |= {f"cell_{name}": variable for name, variable in family.cells.items()}
     cells = next((v.values.size for v in variables.values() if v.dims == ("cell",)), 0)
     if cells:
         count = np.arange(cells, dtype=np.int32)

@@ -55,8 +55,8 @@ def motion_of_sweep(sweep: Sweep) -> Simulation | None:
     if scene is None or not is_point_part(scene):
         return None
     used = {name for method in scene.variants for name in scene_parameters(scene, method)}
-    given = {name: value for name, value in content["parameters"].items() if name in used}
-    study: Any = {"kind": "simulate", "scene": scene.name, "parameters": given}
+    parameters = {name: value for name, value in content["parameters"].items() if name in used}
+    study: Any = {"kind": "simulate", "scene": scene.name, "parameters": parameters}
     try:
         asked = parse_study(study)
         assert isinstance(asked, SimulateStudy)
@@ -69,10 +69,10 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     """Return how far the outputs of a sweep are from the true mean velocity, by regime."""
     names = {*sweep.plan.parameters, *motion.grid.axes, *motion.grid.fixed}
     cells = sample_size(sweep.grid, cells)
-    given = random_cells(sweep.grid, cells, names)
+    sample = random_cells(sweep.grid, cells, names)
     system = motion.plan.scene
     plan = plan_scene(system, motion.plan.variant, OUTPUTS, tuple(motion.study.values()))
-    known = run_equations(plan, {n: given[n] for n in plan.parameters}, watch)
+    known = run_equations(plan, {n: sample[n] for n in plan.parameters}, watch)
 
     def spread(values: Any) -> NDArray[Any]:
         return np.broadcast_to(values, cells)
@@ -84,7 +84,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     reached = int(np.sum(spread(known["motion_status"]) != STATUS["not_computed"]))
     kind = spread(regimes(plan, known))
     with np.errstate(all="ignore"):  # where a form has no value, that is told
-        closed = run_equations(sweep.plan, {n: given[n] for n in sweep.plan.parameters})
+        closed = run_equations(sweep.plan, {n: sample[n] for n in sweep.plan.parameters})
     moves = kept & (np.abs(true) > RESTING * drive)
     outputs = [n for n in sweep.plan.outputs if n in (*VELOCITIES, *ACCELERATIONS)]
     curves = [_curve(name, spread(closed[name]), true, moves, kind) for name in outputs]
@@ -121,7 +121,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
 
 def _curve(
     output: str,
-    found: Array,
+    formula: Array,
     true: Array,
     moves: NDArray[np.bool_],
     kind: NDArray[np.int8],
@@ -132,11 +132,11 @@ def _curve(
     groups = {"all that travel": moves}
     groups |= {name.replace("_", " "): moves & (kind == r.value) for name, r in REGIMES.items()}
     for name, where in groups.items():
-        here = where & np.isfinite(found)
+        here = where & np.isfinite(formula)
         if not here.any():
             continue
-        ratio = found[here] / true[here]
-        more = {"rank_correlation": rank_correlation(found[here], true[here])}
+        ratio = formula[here] / true[here]
+        more = {"rank_correlation": rank_correlation(formula[here], true[here])}
         error = np.abs(ratio - 1)
         if is_velocity:
             more |= {
@@ -153,9 +153,9 @@ def _curve(
     return Curve("model", output, "formula", tuple(points))
 
 
-def rank_correlation(one: Array, other: Array) -> float:
+def rank_correlation(first: Array, second: Array) -> float:
     """Return the correlation of the ranks of two rows of values; NaN where one does not vary."""
-    ranks = [_ranks(values) for values in (one, other)]
+    ranks = [_ranks(values) for values in (first, second)]
     if min(np.ptp(values) for values in ranks) == 0:
         return float("nan")
     return float(np.asarray(np.corrcoef(ranks))[0, 1])

@@ -80,10 +80,10 @@ def run_method(
     """Return what a method finds at cells of shape (n,), SI units, with its settings."""
     plan = plan_scene(scene, method, OUTPUTS, tuple(cells))
     plan = replace(plan, defaults={**plan.defaults, **settings})
-    given = {name: cells[name] for name in plan.parameters}
+    inputs = {name: cells[name] for name in plan.parameters}
     single = Watch(watch.progress, watch.stop, watch.deadline, threads=1)
     started = time.perf_counter()
-    known = run_equations(plan, given, single)
+    known = run_equations(plan, inputs, single)
     seconds = time.perf_counter() - started
     count = next(iter(cells.values())).size
     drive = known["drive_number"] * known["velocity_scale"]  # the speed of the track, A w
@@ -120,16 +120,16 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     }
     exact = "events" if "events" in scene.variants else None
     watch = watch.part(1 / _parts(scene))
-    given = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
-    given = {name: values for name, values in given.items() if _is_used(scene, name)}
+    sample = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
+    sample = {name: values for name, values in sample.items() if _is_used(scene, name)}
     share = watch.part(0.04)
-    quick = _warm(scene, exact or "time-stepping", given, settings, share)
+    quick = _warm(scene, exact or "time-stepping", sample, settings, share)
     moves = quick.periodic & (np.abs(quick.velocity) > ROUNDING)
-    chosen = np.flatnonzero(moves & _first_of_its_kind(given))
+    chosen = np.flatnonzero(moves & _first_of_its_kind(sample))
     # The first cells, and among them as many that slide as that hop, if there are.
     chosen = _both_kinds(chosen, quick.hops, cells)
-    left = given[next(iter(given))].size
-    picked = {name: values[chosen] for name, values in given.items()}
+    left = sample[next(iter(sample))].size
+    picked = {name: values[chosen] for name, values in sample.items()}
     if not chosen.size:
         return Measured("motion", (), (_nothing_moves(left, share),))
     reference = run_method(scene, "reference", picked, {}, watch.part(0.3))
@@ -210,8 +210,8 @@ def _warm(
     watch: Watch,
 ) -> Means:
     """Run a method once on one cell, which loads and compiles it, then on all."""
-    one = {name: values[:1] for name, values in cells.items()}
-    run_method(scene, method, one, settings, Watch(stop=watch.stop))
+    cell = {name: values[:1] for name, values in cells.items()}
+    run_method(scene, method, cell, settings, Watch(stop=watch.stop))
     return run_method(scene, method, cells, settings, watch)
 
 

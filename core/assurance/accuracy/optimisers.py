@@ -58,7 +58,7 @@ class OptimiserResult:
     done: NDArray[np.bool_]
 
 
-def answer(
+def run_optimiser(
     name: str,
     problem: OptimisationProblem,
     design: Mapping[str, Array],
@@ -72,27 +72,27 @@ def answer(
     """
     solve, first = METHODS[name].solve, slice(0, 1)
     if METHODS[name].at_once:
-        one = chosen_cells(design, first), chosen_cells(scales, first)
-        solve(problem, *one, replace(watch, progress=None))
+        cell = chosen_cells(design, first), chosen_cells(scales, first)
+        solve(problem, *cell, replace(watch, progress=None))
     else:
         importlib.import_module("scipy.optimize")
     late = min(time.monotonic() + seconds, watch.deadline or math.inf)
     started = time.perf_counter()
     watch = replace(watch, progress=None, deadline=late)
-    found = solve(problem, design, scales, watch)
+    optimum = solve(problem, design, scales, watch)
     times = [time.perf_counter() - started]
     cells = cells_of(design)
-    done = np.asarray(found.status != STATUS["not_computed"])
+    done = np.asarray(optimum.status != STATUS["not_computed"])
     while done.all() and times[0] < SHORT and len(times) < REPEATS and not watch.stopped():
         started = time.perf_counter()
         solve(problem, design, scales, watch)
         times.append(time.perf_counter() - started)
     seconds = statistics.median(times) / max(1, done.sum())
-    lost = np.isnan(found.x).any(axis=0)
-    x = np.where(lost, problem.lower[:, None], found.x)
+    lost = np.isnan(optimum.x).any(axis=0)
+    x = np.where(lost, problem.lower[:, None], optimum.x)
     value = np.broadcast_to(problem.judged(x, design, scales)[0], cells)
-    used = np.broadcast_to(np.asarray(found.evaluations, dtype=np.float64), cells)
-    return OptimiserResult(np.where(lost, -np.inf, value), found.x, seconds, used, done)
+    used = np.broadcast_to(np.asarray(optimum.evaluations, dtype=np.float64), cells)
+    return OptimiserResult(np.where(lost, -np.inf, value), optimum.x, seconds, used, done)
 
 
 def measure(
@@ -140,13 +140,16 @@ def measure(
         return Measured("optimisers", (), (*notes, "No design has an answer."))
     size = np.broadcast_to(problem.scale(scales), answered.shape)
     span = (problem.upper - problem.lower)[:, None]
-    used = {name: answered & one.done for name, one in answers.items()}
+    used = {name: answered & result.done for name, result in answers.items()}
     points = [
-        _point(name, one, best, size, (np.abs(one.x - x) / span).max(axis=0), used[name])
-        for name, one in answers.items()
+        _point(name, result, best, size, (np.abs(result.x - x) / span).max(axis=0), used[name])
+        for name, result in answers.items()
         if used[name].any()
     ]
-    curves = (Curve("optimisers", problem.criterion.output, one.setting, (one,)) for one in points)
+    curves = (
+        Curve("optimisers", problem.criterion.output, result.setting, (result,))
+        for result in points
+    )
     return Measured("optimisers", tuple(curves), tuple(notes))
 
 
@@ -166,9 +169,9 @@ def _answers(
             break
         # What a fast method leaves over, the slow ones after it share.
         each = (ends - time.monotonic()) / (len(names) - position)
-        answers[name] = answer(name, problem, design, scales, watch, max(each, 0.0))
+        answers[name] = run_optimiser(name, problem, design, scales, watch, max(each, 0.0))
         watch.advance(1 / len(names))
-    done = {name for name, one in answers.items() if one.done.all()}
+    done = {name for name, result in answers.items() if result.done.all()}
     return answers, [name for name in names if name not in done]
 
 
@@ -176,10 +179,10 @@ def _reference(
     answers: Mapping[str, OptimiserResult], problem: OptimisationProblem
 ) -> tuple[Array, Array, str]:
     """Return the best objective that is known of each design, the variables there, and of whom."""
-    values = np.stack([one.value for one in answers.values()])
+    values = np.stack([result.value for result in answers.values()])
     winner = np.asarray(values.argmax(axis=0))
     best = values.max(axis=0)
-    x = np.stack([one.x for one in answers.values()])[winner, :, np.arange(winner.size)].T
+    x = np.stack([result.x for result in answers.values()])[winner, :, np.arange(winner.size)].T
     known = next((name for name in ("exact", "newton") if name in answers), None)
     if known is None:
         return best, x, (
@@ -193,20 +196,25 @@ def _reference(
 
 
 def _point(
-    name: str, one: OptimiserResult, best: Array, size: Array, apart: Array, used: NDArray[np.bool_]
+    name: str,
+    result: OptimiserResult,
+    best: Array,
+    size: Array,
+    apart: Array,
+    used: NDArray[np.bool_],
 ) -> Point:
     """Return gap, error of the variables and time of a method, over the designs that it reached."""
-    lost = ~np.isfinite(one.value[used])
-    value = np.where(lost, best[used], one.value[used])
+    lost = ~np.isfinite(result.value[used])
+    value = np.where(lost, best[used], result.value[used])
     gap = np.where(lost, np.inf, np.abs(best[used] - value) / size[used])
     apart = np.where(np.isnan(apart[used]), 1.0, apart[used])  # 1 where it found nothing
     more = {
         "variable_error": float(np.median(apart)),
         "missed": float(np.mean(gap > MISSED)),
-        "evaluations": float(np.median(one.evaluations[used])),
+        "evaluations": float(np.median(result.evaluations[used])),
     }
     median, largest = float(np.median(gap)), float(gap.max())
-    return Point(name, np.nan, median, largest, one.seconds, int(used.sum()), more)
+    return Point(name, np.nan, median, largest, result.seconds, int(used.sum()), more)
 
 
 def _kind(name: str, problem: OptimisationProblem) -> str:

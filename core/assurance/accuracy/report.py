@@ -89,9 +89,9 @@ def measure_study(
         if watch.stopped():
             break
         share = watch.part(1 / len(families))
-        found = measure_family(prepared, family, share, seconds)
-        if found is not None:
-            measured.append(found)
+        measurement = measure_family(prepared, family, share, seconds)
+        if measurement is not None:
+            measured.append(measurement)
     return part_of(prepared, name, measured, machine())
 
 

@@ -77,10 +77,10 @@ def measure(table: Table, watch: Watch) -> Measured:
         path = Path(folder) / "result.nc"
         for name, formats in SERIES.items():
             points = []
-            for one in formats:
+            for storage_format in formats:
                 if watch.stopped():
                     break
-                points.append(_point(table, values, one, path, count))
+                points.append(_point(table, values, storage_format, path, count))
                 watch.advance(1 / everything)
             if not points:
                 continue
@@ -104,9 +104,9 @@ def measure(table: Table, watch: Watch) -> Measured:
     return Measured("storage", tuple(curves), tuple(notes))
 
 
-def write_as(table: Table, path: Path, one: StorageFormat) -> None:
+def write_as(table: Table, path: Path, storage_format: StorageFormat) -> None:
     """Write a table in a format."""
-    if one.dtype == "float32":
+    if storage_format.dtype == "float32":
         # Coordinates stay as they are: a cell is to be found again.
         table = replace(
             table,
@@ -118,9 +118,9 @@ def write_as(table: Table, path: Path, one: StorageFormat) -> None:
     write_netcdf(
         table,
         path,
-        compression=bool(one.level),
-        level=one.level or 1,
-        significant_bits=one.bits,
+        compression=bool(storage_format.level),
+        level=storage_format.level or 1,
+        significant_bits=storage_format.bits,
     )
 
 
@@ -142,18 +142,25 @@ def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np
 
 
 def _point(
-    table: Table, values: Mapping[str, NDArray[Any]], one: StorageFormat, path: Path, count: int
+    table: Table,
+    values: Mapping[str, NDArray[Any]],
+    storage_format: StorageFormat,
+    path: Path,
+    count: int,
 ) -> Point:
-    write: Callable[[], None] = lambda: write_as(table, path, one)  # noqa: E731
+    write: Callable[[], None] = lambda: write_as(table, path, storage_format)  # noqa: E731
     seconds = median_seconds(write, REPEATS, least=0.0) / count
     errors = errors_of_file(path, values)
     middle, largest = (float(np.median(errors)), float(errors.max())) if errors.size else (0.0, 0.0)
     return Point(
-        str(one),
-        float(one.bits) if one.bits else math.nan,
+        str(storage_format),
+        float(storage_format.bits) if storage_format.bits else math.nan,
         middle,
         largest,
         seconds,
         int(errors.size),
-        {"bytes_per_value": path.stat().st_size / count, "half_quantum": one.half_quantum},
+        {
+            "bytes_per_value": path.stat().st_size / count,
+            "half_quantum": storage_format.half_quantum,
+        },
     )

@@ -99,18 +99,18 @@ class Form:
         """Yield cases with random inputs; the first ones do not depend on how many."""
         draw = np.random.default_rng([seed, zlib.crc32(self.name.encode())])
         for number in range(1, count + 1):
-            given = self.formula.random(draw)
-            expected = self.formula.value(given)
+            inputs = self.formula.random(draw)
+            expected = self.formula.value(inputs)
             size = abs(expected) if self.relative else 1.0
             yield Case(
                 id=f"{self.name}-r{seed}.{number}",
                 family=self.letter,
                 title=self.title,
-                terms=self.formula.terms(given),
+                terms=self.formula.terms(inputs),
                 known=Truth(expected, self.tolerance * size, self.source),
                 evidence=self.truth,
                 unit=self.unit,
-                inputs=given,
+                inputs=inputs,
                 relation=self.relation,
                 why=self.why,
             )

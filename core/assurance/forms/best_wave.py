@@ -11,7 +11,7 @@ import math
 from numpy.random import Generator
 
 from core.assurance.case import Term
-from core.assurance.forms.formulas import GRAVITY, MM, Formula, Given, simulation, speed
+from core.assurance.forms.formulas import GRAVITY, MM, Formula, Inputs, simulation, speed
 
 EDGE = 1e-9
 """How much longer than the fastest wave ours carries the part.
@@ -20,27 +20,27 @@ The wave is a knife edge: the part is caught at the instant at which the track t
 """
 
 
-def value(given: Given) -> float:
+def value(inputs: Inputs) -> float:
     """Return v = T a_s^2 (a_m^2 - a_k^2)/(4 a_m (a_s + a_k)^2) [mm/s], a_s,k = mu_s,k g."""
-    most = given["most"]
-    holding, braking = given["friction_static"], given["friction_kinetic"]
+    most = inputs["most"]
+    holding, braking = inputs["friction_static"], inputs["friction_kinetic"]
     share = holding**2 * (most**2 - braking**2) / (4 * most * (holding + braking) ** 2)
-    return MM * GRAVITY / given["frequency"] * share
+    return MM * GRAVITY / inputs["frequency"] * share
 
 
-def wave(given: Given) -> dict[str, float]:
+def wave(inputs: Inputs) -> dict[str, float]:
     """Return the drive in its three phases: carry, away, catch.
 
     It carries the part for `EDGE` longer, less a tenth of that in strength, so that the part is
     caught just after the track has turned.
     """
-    most = given["most"]
-    holding, braking = given["friction_static"], given["friction_kinetic"]
+    most = inputs["most"]
+    holding, braking = inputs["friction_static"], inputs["friction_kinetic"]
     carry = braking / (holding + braking) * (1 + EDGE)
     held = holding * (1 - EDGE / 10)
     away = ((1 - carry) + held * carry / most) / 2
     return {
-        **{name: given[name] for name in ("frequency", "friction_static", "friction_kinetic")},
+        **{name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")},
         "acceleration_along_1": held * GRAVITY,
         "acceleration_along_2": -most * GRAVITY,
         "duration_1": carry,
@@ -49,17 +49,17 @@ def wave(given: Given) -> dict[str, float]:
     }
 
 
-def reached_terms(given: Given) -> tuple[Term, ...]:
+def reached_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under the fastest wave."""
-    return speed(wave(given))
+    return speed(wave(inputs))
 
 
-def stated_terms(given: Given) -> tuple[Term, ...]:
+def stated_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return what the program says is the fastest velocity for that acceleration."""
     drive = {
-        **{name: given[name] for name in ("frequency", "friction_static", "friction_kinetic")},
-        "acceleration_along_1": given["most"] * GRAVITY,
-        "acceleration_along_2": -given["most"] * GRAVITY,
+        **{name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")},
+        "acceleration_along_1": inputs["most"] * GRAVITY,
+        "acceleration_along_2": -inputs["most"] * GRAVITY,
     }
     return (Term(simulation("fastest_velocity", drive), "fastest_velocity", times=MM),)
 
@@ -78,27 +78,27 @@ def random_limits(random: Generator) -> dict[str, float]:
 
 def random_steps(random: Generator) -> dict[str, float]:
     """Return inputs with a wave of two to six steps, the largest of which is the limit."""
-    given = random_limits(random)
+    inputs = random_limits(random)
     count = int(random.integers(2, 7))
     levels = random.uniform(-1, 1, count)
     shares = random.exponential(size=count)
     levels -= (levels @ shares) / shares.sum()  # the speed of the track repeats
     levels /= abs(levels).max()
     for number, (level, share) in enumerate(zip(levels, shares, strict=True), 1):
-        given[f"level_{number}"] = float(level)
-        given[f"duration_{number}"] = float(share)
-    return given
+        inputs[f"level_{number}"] = float(level)
+        inputs[f"duration_{number}"] = float(share)
+    return inputs
 
 
-def steps_terms(given: Given) -> tuple[Term, ...]:
+def steps_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under a wave of steps."""
-    drive = {name: given[name] for name in ("frequency", "friction_static", "friction_kinetic")}
-    count = sum(name.startswith("level_") for name in given)
+    drive = {name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")}
+    count = sum(name.startswith("level_") for name in inputs)
     for number in range(1, count + 1):
         if number < count:  # the last level closes the wave
-            level = given[f"level_{number}"] * given["most"] * GRAVITY
+            level = inputs[f"level_{number}"] * inputs["most"] * GRAVITY
             drive[f"acceleration_along_{number}"] = level
-        drive[f"duration_{number}"] = given[f"duration_{number}"]
+        drive[f"duration_{number}"] = inputs[f"duration_{number}"]
     return speed(drive)
 
 

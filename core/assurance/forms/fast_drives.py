@@ -12,7 +12,7 @@ import math
 from numpy.random import Generator
 
 from core.assurance.case import Term
-from core.assurance.forms.formulas import GRAVITY, Formula, Given, sine_cosine, speed
+from core.assurance.forms.formulas import GRAVITY, Formula, Inputs, sine_cosine, speed
 
 FREQUENCY = 50.0  # Hz; the answers are in scales in which it does not count
 CIRCULAR = 2 * math.pi * FREQUENCY
@@ -20,41 +20,41 @@ FAST = 1e-5
 """mu g/(A w^2) of random members."""
 
 
-def _along(given: Given) -> float:
+def _along(inputs: Inputs) -> float:
     """Return the amplitude along the track [m]."""
-    return given["friction"] * GRAVITY / (given["weak"] * CIRCULAR**2)
+    return inputs["friction"] * GRAVITY / (inputs["weak"] * CIRCULAR**2)
 
 
-def _share(given: Given, drive: dict[str, float]) -> tuple[Term, ...]:
+def _share(inputs: Inputs, drive: dict[str, float]) -> tuple[Term, ...]:
     """Return the mean velocity over the largest speed of the track along itself."""
-    drive |= {"frequency": FREQUENCY, "friction": given["friction"]}
-    return speed(drive, times=1 / (_along(given) * CIRCULAR))
+    drive |= {"frequency": FREQUENCY, "friction": inputs["friction"]}
+    return speed(drive, times=1 / (_along(inputs) * CIRCULAR))
 
 
 # --- one frequency, along and normal
 
 
-def ellipse_terms(given: Given) -> tuple[Term, ...]:
+def ellipse_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under an ellipse, over A_x w."""
-    normal = given["throw"] * GRAVITY * sine_cosine(given["gamma"])[1] / CIRCULAR**2
+    normal = inputs["throw"] * GRAVITY * sine_cosine(inputs["gamma"])[1] / CIRCULAR**2
     return _share(
-        given,
+        inputs,
         {
-            "amplitude_along_1": _along(given),
+            "amplitude_along_1": _along(inputs),
             "amplitude_normal_1": normal,
-            "phase_normal_1": given["phase"],
-            "gamma": given["gamma"],
+            "phase_normal_1": inputs["phase"],
+            "gamma": inputs["gamma"],
         },
     )
 
 
-def ellipse(given: Given) -> float:
+def ellipse(inputs: Inputs) -> float:
     """Return c of acos(c) - Gamma sin(phi) sqrt(1 - c^2) = (pi/2)(1 + tan(gamma)/mu).
 
     By bisection: the left side falls as c rises.
     """
-    turned = given["throw"] * sine_cosine(given["phase"])[0]
-    climb = math.tan(math.radians(given["gamma"])) / given["friction"]
+    turned = inputs["throw"] * sine_cosine(inputs["phase"])[0]
+    climb = math.tan(math.radians(inputs["gamma"])) / inputs["friction"]
     right = math.pi / 2 * (1 + climb)
     least, most = 0.0, math.pi  # of the angle acos(c), which the left side rises with
     for _ in range(100):
@@ -75,25 +75,25 @@ def random_ellipse(random: Generator) -> dict[str, float]:
     return {"weak": FAST, "throw": throw, "phase": phase, "friction": friction, "gamma": gamma}
 
 
-def climb(given: Given) -> float:
+def climb(inputs: Inputs) -> float:
     """Return gamma of tan(gamma) = (2/pi) mu Gamma |sin(phi)| [degree], where v is 0."""
-    turned = abs(sine_cosine(given["phase"])[0])
-    return math.degrees(math.atan(2 / math.pi * given["friction"] * given["throw"] * turned))
+    turned = abs(sine_cosine(inputs["phase"])[0])
+    return math.degrees(math.atan(2 / math.pi * inputs["friction"] * inputs["throw"] * turned))
 
 
-def climb_terms(given: Given) -> tuple[Term, ...]:
+def climb_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity on the steepest climb, over A_x w."""
-    return ellipse_terms({**given, "gamma": climb(given)})
+    return ellipse_terms({**inputs, "gamma": climb(inputs)})
 
 
 def random_climb(random: Generator) -> dict[str, float]:
     """Return inputs whose ellipse conveys upwards."""
-    given = random_ellipse(random)
-    del given["gamma"]
-    return given | {"phase": float(random.uniform(-170, -10))}
+    inputs = random_ellipse(random)
+    del inputs["gamma"]
+    return inputs | {"phase": float(random.uniform(-170, -10))}
 
 
-def at_rest(given: Given) -> float:
+def at_rest(inputs: Inputs) -> float:
     """Return 0: the part neither climbs nor falls back."""
     return 0.0
 
@@ -101,19 +101,19 @@ def at_rest(given: Given) -> float:
 # --- in phase
 
 
-def line_terms(given: Given) -> tuple[Term, ...]:
+def line_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under a drive along a line, over Gamma mu g/w."""
     drive = {
         "frequency": FREQUENCY,
-        "friction": given["friction"],
-        "amplitude_along_1": _along(given),
-        "amplitude_normal_1": given["throw"] * GRAVITY / CIRCULAR**2,
+        "friction": inputs["friction"],
+        "amplitude_along_1": _along(inputs),
+        "amplitude_normal_1": inputs["throw"] * GRAVITY / CIRCULAR**2,
     }
-    scale = given["throw"] * given["friction"] * GRAVITY / CIRCULAR
+    scale = inputs["throw"] * inputs["friction"] * GRAVITY / CIRCULAR
     return speed(drive, times=1 / scale)
 
 
-def line(given: Given) -> float:
+def line(inputs: Inputs) -> float:
     """Return pi/2 + 2/pi."""
     return math.pi / 2 + 2 / math.pi
 
@@ -130,18 +130,18 @@ def random_line(random: Generator) -> dict[str, float]:
 # --- two frequencies along the track
 
 
-def second_terms(given: Given) -> tuple[Term, ...]:
+def second_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under a track whose speed is cos(t) + e cos(2 t), over A w."""
-    along = _along(given)
+    along = _along(inputs)
     return _share(
-        given,
-        {"amplitude_along_1": along, "amplitude_along_2": given["second"] * along / 2},
+        inputs,
+        {"amplitude_along_1": along, "amplitude_along_2": inputs["second"] * along / 2},
     )
 
 
-def second(given: Given) -> float:
+def second(inputs: Inputs) -> float:
     """Return -e."""
-    return -given["second"]
+    return -inputs["second"]
 
 
 def random_second(random: Generator) -> dict[str, float]:

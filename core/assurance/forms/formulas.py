@@ -17,7 +17,7 @@ from core.assurance.case import Content, Term
 GRAVITY = 9.81  # m s-2
 MM = 1e3  # mm in a metre
 
-Given = Mapping[str, float]
+Inputs = Mapping[str, float]
 
 
 class Formula(NamedTuple):
@@ -33,8 +33,8 @@ class Formula(NamedTuple):
         Takes a generator; returns random inputs.
     """
 
-    terms: Callable[[Given], tuple[Term, ...]]
-    value: Callable[[Given], float]
+    terms: Callable[[Inputs], tuple[Term, ...]]
+    value: Callable[[Inputs], float]
     random: Callable[[Generator], dict[str, float]]
 
 
@@ -64,12 +64,12 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
 # --- Q: two levels of acceleration
 
 
-def two_level_drive(given: Given) -> dict[str, float]:
+def two_level_drive(inputs: Inputs) -> dict[str, float]:
     """Return the drive that pulls gently around a sharp piece the other way."""
-    slow, fast = given["gentle"], given["sharp"]
+    slow, fast = inputs["gentle"], inputs["sharp"]
     first = fast / (2 * (slow + fast))
     return {
-        "frequency": given["frequency"],
+        "frequency": inputs["frequency"],
         "acceleration_along_1": slow * GRAVITY,
         "acceleration_along_2": -fast * GRAVITY,
         "acceleration_along_3": slow * GRAVITY,
@@ -79,25 +79,25 @@ def two_level_drive(given: Given) -> dict[str, float]:
     }
 
 
-def two_levels_terms(given: Given) -> tuple[Term, ...]:
+def two_levels_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under two levels of acceleration."""
-    drive = two_level_drive(given)
-    drive |= {name: given[name] for name in ("friction_static", "friction_kinetic")}
-    drive |= {"gamma": given["gamma"]} if given.get("gamma") else {}
-    drive |= {"hold_down": given["hold_down"] * GRAVITY} if given.get("hold_down") else {}
+    drive = two_level_drive(inputs)
+    drive |= {name: inputs[name] for name in ("friction_static", "friction_kinetic")}
+    drive |= {"gamma": inputs["gamma"]} if inputs.get("gamma") else {}
+    drive |= {"hold_down": inputs["hold_down"] * GRAVITY} if inputs.get("hold_down") else {}
     return speed(drive)
 
 
-def two_levels(given: Given) -> float:
+def two_levels(inputs: Inputs) -> float:
     """Return v = (T/2) a_s^2 (a_m - a_k)/((a_s + a_m)(a_s + a_k)) [mm/s].
 
     a_k is what brakes a part that slides forward: mu_k (g cos(gamma) + F/m) + g sin(gamma).
     """
-    slow, fast = given["gentle"], given["sharp"]
-    down, onto = sine_cosine(given.get("gamma", 0.0))
-    braking = given["friction_kinetic"] * (onto + given.get("hold_down", 0.0)) + down
+    slow, fast = inputs["gentle"], inputs["sharp"]
+    down, onto = sine_cosine(inputs.get("gamma", 0.0))
+    braking = inputs["friction_kinetic"] * (onto + inputs.get("hold_down", 0.0)) + down
     share = slow**2 * (fast - braking) / ((slow + fast) * (slow + braking))
-    return MM * GRAVITY / (2 * given["frequency"]) * share
+    return MM * GRAVITY / (2 * inputs["frequency"]) * share
 
 
 def random_two_levels(random: Generator) -> dict[str, float]:
@@ -107,7 +107,7 @@ def random_two_levels(random: Generator) -> dict[str, float]:
     """
     kinetic = float(random.uniform(0.05, 0.6))
     static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.6)]))
-    given = {
+    inputs = {
         "frequency": float(random.uniform(5, 200)),
         "friction_static": static,
         "friction_kinetic": kinetic,
@@ -121,22 +121,22 @@ def random_two_levels(random: Generator) -> dict[str, float]:
         held = float(random.uniform(1, 10)) / kinetic
     down, onto = sine_cosine(gamma)
     holds, frees = static * (onto + held) - down, static * (onto + held) + down
-    given["gentle"] = holds * float(random.uniform(0.1, 0.99))
-    given["sharp"] = max(frees, 0.0) + float(random.exponential()) + 0.01
-    return given | {"gamma": gamma, "hold_down": held}
+    inputs["gentle"] = holds * float(random.uniform(0.1, 0.99))
+    inputs["sharp"] = max(frees, 0.0) + float(random.exponential()) + 0.01
+    return inputs | {"gamma": gamma, "hold_down": held}
 
 
 # --- W: in phase along and normal, half a period each
 
 
-def winkler_terms(given: Given) -> tuple[Term, ...]:
+def winkler_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the mean velocity under Winkler's wave."""
-    along, normal = given["along"] * GRAVITY, given["normal"] * GRAVITY
+    along, normal = inputs["along"] * GRAVITY, inputs["normal"] * GRAVITY
     return speed(
         {
-            "frequency": given["frequency"],
-            "friction_static": given["friction_static"],
-            "friction_kinetic": given["friction_kinetic"],
+            "frequency": inputs["frequency"],
+            "friction_static": inputs["friction_static"],
+            "friction_kinetic": inputs["friction_kinetic"],
             "acceleration_along_1": along,
             "acceleration_along_2": -along,
             "acceleration_normal_1": normal,
@@ -145,12 +145,12 @@ def winkler_terms(given: Given) -> tuple[Term, ...]:
     )
 
 
-def winkler(given: Given) -> float:
+def winkler(inputs: Inputs) -> float:
     """Return v = (T/8)(u - a_1)(2 u + a_2 - a_1)/(u + a_2) [mm/s], a_1,2 = mu_k (g -+ q)."""
-    u, q, mu = given["along"], given["normal"], given["friction_kinetic"]
+    u, q, mu = inputs["along"], inputs["normal"], inputs["friction_kinetic"]
     less, more = mu * (1 - q), mu * (1 + q)
     share = (u - less) * (2 * u + more - less) / (u + more)
-    return MM * GRAVITY / (8 * given["frequency"]) * share
+    return MM * GRAVITY / (8 * inputs["frequency"]) * share
 
 
 def random_winkler(random: Generator) -> dict[str, float]:

@@ -13,7 +13,7 @@ from typing import Any
 from numpy.random import Generator
 
 from core.assurance.case import Term
-from core.assurance.forms.formulas import GRAVITY, Formula, Given, simulation, sine_cosine, speed
+from core.assurance.forms.formulas import GRAVITY, Formula, Inputs, simulation, sine_cosine, speed
 
 SHIFT = 1.234
 """Radian of the first harmonic by which a drive starts later."""
@@ -30,140 +30,142 @@ def random_harmonics(random: Generator) -> dict[str, float]:
 
     One coefficient of friction: then all starts lead to one motion.
     """
-    given = {
+    inputs = {
         "frequency": float(random.uniform(10, 120)),
         "friction": float(random.uniform(0.1, 0.8)),
         "gamma": float(random.uniform(-4, 4)),
     }
-    unit = GRAVITY / (2 * math.pi * given["frequency"]) ** 2
+    unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     for axis, most in (("along", float(random.uniform(0.5, 3))), ("normal", 0.95)):
         count = int(random.integers(1, 4))
         pushes = random.exponential(size=count)
         pushes *= most / pushes.sum()
         for order, push in enumerate(pushes, 1):
-            given[f"amplitude_{axis}_{order}"] = float(push) * unit / order**2
-            given[f"phase_{axis}_{order}"] = float(random.uniform(-180, 180))
-    return given
+            inputs[f"amplitude_{axis}_{order}"] = float(push) * unit / order**2
+            inputs[f"phase_{axis}_{order}"] = float(random.uniform(-180, 180))
+    return inputs
 
 
-def _pace(given: Given) -> float:
+def _pace(inputs: Inputs) -> float:
     """Return what the speed of the track along itself never exceeds [m s-1]."""
-    w = 2 * math.pi * given["frequency"]
+    w = 2 * math.pi * inputs["frequency"]
     amplitudes = [
         int(name[-1]) * w * value
-        for name, value in given.items()
+        for name, value in inputs.items()
         if name.startswith("amplitude_along_")
     ]
     return math.fsum(amplitudes)
 
 
-def _compared(given: Given, other: Mapping[str, Any], sign: float) -> tuple[Term, ...]:
+def _compared(inputs: Inputs, other: Mapping[str, Any], sign: float) -> tuple[Term, ...]:
     """Return the speed under one drive, plus that under another times a sign."""
-    scale = 1 / _pace(given)
-    return (*speed(given, times=scale), *speed(other, times=sign * scale))
+    scale = 1 / _pace(inputs)
+    return (*speed(inputs, times=scale), *speed(other, times=sign * scale))
 
 
-def nothing(given: Given) -> float:
+def nothing(inputs: Inputs) -> float:
     """Return 0."""
     return 0.0
 
 
-def shifted_terms(given: Given) -> tuple[Term, ...]:
+def shifted_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the speed under a drive, less that under the same drive later."""
     later = {
         name: value + math.degrees(int(name[-1]) * SHIFT) if name.startswith("phase_") else value
-        for name, value in given.items()
+        for name, value in inputs.items()
     }
-    return _compared(given, _turned(later), -1.0)
+    return _compared(inputs, _turned(later), -1.0)
 
 
-def mirrored_terms(given: Given) -> tuple[Term, ...]:
+def mirrored_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the speed under a drive, plus that of its mirror image on the mirrored slope."""
     image = {
         name: value + 180.0 if name.startswith("phase_along_") else value
-        for name, value in given.items()
+        for name, value in inputs.items()
     }
-    return _compared(given, _turned({**image, "gamma": -given["gamma"]}), 1.0)
+    return _compared(inputs, _turned({**image, "gamma": -inputs["gamma"]}), 1.0)
 
 
-def reversed_terms(given: Given) -> tuple[Term, ...]:
+def reversed_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the speed under a drive, plus that with its second harmonic turned by half a turn."""
-    return _compared(given, _turned({**given, "phase_along_2": given["phase_along_2"] + 180}), 1.0)
+    return _compared(
+        inputs, _turned({**inputs, "phase_along_2": inputs["phase_along_2"] + 180}), 1.0
+    )
 
 
 def random_reversed(random: Generator) -> dict[str, float]:
     """Return inputs of two harmonics along a level track, and a constant load."""
-    found = random_harmonics(random)
+    inputs = random_harmonics(random)
     first, second = sorted(random.uniform(0.5, 3, 2), reverse=True)
-    unit = GRAVITY / (2 * math.pi * found["frequency"]) ** 2
+    unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
-        "frequency": found["frequency"],
-        "friction": found["friction"],
+        "frequency": inputs["frequency"],
+        "friction": inputs["friction"],
         "amplitude_along_1": float(first) * unit,
         "amplitude_along_2": float(second) * unit / 4,
         "phase_along_2": float(random.uniform(-180, 180)),
     }
 
 
-def doubled_terms(given: Given) -> tuple[Term, ...]:
+def doubled_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the speed where the track moves along at w and normal at 2 w."""
-    return speed(given, times=1 / _pace(given))
+    return speed(inputs, times=1 / _pace(inputs))
 
 
 def random_doubled(random: Generator) -> dict[str, float]:
     """Return inputs of a part that stays on a level floor."""
-    found = random_harmonics(random)
-    unit = GRAVITY / (2 * math.pi * found["frequency"]) ** 2
+    inputs = random_harmonics(random)
+    unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
-        "frequency": found["frequency"],
-        "friction": found["friction"],
+        "frequency": inputs["frequency"],
+        "friction": inputs["friction"],
         "amplitude_along_1": float(random.uniform(0.5, 3)) * unit,
         "amplitude_normal_2": float(random.uniform(0.05, 0.95)) * unit / 4,
         "phase_normal_2": float(random.uniform(-180, 180)),
     }
 
 
-def _turned(given: Mapping[str, float]) -> dict[str, float]:
+def _turned(inputs: Mapping[str, float]) -> dict[str, float]:
     """Return a drive with its phases from -180 to 180 degrees, as studies take them."""
     return {
         name: math.remainder(value, 360.0) if name.startswith("phase_") else value
-        for name, value in given.items()
+        for name, value in inputs.items()
     }
 
 
 # --- balances over a cycle
 
 
-def work_terms(given: Given) -> tuple[Term, ...]:
+def work_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the work of the track, less heat, impacts and lift, over g times the drive's pace."""
-    scale = 1 / (GRAVITY * _pace(given))
-    lift = GRAVITY * sine_cosine(given["gamma"])[0]
+    scale = 1 / (GRAVITY * _pace(inputs))
+    lift = GRAVITY * sine_cosine(inputs["gamma"])[0]
     signs = {"drive_power": 1.0, "friction_power": -1.0, "impact_power": -1.0}
     signs["conveying_velocity"] = -lift
     return tuple(
-        Term(simulation(output, given), output, times=sign * scale)
+        Term(simulation(output, inputs), output, times=sign * scale)
         for output, sign in signs.items()
     )
 
 
 def random_hopping(random: Generator) -> dict[str, float]:
     """Return a part that slides or hops without rebound, under a drive along a line."""
-    given = random_harmonics(random)
-    unit = GRAVITY / (2 * math.pi * given["frequency"]) ** 2
+    inputs = random_harmonics(random)
+    unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
-        "frequency": given["frequency"],
-        "friction": given["friction"],
-        "gamma": given["gamma"],
+        "frequency": inputs["frequency"],
+        "friction": inputs["friction"],
+        "gamma": inputs["gamma"],
         "amplitude_along_1": float(random.uniform(0.5, 4)) * unit,
         "amplitude_normal_1": float(random.uniform(0.2, 1.7)) * unit,
         "phase_normal_1": float(random.uniform(-60, 60)),
     }
 
 
-def velocity_terms(given: Given) -> tuple[Term, ...]:
+def velocity_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return how far the velocity of the part is, after a cycle, from where it was."""
-    output, scale = "relative_velocity_along", 1 / _pace(given)
-    study = simulation("conveying_velocity", given, trajectory=2)
+    output, scale = "relative_velocity_along", 1 / _pace(inputs)
+    study = simulation("conveying_velocity", inputs, trajectory=2)
     return (
         Term(study, output, "last", times=scale),
         Term(study, output, "first", times=-scale),
@@ -173,44 +175,44 @@ def velocity_terms(given: Given) -> tuple[Term, ...]:
 # --- a level track under one sine
 
 
-def threshold(given: Given) -> float:
+def threshold(inputs: Inputs) -> float:
     """Return the largest acceleration above which a part never sticks [g]."""
-    return math.hypot(given["friction_static"], math.pi * given["friction_kinetic"] / 2)
+    return math.hypot(inputs["friction_static"], math.pi * inputs["friction_kinetic"] / 2)
 
 
-def stick_terms(given: Given) -> tuple[Term, ...]:
+def stick_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the share of the period in which friction holds the part."""
-    return (Term(simulation("stick_fraction", _sine(given)), "stick_fraction"),)
+    return (Term(simulation("stick_fraction", _sine(inputs)), "stick_fraction"),)
 
 
-def turning_phase(given: Given) -> float:
+def turning_phase(inputs: Inputs) -> float:
     """Return the phase at which the slip turns, cos(theta) = pi mu g/(2 A w^2)."""
-    return math.acos(math.pi * given["friction_kinetic"] / 2 / given["push"])
+    return math.acos(math.pi * inputs["friction_kinetic"] / 2 / inputs["push"])
 
 
-def turn_terms(given: Given) -> tuple[Term, ...]:
+def turn_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the velocity of slip a little later than it turns, over A w."""
-    w = 2 * math.pi * given["frequency"]
-    later = (turning_phase(given) + LATER) / w
-    study = simulation("conveying_velocity", _sine(given), trajectory=[later])
-    scale = w / (given["push"] * GRAVITY)
+    w = 2 * math.pi * inputs["frequency"]
+    later = (turning_phase(inputs) + LATER) / w
+    study = simulation("conveying_velocity", _sine(inputs), trajectory=[later])
+    scale = w / (inputs["push"] * GRAVITY)
     return (Term(study, "relative_velocity_along", "first", times=scale),)
 
 
-def turned(given: Given) -> float:
+def turned(inputs: Inputs) -> float:
     """Return that velocity: the part is braked by mu g from the speed of the track at the turn."""
-    theta = turning_phase(given)
-    braked = math.cos(theta) - given["friction_kinetic"] / given["push"] * LATER
+    theta = turning_phase(inputs)
+    braked = math.cos(theta) - inputs["friction_kinetic"] / inputs["push"] * LATER
     return braked - math.cos(theta + LATER)
 
 
-def _sine(given: Given) -> dict[str, float]:
-    frictions = {name: given[name] for name in ("friction_static", "friction_kinetic")}
-    amplitude = given["push"] * GRAVITY / (2 * math.pi * given["frequency"]) ** 2
-    return {"frequency": given["frequency"], "amplitude": amplitude, "beta": 0.0, **frictions}
+def _sine(inputs: Inputs) -> dict[str, float]:
+    frictions = {name: inputs[name] for name in ("friction_static", "friction_kinetic")}
+    amplitude = inputs["push"] * GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
+    return {"frequency": inputs["frequency"], "amplitude": amplitude, "beta": 0.0, **frictions}
 
 
-def sticks(given: Given) -> float:
+def sticks(inputs: Inputs) -> float:
     """Return a share of the period that is no rounding."""
     return 1e-8
 
@@ -218,12 +220,12 @@ def sticks(given: Given) -> float:
 def random_above(random: Generator, times: float = 1 + 1e-6) -> dict[str, float]:
     """Return inputs whose largest acceleration is the threshold times a factor."""
     kinetic = float(random.uniform(0.05, 0.8))
-    given = {
+    inputs = {
         "frequency": float(random.uniform(10, 120)),
         "friction_static": kinetic * float(random.choice([1.0, random.uniform(1.0, 1.5)])),
         "friction_kinetic": kinetic,
     }
-    return given | {"push": threshold(given) * times}
+    return inputs | {"push": threshold(inputs) * times}
 
 
 def random_below(random: Generator) -> dict[str, float]:

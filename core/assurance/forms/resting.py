@@ -7,7 +7,7 @@ import math
 from numpy.random import Generator
 
 from core.assurance.case import Term
-from core.assurance.forms.formulas import Formula, Given
+from core.assurance.forms.formulas import Formula, Inputs
 
 WIDE = 1e12
 """Of a box that stands for a plane rectangle, over its length."""
@@ -18,15 +18,15 @@ def _share(scene: str, output: str, **sizes: float) -> tuple[Term, ...]:
     return (Term(study, output),)
 
 
-def box_terms(given: Given) -> tuple[Term, ...]:
+def box_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the share that rests flat, the face being length by width."""
-    sizes = {"length": given["a"], "width": given["b"], "height": given["c"]}
+    sizes = {"length": inputs["a"], "width": inputs["b"], "height": inputs["c"]}
     return _share("rectangle-isolated", "resting_share_flat", **sizes)
 
 
-def box(given: Given) -> float:
+def box(inputs: Inputs) -> float:
     """Return (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2)))."""
-    a, b, c = given["a"], given["b"], given["c"]
+    a, b, c = inputs["a"], inputs["b"], inputs["c"]
     return 2 / math.pi * math.atan(a * b / (c * math.sqrt(a * a + b * b + c * c)))
 
 
@@ -35,14 +35,14 @@ def random_box(random: Generator) -> dict[str, float]:
     return {name: 10.0 ** float(random.uniform(-3, -1)) for name in "abc"}
 
 
-def cylinder_terms(given: Given) -> tuple[Term, ...]:
+def cylinder_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the share that rests on the round side."""
-    return _share("cylinder-isolated", "resting_share_on_side", **given)
+    return _share("cylinder-isolated", "resting_share_on_side", **inputs)
 
 
-def cylinder(given: Given) -> float:
+def cylinder(inputs: Inputs) -> float:
     """Return l/sqrt(l^2 + d^2)."""
-    return given["length"] / math.sqrt(given["length"] ** 2 + given["diameter"] ** 2)
+    return inputs["length"] / math.sqrt(inputs["length"] ** 2 + inputs["diameter"] ** 2)
 
 
 def random_cylinder(random: Generator) -> dict[str, float]:
@@ -50,15 +50,15 @@ def random_cylinder(random: Generator) -> dict[str, float]:
     return {name: 10.0 ** float(random.uniform(-3, -1)) for name in ("length", "diameter")}
 
 
-def rectangle_terms(given: Given) -> tuple[Term, ...]:
+def rectangle_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the share that rests flat of a box so wide that no other face counts."""
-    sizes = {"length": given["long"], "width": WIDE * given["long"], "height": given["short"]}
+    sizes = {"length": inputs["long"], "width": WIDE * inputs["long"], "height": inputs["short"]}
     return _share("rectangle-isolated", "resting_share_flat", **sizes)
 
 
-def rectangle(given: Given) -> float:
+def rectangle(inputs: Inputs) -> float:
     """Return (2/pi) atan(long/short)."""
-    return 2 / math.pi * math.atan(given["long"] / given["short"])
+    return 2 / math.pi * math.atan(inputs["long"] / inputs["short"])
 
 
 def random_rectangle(random: Generator) -> dict[str, float]:

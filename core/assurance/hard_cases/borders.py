@@ -85,15 +85,15 @@ def painleve() -> list[Case]:
         ))  # fmt: skip
     for offset, rate, status in ((1e-12, 2.0, "no_solution"), (1e-12, 60.0, "two_solutions"),
                                  (-1e-12, 60.0, "separation")):  # fmt: skip
-        given = corner("floor_acceleration", textbook.contact_acceleration,
-                       friction=limit * (1 + offset), pitch_rate=rate)  # fmt: skip
+        corner_case = corner("floor_acceleration", textbook.contact_acceleration,
+                             friction=limit * (1 + offset), pitch_rate=rate)  # fmt: skip
         if status != "two_solutions":
             value = math.nan if status == "no_solution" else 0.0
-            given["known"] = Truth(value, 0.0, "table of theory 2.3")
+            corner_case["known"] = Truth(value, 0.0, "table of theory 2.3")
         if rate == 60.0:
-            given["content"]["parameters"]["velocity_along"] = 10.0
+            corner_case["content"]["parameters"]["velocity_along"] = 10.0
         cases.append(hard_case(
             f"{status.replace('_', ' ')}, mu = mu_c (1{offset:+g})", family,
-            "the other side of tau = 0", status=(status,), **given,
+            "the other side of tau = 0", status=(status,), **corner_case,
         ))  # fmt: skip
     return cases

@@ -60,7 +60,7 @@ def subnormal_amplitudes() -> list[Case]:
     family = "subnormal amplitudes"
     cases = []
     for amplitude in (5e-324, 1e-310, 2.3e-308):
-        given = {"frequency": 50.0, "amplitude": amplitude, "beta": 0.0}
+        parameters = {"frequency": 50.0, "amplitude": amplitude, "beta": 0.0}
         P = amplitude * (W * W)  # A0 w would be rounded to a multiple of 5e-324
         cases += [
             hard_case(
@@ -73,7 +73,7 @@ def subnormal_amplitudes() -> list[Case]:
             ),
             hard_case(
                 f"v(x), A0 = {amplitude:g} m", family, "K underflows with mu",
-                sweep("rectangle-on-track", "transport_velocity", **given, friction=0.3,
+                sweep("rectangle-on-track", "transport_velocity", **parameters, friction=0.3,
                       radius=0.3, distance=1e-3),
                 "transport_velocity",
                 # v^2 = 2 K x, and K has the relative error of a subnormal product.
@@ -84,12 +84,12 @@ def subnormal_amplitudes() -> list[Case]:
             ),
             hard_case(
                 f"motion, A0 = {amplitude:g} m", family, "every group is subnormal",
-                motion(**given, friction=0.3), "conveying_velocity",
+                motion(**parameters, friction=0.3), "conveying_velocity",
                 Truth(0.0, 0.0, "held"), ("at_rest",),
             ),
             hard_case(
                 f"motion without friction, A0 = {amplitude:g} m", family, "speeds below 1e-300",
-                motion(**given, friction=0.0), "conveying_velocity",
+                motion(**parameters, friction=0.0), "conveying_velocity",
                 Truth(amplitude * W, 1e-4 * amplitude * W + 5e-322, "A0 w, of few digits"),
                 ("neutral",),
             ),
@@ -120,10 +120,10 @@ def angles() -> list[Case]:
     for name, value, sign in (("beta", 90.0, 0.0), ("beta", 180.0, -1.0), ("beta", -90.0, 0.0),
                               ("alpha", 90.0, 0.0), ("alpha", 180.0, -1.0),
                               ("alpha", -180.0, -1.0)):  # fmt: skip
-        given = {"frequency": 50.0, "amplitude": 4e-4, "alpha": 0.0, "beta": 0.0, name: value}
+        parameters = {"frequency": 50.0, "amplitude": 4e-4, "alpha": 0.0, "beta": 0.0, name: value}
         cases.append(hard_case(
             f"drive along, {name} = {value:g}", family, "a cosine that is 0 is 6e-17 in floats",
-            sweep("rectangle-on-plane", "drive_along", **given), "drive_along",
+            sweep("rectangle-on-plane", "drive_along", **parameters), "drive_along",
             Truth(sign * P, 8 * EPSILON * P, "exact angle; 8 ulp of the drive"),
         ))  # fmt: skip
     for gamma, status in ((90.0, "runaway"), (-90.0, "runaway")):
@@ -148,10 +148,10 @@ def angles() -> list[Case]:
     for name, value in (("beta", 180.0), ("alpha", 180.0), ("gamma", 90.0), ("delta", 90.0)):
         for sign in (1, -1):
             beyond = sign * np.nextafter(value, np.inf)
-            given = {**TRACK, name: float(beyond)}
+            parameters = {**TRACK, name: float(beyond)}
             cases.append(hard_case(
                 f"{name} an ulp beyond {sign * value:g}", family, "just out of bounds",
-                sweep("rectangle-on-track", "transport_velocity", **given),
+                sweep("rectangle-on-track", "transport_velocity", **parameters),
                 refused=f"parameters.{name}",
             ))  # fmt: skip
     cases.append(hard_case(

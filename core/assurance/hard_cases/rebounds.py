@@ -88,7 +88,7 @@ def full_rebound() -> list[Case]:
     return cases
 
 
-def _fall_of_the_highest_hop(given: Content) -> Callable[[], Truth]:
+def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
     """Return what gives the largest landing speed, from how high above the floor the part came.
 
     The floor moves by +-a, so the apex of that hop is within H +- 2a of where the part lands, and
@@ -96,11 +96,11 @@ def _fall_of_the_highest_hop(given: Content) -> Callable[[], Truth]:
     """
 
     def truth() -> Truth:
-        table = results_of(motion("events", "hop_height", **given)).variables
+        table = results_of(motion("events", "hop_height", **parameters)).variables
         height = float(table["hop_height"].values)
-        a = given["amplitude"] * math.sin(math.radians(given["beta"]))
+        a = parameters["amplitude"] * math.sin(math.radians(parameters["beta"]))
         least, most = (
-            math.sqrt(2 * given["gravity"] * max(0.0, height + 2 * way * a)) + way * a * W
+            math.sqrt(2 * parameters["gravity"] * max(0.0, height + 2 * way * a)) + way * a * W
             for way in (-1, 1)
         )
         source = "free fall from the largest height H: sqrt(2 g (H +- 2a)) +- a w"
@@ -109,11 +109,11 @@ def _fall_of_the_highest_hop(given: Content) -> Callable[[], Truth]:
     return truth
 
 
-def _other_phase(given: Content) -> Callable[[], Truth]:
+def _other_phase(parameters: Content) -> Callable[[], Truth]:
     """Return what gives the mean by time stepping, with its own spread."""
 
     def truth() -> Truth:
-        content = motion("time-stepping", **given, steps_per_period=500)
+        content = motion("time-stepping", **parameters, steps_per_period=500)
         table = results_of(content).variables
         value, error = (
             float(table[name].values) for name in ("conveying_velocity", "conveying_velocity_error")

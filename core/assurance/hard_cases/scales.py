@@ -28,17 +28,17 @@ def masses_and_sizes() -> list[Case]:
     family = "masses and sizes over twelve decades"
     cases = []
     for mass in (1e-9, 1e-3, 1e3):
-        given = {**DRIVE, "mass": mass, "gravity": G}
+        parameters = {**DRIVE, "mass": mass, "gravity": G}
         P = 4e-4 * W * W * math.sin(math.radians(20))
         cases.append(hard_case(
             f"floor force of {mass:g} kg", family, "forces from 1e-8 N to 1e4 N",
-            sweep("rectangle-on-plane", "floor_force", **{**given, "amplitude": 1e-5}),
+            sweep("rectangle-on-plane", "floor_force", **{**parameters, "amplitude": 1e-5}),
             "floor_force", Truth(mass * (G - P / 40), 16 * EPSILON * mass * G,
                                  "m (g - P sin(beta)); 16 ulp"),
         ))  # fmt: skip
     for small, large in ((1e-9, 1e3), (1e3, 1e-9), (1e-9, 1e-9)):
         for size in (1e-6, 1.0, 1e6):
-            given = {
+            parameters = {
                 "position_x_1": 0.0, "position_y_1": size, "angle_1": 0.0, "velocity_x_1": 0.0,
                 "velocity_y_1": -1.0, "spin_1": 0.0, "length_1": 2 * size, "width_1": size,
                 "mass_1": small, "position_x_2": 0.0, "position_y_2": 0.0, "angle_2": 0.0,
@@ -49,7 +49,7 @@ def masses_and_sizes() -> list[Case]:
             cases.append(hard_case(
                 f"impact of {small:g} kg on {large:g} kg, {size:g} m", family,
                 "two Delassus numbers that differ by 1e12",
-                {**sweep("rectangle-pair-impact", "velocity_y_1_after", **given),
+                {**sweep("rectangle-pair-impact", "velocity_y_1_after", **parameters),
                  "variant": "frictionless"},
                 "velocity_y_1_after",
                 Truth(after, 64 * EPSILON, "central impact; 64 ulp of the velocity"), ("impact",),
@@ -99,8 +99,8 @@ def masses_and_sizes() -> list[Case]:
 def grids() -> list[Case]:
     """Return cases of axes with one value, very many, or the same twice."""
     family = "grids: one point, 10^7 on an axis, repeated values"
-    given = {**DRIVE, "amplitude": 5e-5, "gravity": G}
-    one = {name: [value] for name, value in given.items()}
+    parameters = {**DRIVE, "amplitude": 5e-5, "gravity": G}
+    axes = {name: [value] for name, value in parameters.items()}
     long_axis = {"start": 1.0, "stop": 100.0, "num": 10_000_000}
 
     def throws() -> Truth:
@@ -122,38 +122,39 @@ def grids() -> list[Case]:
     return [
         hard_case(
             "every axis of one value", family, "axes that are none",
-            sweep("rectangle-on-plane", "throw_number", **one), "throw_number",
-            exact(textbook.throw_number, **given),
+            sweep("rectangle-on-plane", "throw_number", **axes), "throw_number",
+            exact(textbook.throw_number, **parameters),
         ),
         hard_case(
             "10^7 values on one axis", family, "no cell may be stored",
-            sweep("rectangle-on-plane", "throw_number", **{**given, "frequency": long_axis}),
+            sweep("rectangle-on-plane", "throw_number", **{**parameters, "frequency": long_axis}),
             "throw_number", throws,
         ),
         hard_case(
             "a value that stands twice", family, "a label that names two cells",
-            sweep("rectangle-on-plane", "throw_number", **{**given, "frequency": [50, 50, 60]}),
+            sweep("rectangle-on-plane", "throw_number",
+                  **{**parameters, "frequency": [50, 50, 60]}),
             refused="parameters.frequency",
         ),
         hard_case(
             "a range from a value to itself", family, "a range of no length",
             sweep("rectangle-on-plane", "throw_number",
-                  **{**given, "frequency": {"start": 50, "stop": 50, "num": 3}}),
+                  **{**parameters, "frequency": {"start": 50, "stop": 50, "num": 3}}),
             refused="parameters.frequency",
         ),
         hard_case(
             "values an ulp apart", family, "two labels that print alike",
             sweep("rectangle-on-plane", "throw_number",
-                  **{**given, "frequency": [50.0, float(np.nextafter(50.0, 60.0))]}),
+                  **{**parameters, "frequency": [50.0, float(np.nextafter(50.0, 60.0))]}),
             "throw_number", lambda: Truth(
-                np.full(2, exact(textbook.throw_number, **given)().value),
-                np.full(2, 2 * exact(textbook.throw_number, **given)().tolerance),
+                np.full(2, exact(textbook.throw_number, **parameters)().value),
+                np.full(2, 2 * exact(textbook.throw_number, **parameters)().tolerance),
                 "the first, and 2 ulp"),
         ),
         hard_case(
             "more values than an axis holds", family, "memory",
             sweep("rectangle-on-plane", "throw_number",
-                  **{**given, "frequency": {"start": 1, "stop": 2, "num": 10**9}}),
+                  **{**parameters, "frequency": {"start": 1, "stop": 2, "num": 10**9}}),
             refused="parameters.frequency",
         ),
         hard_case(

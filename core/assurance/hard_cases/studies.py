@@ -54,60 +54,64 @@ def sweep(scene: str, output: str, **parameters: Any) -> Content:
 
 def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
     """Return study, output and truth of a velocity law on the track."""
-    given = {**TRACK, **changes}
-    if "time" in given:
-        del given["distance"]
+    parameters = {**TRACK, **changes}
+    if "time" in parameters:
+        del parameters["distance"]
     return {
-        "content": sweep("rectangle-on-track", output, **given),
+        "content": sweep("rectangle-on-track", output, **parameters),
         "output": output,
-        "known": exact(formula, **given),
+        "known": exact(formula, **parameters),
     }
 
 
-def plane(output: str, formula: textbook.Formula | None = None, **given: float) -> dict[str, Any]:
+def plane(
+    output: str, formula: textbook.Formula | None = None, **parameters: float
+) -> dict[str, Any]:
     """Return study, output and truth on the plane, of a formula of all that is given."""
-    content = sweep("rectangle-on-plane", output, **given)
+    content = sweep("rectangle-on-plane", output, **parameters)
     return {
         "content": content,
         "output": output,
-        "known": exact(formula, **given) if formula else None,
+        "known": exact(formula, **parameters) if formula else None,
     }
 
 
 def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
     """Return study, output and truth of a corner that slips to the right."""
-    given = {"height": 0.03, "length": 0.02, "pitch": 5.0, "pitch_rate": 2.0, "gravity": G}
-    given |= changes
+    parameters = {"height": 0.03, "length": 0.02, "pitch": 5.0, "pitch_rate": 2.0, "gravity": G}
+    parameters |= changes
     if output == "normal_response_right":
-        del given["pitch_rate"], given["gravity"]
-        content = sweep("rectangle-isolated", output, **given)
+        del parameters["pitch_rate"], parameters["gravity"]
+        content = sweep("rectangle-isolated", output, **parameters)
     else:
-        content = sweep("rectangle-isolated", output, **given, velocity_along=1.0)
-    return {"content": content, "output": output, "known": exact(formula, **given)}
+        content = sweep("rectangle-isolated", output, **parameters, velocity_along=1.0)
+    return {"content": content, "output": output, "known": exact(formula, **parameters)}
 
 
-def motion(method: str = "events", output: str = "conveying_velocity", /, **given: Any) -> Content:
+def motion(
+    method: str = "events", output: str = "conveying_velocity", /, **parameters: Any
+) -> Content:
     """Return a simulation of a block on a plane; settings stand among the parameters."""
     settings: Content = {
-        name: given.pop(name)
+        name: parameters.pop(name)
         for name in ("slip_speed", "contact_stiffness", "tolerance", "max_periods",
                      "steps_per_period")
-        if name in given
+        if name in parameters
     }  # fmt: skip
     outputs = list(dict.fromkeys((output, "conveying_velocity_error")))
     return {
         "kind": "simulate", "scene": "rectangle-on-plane", "method": method, "outputs": outputs,
-        **settings, "parameters": given,
+        **settings, "parameters": parameters,
     }  # fmt: skip
 
 
 def hopping(throw: float, **changes: Any) -> dict[str, Any]:
     """Return parameters of a drive of 50 Hz at 30 degrees with the given throw number."""
-    given = {"frequency": 50.0, "beta": 30.0, "gravity": G, "friction": 0.5} | changes
-    w, beta = 2 * math.pi * given["frequency"], math.radians(given["beta"])
-    gamma = math.radians(given.get("gamma", 0.0))
-    amplitude = throw * given["gravity"] * math.cos(gamma) / (w * w * math.sin(beta))
-    return {**given, "amplitude": amplitude}
+    parameters = {"frequency": 50.0, "beta": 30.0, "gravity": G, "friction": 0.5} | changes
+    w, beta = 2 * math.pi * parameters["frequency"], math.radians(parameters["beta"])
+    gamma = math.radians(parameters.get("gamma", 0.0))
+    amplitude = throw * parameters["gravity"] * math.cos(gamma) / (w * w * math.sin(beta))
+    return {**parameters, "amplitude": amplitude}
 
 
 def from_study(
@@ -132,14 +136,14 @@ def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
     return near
 
 
-def by_reference(given: Content) -> Callable[[], Truth]:
+def by_reference(parameters: Content) -> Callable[[], Truth]:
     """Return what gives the mean without rebound, integrated at high order.
 
     Hops that die out while the part slides leave the mean as it is (theory 13.5).
     """
 
     def truth() -> Truth:
-        table = results_of(motion("reference", **given)).variables
+        table = results_of(motion("reference", **parameters)).variables
         value = float(table["conveying_velocity"].values)
         return Truth(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")
 

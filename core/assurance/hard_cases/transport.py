@@ -74,7 +74,7 @@ def large_and_small_bowls() -> list[Case]:
     return cases
 
 
-def _corner_force(given: Mapping[str, float]) -> Callable[[], Truth]:
+def _corner_force(parameters: Mapping[str, float]) -> Callable[[], Truth]:
     """Return what gives lambda2 of theory 4.4 at rest: m s (h + mu a)/(2 h c)."""
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
@@ -87,7 +87,7 @@ def _corner_force(given: Mapping[str, float]) -> Callable[[], Truth]:
         cosine = textbook.chord_cosine(length=length, radius=radius)
         return S * (length + friction * width) / (2 * length * cosine)
 
-    return exact(force, **{name: given[name] for name in names})
+    return exact(force, **{name: parameters[name] for name in names})
 
 
 def start_within_ulps() -> list[Case]:

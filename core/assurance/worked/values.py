@@ -30,16 +30,16 @@ def worked_values() -> Mapping[str, Any]:
     return tomllib.loads(text)
 
 
-def _motion(output: str, given: Mapping[str, Any]) -> Term:
+def _motion(output: str, parameters: Mapping[str, Any]) -> Term:
     study = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": [output],
-             "parameters": given}  # fmt: skip
+             "parameters": parameters}  # fmt: skip
     return Term(study, output)
 
 
-def _sweep(scene: str, output: str, given: Mapping[str, Any], pick: str = "value",
+def _sweep(scene: str, output: str, parameters: Mapping[str, Any], pick: str = "value",
            variant: str = "derived") -> Term:  # fmt: skip
     study = {"kind": "sweep", "scene": scene, "variant": variant, "outputs": [output],
-             "parameters": given}  # fmt: skip
+             "parameters": parameters}  # fmt: skip
     return Term(study, output, pick)
 
 
@@ -67,13 +67,13 @@ def _case(
 def mean_velocities() -> Iterator[Case]:
     """Yield mean velocities that were worked out before this program."""
     for number, row in enumerate(worked_values()["mean_velocities"], 1):
-        given = {name: row[name] for name in INPUTS} | {"gravity": WORKED_GRAVITY}
+        parameters = {name: row[name] for name in INPUTS} | {"gravity": WORKED_GRAVITY}
         rebounds = row["restitution"] > 0
         yield _case(
             f"V-mean-velocity-{number}",
             f"{row['name']}: mean velocity of a part that starts at rest",
             row["source"],
-            (_motion("conveying_velocity", given),),
+            (_motion("conveying_velocity", parameters),),
             row["value"],
             tolerance=(1e-10 if rebounds else EXACT) * row["value"],
             why="a run of ever smaller hops is cut short" if rebounds else "13 digits: rounding",
@@ -88,12 +88,12 @@ def reference_speeds() -> Iterator[Case]:
         push = row["throw_number"] * SPEED_GRAVITY * math.cos(math.radians(row["gamma"]))
         for restitution in row["restitutions"]:
             number += 1
-            given = {
+            parameters = {
                 "frequency": row["frequency"], "beta": row["beta"], "gamma": row["gamma"],
                 "friction": row["friction"], "restitution": restitution,
                 "amplitude": push / (w * w * math.sin(beta)), "gravity": SPEED_GRAVITY,
             }  # fmt: skip
-            term = _motion("conveying_velocity", given)
+            term = _motion("conveying_velocity", parameters)
             yield _case(
                 f"V-speed-{number}",
                 f"{row['name']}: throw number {row['throw_number']:g}, restitution {restitution:g}",
@@ -113,9 +113,11 @@ def hops() -> Iterator[Case]:
     w = 2 * math.pi * frequency
     for number, row in enumerate(worked_values()["hops"], 1):
         amplitude = row["throw_number"] * WORKED_GRAVITY / (w * w * math.sin(beta))
-        given = {"frequency": frequency, "beta": 30.0, "friction": 0.5, "amplitude": amplitude,
+        parameters = {"frequency": frequency, "beta": 30.0, "friction": 0.5, "amplitude": amplitude,
                  "gravity": WORKED_GRAVITY}  # fmt: skip
-        flight, landing = (_motion(name, given) for name in ("flight_fraction", "landing_speed"))
+        flight, landing = (
+            _motion(name, parameters) for name in ("flight_fraction", "landing_speed")
+        )
         for name, term, what in (
             ("length", Term(flight.study, flight.output, times=2 * math.pi), "length of the hop"),
             ("landing_speed", Term(landing.study, landing.output, times=w / WORKED_GRAVITY),
@@ -207,8 +209,8 @@ def limiting_friction() -> Iterator[Case]:
 @cache
 def hard_cases() -> tuple[Case, ...]:
     """Return the hard cases that a closed form answers; their truths take a second."""
-    found = map(of_hard_case, HARD_CASES)
-    return tuple(case for case in found if case is not None)
+    members = map(of_hard_case, HARD_CASES)
+    return tuple(case for case in members if case is not None)
 
 
 def of_hard_case(case: Case) -> Case | None:
