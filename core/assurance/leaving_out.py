@@ -49,7 +49,7 @@ TYPICAL: dict[str, Any] = {
     "ring_down_frequency": 53.0, "damping_ratio": 0.02, "drive_force": 60.0, "air_gap": 0.003,
     "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
     "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
-    "load_radius": 0.2, "spring_density": 7850.0,
+    "spring_density": 7850.0,
     # rows of parts
     "parts": 3.0, "row_velocity": 0.08, "inflow": 60.0, "lane_length": 0.5, "closed_time": 0.2,
     "open_time": 0.1, "part_width": 0.01, "bend_radius": 0.2, "bend_length": 0.2,
