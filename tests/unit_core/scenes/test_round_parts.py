@@ -73,6 +73,8 @@ def cone(diameter, small_diameter, height):
 
 
 def test_a_truncated_cone_about_its_apex():
+    half = round_parts.cone_half_angle(diameter=20.0, small_diameter=12.0, height=20.0)
+    assert np.degrees(half) == pytest.approx(11.309932, abs=5e-7)
     factor, axial, across, apex = cone(20.0, 12.0, 20.0)
     assert factor == pytest.approx(0.6505371105, abs=5e-11)
     assert axial == pytest.approx(35.28979592, abs=5e-9)
@@ -254,7 +256,7 @@ def test_fifty_digits(scene):
     }[scene]  # fmt: skip
     output = "rolling_acceleration" if scene == "cone-on-plane" else "acceleration_x"
     found = vibrafeed.sweep(
-        scene=scene, outputs=[output, "required_friction"], friction=0.2, verify=20,
+        scene=scene, outputs=[output, "required_friction"], friction=0.2, verify=count(6, 20),
         **DRIVE, amplitude=["0.01 mm", "0.06 mm", "0.1 mm"], **sizes,
     )  # fmt: skip
     error = re.search(r"error (\S+?),? ", found.attrs["verified_worst"])
