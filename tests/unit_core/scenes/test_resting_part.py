@@ -170,15 +170,27 @@ def turned_descent(points, directions):
     return grid[ends[np.rint(directions / grid[1]).astype(int)]]
 
 
-def polytope_descent(vertices, directions, steps=600):
-    """Return the directions of the weight, of unit length, at which a polytope ends."""
-    unit = directions.copy()
-    for size in np.geomspace(0.03, 0.0005, steps):
-        lowest = vertices[np.argmax(unit @ vertices.T, axis=1)]
-        along = lowest - (lowest * unit).sum(axis=1, keepdims=True) * unit
-        unit -= size * along / np.linalg.norm(vertices, axis=1).max()
-        unit /= np.linalg.norm(unit, axis=1, keepdims=True)
-    return unit
+def polytope_descent(vertices, directions, steps=60):
+    """Return the directions of the weight, of unit length, at which a polytope ends.
+
+    It rolls about its lowest vertex, and about an edge where two are as low: down the slope of the
+    height of the centre, the least of what both ends of the edge would give.
+    """
+    corners = (vertices / np.linalg.norm(vertices, axis=1).max()).T
+    unit, cases = directions.T.copy(), np.arange(len(directions))
+    for size in np.geomspace(0.06, 0.02, steps):
+        heights = corners.T @ unit
+        lowest = heights.argmax(axis=0)
+        down = corners[:, lowest] - heights[lowest, cases] * unit
+        top = heights[lowest, cases].copy()
+        heights[lowest, cases] = -np.inf
+        second = heights.argmax(axis=0)
+        apart = down - corners[:, second] + heights[second, cases] * unit
+        share = np.clip((down * apart).sum(axis=0) / (apart * apart).sum(axis=0), 0, 1)
+        down -= np.where(top - heights[second, cases] < size, share, 0.0) * apart
+        unit -= down * (size / np.maximum(np.sqrt((down * down).sum(axis=0)), size))
+        unit /= np.sqrt((unit * unit).sum(axis=0))
+    return unit.T
 
 
 def agree(found, expected, samples):
@@ -204,8 +216,8 @@ def test_turned_bodies_by_descent():
 
 
 def test_boxes_and_prisms_by_descent():
-    random, samples = np.random.default_rng(6), count(2_000, 100_000)
-    for case in range(count(2, 50)):
+    random, samples = np.random.default_rng(6), count(4_000, 100_000)
+    for case in range(count(4, 50)):
         sizes = random.uniform(4, 12, 3)
         sides = 3 + case % 5
         corners = np.arange(sides) * 2 * np.pi / sides
