@@ -694,7 +694,8 @@ def sweep(
     base_mass : values, optional
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
-        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+        Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
+        example "0.5 kg".
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".
@@ -1226,7 +1227,8 @@ def simulate(
     base_mass : values, optional
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
-        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+        Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
+        example "0.5 kg".
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".
@@ -1878,7 +1880,8 @@ def optimise(
     base_mass : values, optional
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
-        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+        Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
+        example "0.5 kg".
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".
@@ -2736,7 +2739,8 @@ def sensitivity(
     base_mass : values, optional
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
-        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+        Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
+        example "0.5 kg".
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".
@@ -3376,7 +3380,8 @@ def calibrate(
     base_mass : values, optional
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
-        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+        Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
+        example "0.5 kg".
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".

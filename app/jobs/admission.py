@@ -222,12 +222,14 @@ class Admission:
             self.ownership.hold(who.name, key, held.bytes, result=True)
 
     def dismiss(self, number: str, who: Key = NOBODY) -> Job | None:
-        """Dismiss a job; None if there is no such job.
+        """Stop a job and mark it dismissed; it stays in the list.
+
+        None if `who` may read no such job.
 
         Raises
         ------
         NotOwnerError
-            If it is another's.
+            If it is another's, who shares it with `who`.
         """
         job = self.job(number, who)
         if job is None:
@@ -242,12 +244,14 @@ class Admission:
         return job
 
     def share_job(self, number: str, shared: bool, who: Key) -> Job | None:
-        """Let all keys read a job and its results, or its owner only; None if there is none.
+        """Let all keys read a job and its results, or its owner only.
+
+        None if `who` may read no such job.
 
         Raises
         ------
         NotOwnerError
-            If it is another's.
+            If it is another's, who shares it with `who`.
         """
         job = self.job(number, who)
         if job is None:

@@ -65,6 +65,7 @@ class Shares:
             self._hand_out()
 
     def _hand_out(self) -> None:
+        """Give free places to those who wait, in the order of `_rank`."""
         # Who was cancelled stays here until its task runs again.
         self._waiting = [one for one in self._waiting if not one[3].done()]
         self._taken = +self._taken
@@ -82,6 +83,10 @@ class Shares:
             got.set_result(None)
 
     def _rank(self, one: tuple[int, int, str, asyncio.Future[None]]) -> tuple[int, int, int, int]:
+        """Return what the next to be served has least of.
+
+        The places of its owner, then the turn in which that was served last, then what is due.
+        """
         due, asked, owner, _ = one
         return self._taken[owner], self._served.get(owner, -1), due, -asked
 

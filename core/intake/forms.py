@@ -57,11 +57,14 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
         If the study is longer than an argument of a command may be.
     """
     body = json.dumps(content, separators=(",", ":"))
+    address = f"{service.rstrip('/')}/processes/{content['kind']}/execution"
     if len(body) > LONGEST_ARGUMENT:
         message = f"it has {len(body):,} bytes, more than a command line holds"
-        fix = "Convert it to json, and send that file: curl --data-binary @FILE"
+        fix = (
+            "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
+            f"curl --data-binary @FILE {address}"
+        )
         raise StudyError([Problem("study", message, fix)])
-    address = f"{service.rstrip('/')}/processes/{content['kind']}/execution"
     words = ["-H", "Content-Type: application/json", "--data-raw", body, address]
     return "curl " + " ".join(map(shlex.quote, words)) + "\n"
 

@@ -201,6 +201,6 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     ratio = max(frequency / line, line / frequency)
     fix = f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct rate or line_frequency"
     if abs(ratio - round(ratio)) < TWICE:
-        fix = "Give what the drive runs at: it may be a multiple of the mains"
+        fix = "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
     message = f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz"
     return [Problem("line_frequency", message, fix)]

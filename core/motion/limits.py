@@ -42,7 +42,7 @@ class Limit:
 
 LIMITS = {
     "largest_acceleration": Limit(
-        "largest acceleration of the drive {} [m s-2]",
+        "largest acceleration of the track {} over a period [m s-2]",
         lambda *, gravity: gravity,
         1.0,
         lambda wave, axis: waves.largest(wave, axis, "push size"),

@@ -28,7 +28,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "kg", "m_2", "Base mass", "Mass of the base, or counter-mass.", "30 kg", strict=True
     ),
     "load_mass": _given(
-        "kg", "m_l", "Load", "Mass of parts that lie still on the track.", "0.5 kg", strict=False
+        "kg", "m_l", "Load", "Mass of parts that move with the track, neither sliding nor hopping.",
+        "0.5 kg", strict=False,
     ),
     "load_damping": _given(
         "N s m-1", "c_l", "Damping by the load",

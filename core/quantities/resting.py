@@ -116,8 +116,8 @@ RESTING: dict[str, Quantity] = {
     ),
     "rocking_margin": number(
         "", "Margin of rocking",
-        "Friction, or the largest push over load if that is less, beyond what the standing part "
-        "needs to rock; not above 0 it never rocks.",
+        "The smaller of friction and the largest push over load, less the friction that rocking "
+        "needs. At 0 or below, the standing part never rocks.",
     ),
     "topple_margin": Quantity(
         "m s-1", "", "Margin of toppling",

@@ -106,7 +106,9 @@ ROUND_PARTS: dict[str, Quantity] = {
     "lining_frequency": Quantity(
         "Hz", "f_c", "Natural frequency on the lining", "Of a part that swings on its lining."
     ),
-    "lining_sag": Quantity("m", "m g/k", "Sag", "Depth by which a part sinks into its lining."),
+    "lining_sag": Quantity(
+        "m", "m g/k", "Sag", "How far a part at rest sinks into its lining by its weight."
+    ),
     "stiffness_ratio": number(
         "f_c/f", "Lining over drive", "Natural frequency on the lining over that of the drive."
     ),

@@ -38,7 +38,10 @@ PLACE = (
         "theory 8.2",
         gap=("gap", "the gap; a lower bound of it where rims have entered each other [m]"),
         contact_form=("form", "the form of contact, 1 to 5, or 0"),
-        face_body=("face_body", "the body whose face or side is met, 1 or 2; 0 if it is both"),
+        face_body=(
+            "face_body",
+            "the body whose face or side is met, 1 or 2; 0 if both, or if contact_form is 0",
+        ),
         normal_x=("normal", 0, "the normal from body 2 to body 1, its x component"),
         normal_y=("normal", 1, "the normal from body 2 to body 1, its y component"),
         normal_z=("normal", 2, "the normal from body 2 to body 1, its z component"),

@@ -239,8 +239,9 @@ def _wrong_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
             fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(f"{place}.output", f"{demand.output} is a name and not a number", fix)
         if demand.name in seen:
-            fix = "Remove one of them; quantiles take any number of bounds"
-            yield Problem(place, f"there is such a demand of {demand.output or demand.regime}", fix)
+            fix = "Remove one, or put it into a study of its own"
+            about = demand.output or demand.regime
+            yield Problem(place, f"an earlier demand is about the same side of {about}", fix)
         seen.add(demand.name)
 
 

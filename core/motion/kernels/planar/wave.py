@@ -71,9 +71,10 @@ TABLE = (ROOTS + KINDS, WIDTH)
 
 @compiled
 def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
-    """Return the wave of a row, which stands there behind the cell; phase and way as `upright`.
+    """Read the wave from `row`, behind the numbers of the cell, into `waves`; return it.
 
-    Coefficients s_k and c_k by axis, or levels and the ends of the steps (theory 13.14).
+    Coefficients s_k and c_k by axis, or levels and the ends of the steps (theory 13.14). Phase and
+    way are 0 and 1: a wave is not mirrored as `upright` mirrors a sine.
     """
     table = waves.table
     orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
@@ -131,7 +132,7 @@ def push_of(drive: WaveDrive, kind: int) -> SineSum:
 def fill_passages(drive: WaveDrive, kind: int) -> None:
     """Fill the phases in [0, 2 pi) at which the acceleration of a kind changes sign.
 
-    p(tau) = k: `passages` of a sum of sines, the ends of some steps (theory 13.14).
+    p(tau) = pull: `passages` of a sum of sines, the ends of some steps (theory 13.14).
     """
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
