@@ -264,6 +264,8 @@ class TestDatasets:
             }  # fmt: skip
             if method == "regularised" or scene == "disc-on-edge":  # it is to roll, not to slip
                 parameters |= {"amplitude": "24 um", "friction": 0.25, "beta": "20 deg"}
+            if scene == "row-on-plane":  # parts that rebound from the floor hop out of step
+                parameters["restitution"] = 0
             asked = {"method": method, "outputs": list(system.outputs(method))}
             content = {"kind": "simulate", "scene": scene, **asked, "parameters": parameters}
             found = run_study(parse_study(content))

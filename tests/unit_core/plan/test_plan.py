@@ -18,6 +18,7 @@ from core.motion.drives import shape_of
 from core.motion.prepare import choose_system
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
+from core.quantities.bowl_track import MAX_STRETCHES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
 from core.quantities.row import MAX_NUMBERED
 from core.quantities.row import NUMBERS as OF_PARTS
@@ -376,11 +377,21 @@ class TestScenes:
 
     def test_every_quantity_is_used(self):
         on_unit = choose_system("rectangle-on-track", None, ["moving_mass", "conveyed_mass"])[0]
+        stretches = [
+            f"stretch_{kind}_{n + 1}"
+            for kind in ("turns", "radius", "climb", "friction")
+            for n in range(MAX_STRETCHES)
+        ]
+        bowl = ["spring_radius", "moving_mass", "moving_inertia", "base_inertia", *stretches]
+        bowls = [
+            choose_system("rectangle-on-track", None, [*bowl, "track_fraction", *more])[0]
+            for more in (["start_radius"], ["start_radius", "conveyed_mass", "load_fraction"])
+        ]
         rows = [
             choose_system("row-on-plane", None, [name])[0]
             for name in ("fixed_stop_gap", "track_stop_gap", "friction_spread")
         ]
-        used = {name for scene in (*SCENES.values(), *SYSTEMS.values(), on_unit, *rows)
+        used = {name for scene in (*SCENES.values(), *SYSTEMS.values(), on_unit, *bowls, *rows)
                 for v in scene.variants for eq in scene.variants[v]
                 for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}

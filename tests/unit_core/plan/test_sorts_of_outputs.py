@@ -12,7 +12,7 @@ ERRORS = {
 }  # fmt: skip
 COUNTS = {
     "period_multiple", "impacts_per_period", "impact_count", "platoons", "friction_seed",
-    "device_order", *(f"platoon_size_{n}" for n in range(1, 11)),
+    "device_order", "spring_count", *(f"platoon_size_{n}" for n in range(1, 11)),
 }  # fmt: skip
 
 
