@@ -139,7 +139,11 @@ def _knee(result: Table, units: ShownUnits) -> str:
     values = {name: float(one.values.ravel()[at]) for name, one in result.variables.items()
               if one.dims == knee.dims}  # fmt: skip
     both = {name: values[name] for name in (study.criterion.output, study.criterion.against)}
-    choice = {name: values[f"best_{name}"] for name in study.bounds()}
+    choice = {  # also the angles that a study without variables leaves to the program
+        name.removeprefix("best_"): value
+        for name, value in values.items()
+        if name.startswith("best_")
+    }
     return f"Knee of the front: {listed(both, units)}, at {listed(choice, units)}."
 
 

@@ -18,18 +18,26 @@ export function knob(parameter, value, { ends = null, onmove, ontake, onends }, 
   const text = capital(words(name));
   let range;
   let current = value;
+  let isMoved = false; // and not yet let go
+  const take = () => {
+    isMoved = false;
+    ontake(range.at(Number(slider.value)));
+  };
   const slider = element("input", {
     type: "range",
     min: 0,
     step: 1,
     "aria-label": `${text}, slider`,
     oninput: () => {
+      isMoved = true;
       current = range.at(Number(slider.value));
       typed.show(current);
       tell();
       onmove(current, range);
     },
-    onchange: () => ontake(range.at(Number(slider.value))),
+    onchange: () => take(),
+    // Back where it began a browser tells of no change, and the picture is still that of a drag.
+    onpointerup: () => setTimeout(() => isMoved && take()),
   });
   const odd = element("span", { class: "unusual", id: `unusual-${name}` });
   const tell = () => {
