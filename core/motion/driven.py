@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,11 @@ import numpy as np
 from core.mechanics.arrays import Array, ratio
 from core.motion import limits, waves
 from core.motion.drives import Shape
-from core.motion.groups import Groups, floor_groups, row_groups, track_groups
+from core.motion.groups import Groups
 from core.motion.result import STATUS, Motion
 from core.motion.waves import Wave
 from core.scenes import Scene
-from core.scenes.scene import Equation
+from core.scenes.scene import Equation, keywords, taking
 from core.watch import Watch
 
 AT_LIMIT = 1e-13
@@ -35,8 +36,7 @@ class _WaveOf:
     @property
     def __signature__(self) -> inspect.Signature:
         """One argument a quantity."""
-        keyword = inspect.Parameter.KEYWORD_ONLY
-        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.shape.inputs])
+        return keywords(self.shape.inputs)
 
     def __call__(self, **given: Any) -> Wave:
         """Return the wave."""
@@ -106,6 +106,7 @@ def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
     return np.where(static > groups.friction_kinetic, static * (1.0 + AT_LIMIT), static)
 
 
+@cache
 def _with_wave(groups: Any) -> Any:
     """Return the equation of the groups of a part under a wave."""
 
@@ -113,9 +114,7 @@ def _with_wave(groups: Any) -> Any:
         found: Groups = groups(**numbers)
         return found._replace(wave=wave, friction_static=_held_at_its_limit(found, wave))
 
-    needed = inspect.signature(groups).parameters.values()
-    wave = inspect.Parameter("wave", inspect.Parameter.KEYWORD_ONLY)
-    waved.__signature__ = inspect.Signature([wave, *needed])  # type: ignore[attr-defined]
+    waved.__signature__ = taking(groups, "wave")  # type: ignore[attr-defined]
     waved.__doc__ = groups.__doc__
     return waved
 
@@ -127,7 +126,6 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
         efficiency,
     )
 }  # fmt: skip
-_GROUPS = {id(one): _with_wave(one) for one in (floor_groups, track_groups, row_groups)}
 
 
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
@@ -135,7 +133,7 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
     changed = []
     for one in known:
         if one.gives == "groups":
-            one = replace(one, function=_GROUPS.get(id(one.function)) or _with_wave(one.function))
+            one = replace(one, function=_with_wave(one.function))
         if one.gives == "motion":
             one = replace(one, function=_where_driven(one.function))
         if one.gives != "vibration_acceleration":

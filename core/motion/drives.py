@@ -201,7 +201,8 @@ def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
     The second is what is wrong with them.
     """
-    names = [name for name in given if name in {*DRIVE, *SINE}]
+    known = {*DRIVE, *SINE}
+    names = [name for name in given if name in known]
     terms = {(m[1], int(m[2])) for m in filter(None, map(_HARMONIC.fullmatch, names))}
     steps = list(filter(None, map(_STEP.fullmatch, names)))
     sines = [name for name in SINE if name in names]

@@ -5,7 +5,6 @@ Of the plain sine in closed form; of any other wave as `core.motion.waves` finds
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,7 +14,7 @@ from core.mechanics.arrays import Array
 from core.motion import waves
 from core.motion.waves import Wave
 from core.quantities.drive import AXES, WHERE
-from core.scenes.scene import Equation
+from core.scenes.scene import Equation, taking
 
 
 @dataclass(frozen=True)
@@ -82,8 +81,6 @@ def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
             return limit.of_wave(one, place) * scale
         return limit.of_sine * np.abs(one) * scale
 
-    scale = inspect.signature(limit.scale).parameters
-    named = inspect.Parameter(given, inspect.Parameter.KEYWORD_ONLY)
-    value.__signature__ = inspect.Signature([named, *scale.values()])  # type: ignore[attr-defined]
+    value.__signature__ = taking(limit.scale, given)  # type: ignore[attr-defined]
     value.__doc__ = f"Return the {limit.says.format(WHERE[axis])}."
     return value

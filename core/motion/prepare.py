@@ -143,7 +143,7 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
     if name not in CONTACTS and name != ROW:
         return scene, method, problems
     if name in CONTACTS:
-        scene = on_soft_floor(scene, names)
+        scene = on_soft_floor(name, names)
     unit, wrong = unit_of(names)
     if name == ROW:
         shape, more = None, of_unit(unit, method, names)  # its drive is in place

@@ -14,6 +14,7 @@ from core.errors import Problem
 from core.mechanics.arrays import Array
 from core.motion.methods.rows import RowParts
 from core.quantities.row import NUMBERS
+from core.scenes.scene import keywords
 
 STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
 """Parameters that put a stop in front of a row, and which; at most one of them is given."""
@@ -84,8 +85,7 @@ class NumberedParts:
     @property
     def __signature__(self) -> inspect.Signature:
         """One argument a quantity."""
-        keyword = inspect.Parameter.KEYWORD_ONLY
-        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.inputs])
+        return keywords(self.inputs)
 
     def __call__(self, **given: Any) -> RowParts:
         """Return the parts; of a mean number of parts, as in a search, the next whole one."""

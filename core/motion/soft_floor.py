@@ -9,9 +9,9 @@ a floor with a spring and a damper may give the damping. Nothing else carries an
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from core.mechanics import soft_contact
 from core.mechanics.arrays import Array
 from core.motion.groups import Groups
 from core.motion.methods.regularised import sprung
-from core.scenes.scene import Condition, Constraint, Equation, Scene
+from core.motion.systems import SYSTEMS
+from core.scenes.scene import Condition, Constraint, Equation, Scene, taking
 
 SOURCE = "theory 18.3"
 FALLING, LINING, DAMPED = "restitution_speed", "lining_stiffness", "contact_damping_ratio"
@@ -29,14 +30,22 @@ SPRUNG = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA":
 """Methods whose floor is a spring with a damper, and their integrators."""
 
 
-def on_soft_floor(system: Scene, names: Collection[str]) -> Scene:
-    """Return the system of a conveyed part on the floor that a study's parameters tell."""
+def on_soft_floor(name: str, names: Collection[str]) -> Scene:
+    """Return the system of a conveyed part, by its name, on the floor of a study's parameters."""
     given = set(names)
+    if not given & {FALLING, LINING, DAMPED}:
+        return _plain(name)
+    system = SYSTEMS[name]
     if FALLING in given:
         system = _falling(system, given)
     if LINING in given:
         system = _lined(system)
     return _damped(system, given)
+
+
+@cache
+def _plain(name: str) -> Scene:
+    return _damped(SYSTEMS[name], ())
 
 
 # --- restitution that falls with speed
@@ -64,6 +73,7 @@ def _falling(system: Scene, given: Collection[str]) -> Scene:
     )
 
 
+@cache
 def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
     """Return the equation of the groups of a part whose restitution falls with speed."""
 
@@ -75,10 +85,7 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
             restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
         )
 
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    more = [inspect.Parameter(name, keyword) for name in ("impact_damping", "velocity_scale")]
-    needed = inspect.signature(groups).parameters.values()
-    falling.__signature__ = inspect.Signature([*more, *needed])  # type: ignore[attr-defined]
+    falling.__signature__ = taking(groups, "impact_damping", "velocity_scale")  # type: ignore[attr-defined]
     falling.__doc__ = groups.__doc__
     return falling
 

@@ -32,6 +32,12 @@ def keywords(names: Iterable[str]) -> inspect.Signature:
     return inspect.Signature([inspect.Parameter(name, keyword) for name in dict.fromkeys(names)])
 
 
+def taking(function: Function, *more: str, without: str = "") -> inspect.Signature:
+    """Return the signature of a function that takes more than another, or something else."""
+    kept = [p for p in inspect.signature(function).parameters.values() if p.name != without]
+    return inspect.Signature([*keywords(more).parameters.values(), *kept])
+
+
 def _summary(function: Function) -> str:
     """Return what users read of a function: the first paragraph of its docstring as a description.
 
@@ -109,7 +115,7 @@ class Field:
     @property
     def __signature__(self) -> inspect.Signature:
         """The bundle is its only argument."""
-        return inspect.Signature([inspect.Parameter(self.bundle, inspect.Parameter.KEYWORD_ONLY)])
+        return keywords((self.bundle,))
 
     def __call__(self, **given: Any) -> Any:
         """Return the field."""

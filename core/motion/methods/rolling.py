@@ -7,7 +7,6 @@ resists its rolling, the mean is known without following it, or is none.
 
 from __future__ import annotations
 
-import inspect
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +20,7 @@ from core.motion.kernels.planar.tables import PIECE
 from core.motion.method import Follow, Method
 from core.motion.result import STATUS, Motion
 from core.quantities import MOTION_MODES
+from core.scenes.scene import taking
 from core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
@@ -137,7 +137,7 @@ def _rolled(method: Method) -> Method:
             found: Motion = block(groups=groups, watch=watch, **given)
             return as_rolling(rolling_contact, found, watch)
 
-        motion.__signature__ = _takes("rolling_contact", block)  # type: ignore[attr-defined]
+        motion.__signature__ = taking(block, "rolling_contact")  # type: ignore[attr-defined]
         return motion
 
     return replace(method, follow=follow, course=None, energy=None)
@@ -151,16 +151,8 @@ def of_slip(block: Follow) -> Follow:
         found: Motion = block(groups=slip_groups, watch=watch, **given)
         return found
 
-    slip_motion.__signature__ = _takes("slip_groups", block, groups=False)  # type: ignore[attr-defined]
+    slip_motion.__signature__ = taking(block, "slip_groups", without="groups")  # type: ignore[attr-defined]
     return slip_motion
-
-
-def _takes(more: str, block: Follow, *, groups: bool = True) -> inspect.Signature:
-    """Return the signature of an equation that takes what another does, and one thing more."""
-    known = inspect.signature(block).parameters
-    keyword = inspect.Parameter(more, inspect.Parameter.KEYWORD_ONLY)
-    kept = [one for name, one in known.items() if groups or name != "groups"]
-    return inspect.Signature([keyword, *kept])
 
 
 def rolled(methods: dict[str, Method]) -> dict[str, Method]:
