@@ -17,6 +17,8 @@ _T = TypeVar("_T")
 def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
     """Call a function for each task, in threads; return when all are done.
 
+    One thread, or one task, is the caller's.
+
     Parameters
     ----------
     function : callable
@@ -31,6 +33,11 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     Exception
         The first that a call raises. Tasks that have not begun are left out then.
     """
+    tasks = list(tasks)
+    if threads <= 1 or len(tasks) <= 1:
+        for task in tasks:
+            function(task)
+        return
     pool = _pool(threads)
     calls = [pool.submit(function, task) for task in tasks]
     try:

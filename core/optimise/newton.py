@@ -8,7 +8,6 @@ bounds; both agree to rounding.
 from __future__ import annotations
 
 import os
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.mechanics.arrays import Array
 from core.optimise.codes import Flags, Statuses
 from core.optimise.families import FAMILIES
 from core.optimise.kernels.columns import COLUMNS
+from core.threads import share_out
 
 PIECE = 1024  # designs of one call of the kernel
 
@@ -145,15 +145,7 @@ def fastest(
         piece = slice(start, start + PIECE)
         solve(kept, groups[piece], table[piece], active[piece], status[piece])
 
-    starts = range(0, designs, PIECE)
-    workers = min(threads or os.cpu_count() or 1, len(starts))
-    if workers <= 1:
-        for start in starts:
-            run(start)
-    else:
-        with ThreadPoolExecutor(workers, thread_name_prefix="optimum") as pool:
-            for _ in pool.map(run, starts):
-                pass
+    share_out(run, range(0, designs, PIECE), threads or os.cpu_count() or 1)
     fields: dict[str, Any] = {
         name: table[:, number].reshape(shape)
         for number, name in enumerate(BatchOptimum._fields[:COLUMNS])

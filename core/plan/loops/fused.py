@@ -125,10 +125,6 @@ class Fused:
         if not _compiled.issuperset(program.sources):
             run(tasks.pop(0))  # compiling is for one
             _compiled.update(program.sources)
-        if threads == 1 or len(tasks) <= 1:
-            for task in tasks:
-                run(task)
-            return
         share_out(run, tasks, threads)
 
 
