@@ -29,8 +29,8 @@ Candidate = tuple[Array, Array, Array, Mask]
 Accelerate = Callable[[tuple[Array, Array], Array, Array], tuple[Array, Array]]
 """Takes the drive in the plane less gravity, the floor's n0 and mu; returns a_x and a_y."""
 
-Others = Callable[[Array, Array, Array, Array], tuple[Candidate, Candidate]]
-"""Takes k, g, mu and the static mu; returns the best turned drive, sliding and just held."""
+Turned = Callable[[Array, Array, Array, Array], Candidate]
+"""Takes k, g, mu and the static mu; returns the best drive from the side."""
 
 
 def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
@@ -53,12 +53,14 @@ def fastest_slide(
     gravity_normal: ArrayLike,
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
-    turned: Others,
+    turned: Turned,
+    held: Turned,
     accelerate: Accelerate,
 ) -> Optimum:
     """Return the angles of the largest a_x: straight along x, or turned aside.
 
-    Arguments broadcast; one out of range has the status `invalid`.
+    `turned` slides, `held` is at the edge of stick. Arguments broadcast; one out of range has the
+    status `invalid`.
     """
     P, c, G, mu, mu_s = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static
@@ -68,26 +70,26 @@ def fastest_slide(
     P, c, G, mu, mu_s = usable(valid, P, c, G, mu, mu_s)
     scale = np.where(driven, P, 1.0)
     k, g = c / scale, G / scale
-    candidates = (*_straight(k, g, mu, mu_s), *turned(k, g, mu, mu_s))
+    candidates = (*_straight(k, g, mu, mu_s), turned(k, g, mu, mu_s), held(k, g, mu, mu_s))
     zero = np.zeros_like(P)
-    alpha, beta, held, across = zero, zero, zero, zero
+    alpha, beta, at_edge, across = zero, zero, zero, zero
     along = np.full_like(P, -np.inf)
-    for a, b, at_edge, exists in candidates:
+    for a, b, holds, exists in candidates:
         floor = np.maximum(G - P * np.sin(b), 0.0)
         push = P * np.cos(b)
         ax, ay = accelerate((push * np.cos(a) - c, push * np.sin(a)), floor, mu)
         better = exists & driven & (ax > along)
         along, across = np.where(better, ax, along), np.where(better, ay, across)
         alpha, beta = np.where(better, a, alpha), np.where(better, b, beta)
-        held = np.where(better, at_edge, held)
+        at_edge = np.where(better, holds, at_edge)
     # Without drive the part rests, or slides down the slope.
     slides = np.abs(c) > mu_s * G
     idle = np.where(slides, -c + np.sign(c) * mu * G, 0.0)
     status = statuses(valid, np.zeros_like(valid), driven, along)
-    status = np.where((status == STATUS["optimal"]) & (held > 0), STATUS["not_attained"], status)
+    status = np.where((status == STATUS["optimal"]) & (at_edge > 0), STATUS["not_attained"], status)
     status = status.astype(np.int8)
     active = bounds_active(alpha, beta) | tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
-    active |= np.where(held > 0, ACTIVE["start"], 0).astype(np.int16)
+    active |= np.where(at_edge > 0, ACTIVE["start"], 0).astype(np.int16)
     still = status == STATUS["no_motion"]
     flat = status == STATUS["flat"]
     along, across = np.where(flat, idle, along), np.where(flat, 0.0, across)

@@ -46,13 +46,10 @@ def plane_physical_fastest(
         gravity_normal,
         friction_kinetic,
         friction_static,
-        _turned_and_held,
+        _turned,
+        _held,
         _acceleration,
     )
-
-
-def _turned_and_held(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
-    return _turned(k, g, mu, mu_s), _held(k, g, mu, mu_s)
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
