@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from app.cli import console
-from app.cli.options import FAILED, Json
+from app.cli.options import Json
+from app.cli.published import check_some, joined, numbered, tell_notes
 from core import materials
 from core.materials import shown
 
@@ -29,14 +30,12 @@ def friction(
     if as_json:
         console.document(published)
         return
-    if not (published["pairs"] or published["rebounds"]):
-        console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
-        raise typer.Exit(FAILED)
-    numbers = {name: str(number) for number, name in enumerate(published["sources"], 1)}
+    check_some((*published["pairs"], *published["rebounds"]), asked)
+    numbers = numbered(published["sources"])
     if published["pairs"]:
         rows = []
         for row in published["pairs"]:
-            surface = "; ".join(text for text in (row["surface"], row["note"]) if text)
+            surface = joined(row["surface"], row["note"])
             either = shown(row, "coefficient") and shown(row, "coefficient") + " ?"
             static, kinetic = (
                 shown(row, "static") or either,
@@ -54,10 +53,9 @@ def friction(
         console.table(REBOUNDS, rebounds)
         for line in published["restitution_notes"]:
             console.tell(f"- {line}")
-    for line in (*published["about"], *(() if asked else published["surfaces"])):
-        console.tell(f"- {line}")
-    for name, source in published["sources"].items():
-        console.tell(f"  {numbers[name]}: {source['title']}. {source['by']}. {source['address']}")
+    tell_notes(
+        (*published["about"], *(() if asked else published["surfaces"])), published["sources"]
+    )
 
 
 def _pair(row: Mapping[str, Any]) -> str:

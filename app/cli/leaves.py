@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from app.cli import console
-from app.cli.options import FAILED, Json
+from app.cli.options import Json
+from app.cli.published import check_some, joined, numbered, tell_notes
 from core import materials
 from core.materials import shown
 
@@ -27,21 +28,16 @@ def leaves(
     if as_json:
         console.document(published)
         return
-    if not published["materials"]:
-        console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
-        raise typer.Exit(FAILED)
-    numbers = {name: str(number) for number, name in enumerate(published["sources"], 1)}
+    check_some(published["materials"], asked)
+    numbers = numbered(published["sources"])
     rows = [
         (
             row["material"],
-            "; ".join(text for text in (row["form"], row["note"]) if text),
+            joined(row["form"], row["note"]),
             *(shown(row, name) for name in materials.OF_LEAVES),
             numbers[row["source"]],
         )
         for row in published["materials"]
     ]
     console.table(HEADING, rows)
-    for line in published["about"]:
-        console.tell(f"- {line}")
-    for name, source in published["sources"].items():
-        console.tell(f"  {numbers[name]}: {source['title']}. {source['by']}. {source['address']}")
+    tell_notes(published["about"], published["sources"])

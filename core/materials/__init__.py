@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from importlib.resources import files
 from typing import Any, Final
 
@@ -16,6 +16,9 @@ WORDS: Final = ("part", "track", "surface", "note")
 
 OF_LEAVES: Final = ("elastic_modulus", "density")
 """Ranges that a material of leaf springs may have [GPa, kg/m3]."""
+
+WORDS_OF_LEAVES: Final = ("material", "form", "note")
+"""What of a material of leaf springs is words."""
 
 
 def friction(words: str = "") -> dict[str, Any]:
@@ -43,14 +46,14 @@ def friction(words: str = "") -> dict[str, Any]:
     """
     data = _data("friction.toml")
     wanted = words.lower().split()
-    pairs = [_row(row, VALUES[:3]) for row in data["pairs"] if _holds(row, wanted)]
-    rebounds = [_row(row, VALUES[3:]) for row in data["rebounds"] if _holds(row, wanted)]
-    used = {row["source"] for row in (*pairs, *rebounds)}
+    pairs = _rows(data["pairs"], wanted, WORDS, VALUES[:3])
+    of_rebounds = tuple(name for name in WORDS if name != "surface")
+    rebounds = _rows(data["rebounds"], wanted, of_rebounds, VALUES[3:])
     return {
         **{name: list(data[name]) for name in ("about", "surfaces", "restitution_notes")},
         "pairs": pairs,
         "rebounds": rebounds,
-        "sources": {name: dict(told) for name, told in data["sources"].items() if name in used},
+        "sources": _sources(data, (*pairs, *rebounds)),
     }
 
 
@@ -75,23 +78,9 @@ def leaf_springs(words: str = "") -> dict[str, Any]:
     >>> row["form"], row["elastic_modulus"]
     ('cloth in epoxy, G10 or FR4, lengthwise', [18.6, 18.6])
     """
-    data, wanted = _data("leaf_springs.toml"), words.lower().split()
-    names = ("material", "form", "note")
-    rows = [
-        {
-            **{name: row[name] for name in names},
-            **{name: row.get(name) for name in OF_LEAVES},
-            "source": row["source"],
-        }
-        for row in data["materials"]
-        if _holds(row, wanted, names)
-    ]
-    used = {row["source"] for row in rows}
-    return {
-        "about": list(data["about"]),
-        "materials": rows,
-        "sources": {name: dict(one) for name, one in data["sources"].items() if name in used},
-    }
+    data = _data("leaf_springs.toml")
+    rows = _rows(data["materials"], words.lower().split(), WORDS_OF_LEAVES, OF_LEAVES)
+    return {"about": list(data["about"]), "materials": rows, "sources": _sources(data, rows)}
 
 
 def shown(row: Mapping[str, Any], value: str) -> str:
@@ -103,15 +92,33 @@ def shown(row: Mapping[str, Any], value: str) -> str:
     return least if least == largest else f"{least} to {largest}"
 
 
-def _row(row: Mapping[str, Any], values: Iterable[str]) -> dict[str, Any]:
-    """Return a row with everything that rows of its kind have."""
-    told = {name: row.get(name, "") for name in WORDS if name != "surface" or "surface" in row}
-    return {**told, **{name: row.get(name) for name in values}, "source": row["source"]}
+def _rows(
+    rows: Iterable[Mapping[str, Any]],
+    wanted: Collection[str],
+    words: Sequence[str],
+    values: Sequence[str],
+) -> list[dict[str, Any]]:
+    """Return the rows that hold some words, each with everything that rows of its kind have."""
+    return [
+        {
+            **{name: row.get(name, "") for name in words},
+            **{name: row.get(name) for name in values},
+            "source": row["source"],
+        }
+        for row in rows
+        if _holds(row, wanted, words)
+    ]
 
 
-def _holds(row: Mapping[str, Any], wanted: Iterable[str], names: Iterable[str] = WORDS) -> bool:
+def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the sources of some rows."""
+    used = {row["source"] for row in rows}
+    return {name: dict(source) for name, source in data["sources"].items() if name in used}
+
+
+def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
     """True if each of some words is the beginning of a word of the row."""
-    text = " ".join(row.get(name, "") for name in names).lower()
+    text = " ".join(row.get(name, "") for name in words).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")
     present = text.split()
