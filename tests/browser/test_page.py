@@ -129,7 +129,7 @@ def test_what_amplitude_will_my_springs_give(page, address):
     assert page.get_by_label("Model", exact=True).count() == 0  # nothing is followed in time there
     page.goto(f"{address}/#question=speed&kind=simulate&scene=linear-drive-unit&choice=events")
     page.locator("#headline", has_text="Amplitude of the track").wait_for()
-    page.wait_for_function('location.hash.includes("kind=sweep")')
+    page.wait_for_url(lambda url: "kind=sweep" in url)
 
 
 def test_what_did_the_thesis_draw(page, address):
