@@ -333,7 +333,8 @@ def test_frequencies_out_of_reach_are_refused_together():
 
 
 @pytest.mark.parametrize(
-    ("line", "fix"), [(60.0, "Clocks are trusted within 5 %"), (100.0, "such as 100 Hz on mains of 50 Hz")]
+    ("line", "fix"),
+    [(60.0, "Clocks are trusted within 5 %"), (100.0, "such as 100 Hz on mains of 50 Hz")],
 )
 def test_a_clock_that_is_too_far_off_is_refused(line, fix):
     text = refusal(signal_of(DRIVE, line_frequency=line))
