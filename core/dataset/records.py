@@ -20,29 +20,29 @@ if TYPE_CHECKING:
 
 ENDING = ".parts"
 _DIGEST = hashlib.sha256().digest_size
-_TOLD = "told"
+_FIELDS = "told"
 
 
 @dataclass(frozen=True)
 class Record:
-    """What a part has left: a few words, and arrays.
+    """What a part has left: plain values, and arrays.
 
     Attributes
     ----------
-    told : mapping
+    fields : mapping
         Plain values.
     arrays : mapping of str to ndarray
         What it has computed, where that is not stored elsewhere.
     """
 
-    told: Mapping[str, Any]
+    fields: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def pack(self) -> bytes:
         """Return the record as bytes, behind their digest; equal records give equal bytes."""
         content = io.BytesIO()
-        told = np.frombuffer(json.dumps(dict(self.told), sort_keys=True).encode(), np.uint8)
-        np.savez(content, allow_pickle=False, **{_TOLD: told}, **self.arrays)
+        packed = np.frombuffer(json.dumps(dict(self.fields), sort_keys=True).encode(), np.uint8)
+        np.savez(content, allow_pickle=False, **{_FIELDS: packed}, **self.arrays)
         return hashlib.sha256(content.getbuffer()).digest() + content.getvalue()
 
     @classmethod
@@ -53,7 +53,7 @@ class Record:
             return None
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             arrays = dict(file)
-        return cls(json.loads(arrays.pop(_TOLD).tobytes()), arrays)
+        return cls(json.loads(arrays.pop(_FIELDS).tobytes()), arrays)
 
 
 class Records:

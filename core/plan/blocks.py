@@ -137,9 +137,9 @@ class _Writer:
         self, name: str, block: NDArray[np.float64] | NDArray[np.int8], where: Mapping[str, slice]
     ) -> None:
         dims = self.dims[name]
-        place = tuple(where.get(axis, slice(None)) for axis in dims)
+        region = tuple(where.get(axis, slice(None)) for axis in dims)
         if block.ndim:
             # The block has every axis of the grid; those that it does not depend on have size 1.
             dropped = tuple(p for axis, p in self.positions.items() if axis not in dims)
             block = block.squeeze(axis=dropped)
-        self.results[name][place] = block
+        self.results[name][region] = block

@@ -65,8 +65,8 @@ class Derived(NamedTuple):
         """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN where it is 0/0."""
         with np.errstate(all="ignore"):
             usable = (self.value != 0) & np.isfinite(self.value)
-            found: Array = np.where(usable, self.slope / self.value * at, np.nan)
-        return found
+            elasticity: Array = np.where(usable, self.slope / self.value * at, np.nan)
+        return elasticity
 
     def at(self, where: NDArray[np.bool_]) -> Derived:
         """Return those of some cells."""
@@ -114,26 +114,26 @@ def derivatives(
         derivative by `core.plan.duals`.
     """
     values = values_of(plan, cells, parameters)
-    found: Derivatives = {}
+    results: Derivatives = {}
     for parameter in parameters:
         middle = _carried(plan, values, parameter, rules or {})
         doubtful = np.zeros(values[parameter].shape, dtype=bool)
-        for one in middle.values():
-            doubtful |= one.is_doubtful
+        for carried in middle.values():
+            doubtful |= carried.is_doubtful
         sides: list[dict[str, _One]] = []
         if doubtful.any():
             near = {name: value[doubtful] for name, value in values.items()}
             sides = _beside(plan, near, parameter, rules or {})
-        for output, one in middle.items():
-            told = _told(one)
+        for output, carried in middle.items():
+            derived = _away_from_switches(carried)
             if sides:
                 step = SIDE * _size(values[parameter][doubtful])
                 around = [side[output] for side in sides]
-                some = _from_both_sides(one.value[doubtful], step, *around)
-                here = one.is_doubtful
-                told.put(here, some.at(here[doubtful]))
-            found[output, parameter] = told
-    return found
+                some = _from_both_sides(carried.value[doubtful], step, *around)
+                here = carried.is_doubtful
+                derived.put(here, some.at(here[doubtful]))
+            results[output, parameter] = derived
+    return results
 
 
 def values_of(
@@ -177,15 +177,15 @@ def _carried(
     status: dict[str, Any] = {}
     for equation in plan.equations:
         ties.clear()
-        given = {name: known[name] for name in equation.inputs}
-        told: Any = 0
+        arguments = {name: known[name] for name in equation.inputs}
+        rule_status: Any = 0
         if equation.gives in rules:
-            known[equation.gives], told = rules[equation.gives](given)
+            known[equation.gives], rule_status = rules[equation.gives](arguments)
         else:
-            known[equation.gives] = unboxed(_run(equation, given, parameter))
+            known[equation.gives] = unboxed(_run(equation, arguments, parameter))
         before = [status[name] for name in equation.inputs if name in status]
         switches = [DERIVATIVE_STATUS["both_sides"] * _by_cell(where, cells) for where in ties]
-        status[equation.gives] = reduce(np.maximum, [told, *before, *switches])
+        status[equation.gives] = reduce(np.maximum, [rule_status, *before, *switches])
     shape = values[parameter].shape
     return {
         name: _One(
@@ -205,11 +205,11 @@ def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
     return np.full(cells, bool(where.any()))
 
 
-def _run(equation: Equation, given: Mapping[str, Any], parameter: str) -> Any:
+def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> Any:
     function = equation.derivative or equation.function
     try:
         with np.errstate(all="ignore"):  # of the branches not taken, whose slopes may be anything
-            return function(**given)
+            return function(**arguments)
     except NotDifferentiableError as error:
         raise StudyError(
             [
@@ -222,17 +222,17 @@ def _run(equation: Equation, given: Mapping[str, Any], parameter: str) -> Any:
         ) from error
 
 
-def _told(one: _One) -> Derived:
-    """Return what is told where no switch is near."""
-    lost = ~np.isfinite(one.value) & (one.status < DERIVATIVE_STATUS["kink"])
-    status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), one.status)
+def _away_from_switches(carried: _One) -> Derived:
+    """Return value and derivative where no switch is near."""
+    lost = ~np.isfinite(carried.value) & (carried.status < DERIVATIVE_STATUS["kink"])
+    status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), carried.status)
     none = status >= DERIVATIVE_STATUS["kink"]
-    empty = np.full(one.value.shape, np.nan)
-    slope = np.where(none, np.nan, one.slope)
+    empty = np.full(carried.value.shape, np.nan)
+    slope = np.where(none, np.nan, carried.slope)
     error = np.where(none, np.nan, 0.0)
-    jumps = np.zeros(one.value.shape, dtype=bool)
+    jumps = np.zeros(carried.value.shape, dtype=bool)
     return Derived(
-        one.value.copy(), slope, error, status.astype(np.int8), empty, empty.copy(), jumps
+        carried.value.copy(), slope, error, status.astype(np.int8), empty, empty.copy(), jumps
     )
 
 

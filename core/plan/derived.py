@@ -69,9 +69,9 @@ class Asked:
         return dims
 
     def arrays(
-        self, plan: Plan, grid: Grid, dims: Dims, found: Derivatives
+        self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
     ) -> dict[str, NDArray[Any]]:
-        """Return each variable over its axes, in the units of files; `found` of every cell."""
+        """Return each variable over its axes, in the units of files."""
         shape = tuple(grid.shape.values())
         values: dict[str, Any] = {**plan.defaults, **grid.si()}
         arrays: dict[str, NDArray[Any]] = {}
@@ -82,14 +82,14 @@ class Asked:
 
         for parameter in self.parameters:
             at = np.broadcast_to(values[parameter], shape).ravel()
-            derived = [found[output, parameter] for output in self.outputs]
-            for output, one in zip(self.outputs, derived, strict=True):
+            derived = [derivatives[output, parameter] for output in self.outputs]
+            for output, derivative in zip(self.outputs, derived, strict=True):
                 name = derivative_name(output, parameter)
-                arrays[name] = squeezed(name, one.slope * _factor(output, parameter))
+                arrays[name] = squeezed(name, derivative.slope * _factor(output, parameter))
                 name = elasticity_name(output, parameter)
-                arrays[name] = squeezed(name, one.logarithmic(at))
+                arrays[name] = squeezed(name, derivative.logarithmic(at))
             name = status_name(parameter)
-            worst = np.maximum.reduce([one.status for one in derived])
+            worst = np.maximum.reduce([derivative.status for derivative in derived])
             arrays[name] = squeezed(name, worst)
         return arrays
 
@@ -143,7 +143,7 @@ def is_status(name: str) -> bool:
 
 
 def asked_of(
-    plan: Plan, given: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
+    plan: Plan, parameters: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
 ) -> Asked | None:
     """Return the derivatives that a study wishes, None if it wishes none.
 
@@ -151,7 +151,7 @@ def asked_of(
     ----------
     plan : Plan
         That of the study.
-    given : collection of str
+    parameters : collection of str
         The parameters that the study gives.
     wish : bool or tuple of str or None
         The key `sensitivities` of the study.
@@ -168,7 +168,7 @@ def asked_of(
     outputs = tuple(name for name in plan.outputs if QUANTITIES[name].is_derived)
     part = plan.part(outputs, ())  # a parameter of the regime alone moves no output
     known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
-    names = wish if isinstance(wish, tuple) else tuple(name for name in given if name in known)
+    names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
     problems = [
         Problem(PLACE, f"no output is computed from '{name[:60]}'", suggestion(name, known))
         for name in names
@@ -190,8 +190,8 @@ def asked_of(
 def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
     """Return the parameters of a plan at every cell of a grid, SI units, shape (cells,)."""
     shape = tuple(grid.shape.values())
-    given = grid.si()
-    return {name: np.broadcast_to(given[name], shape).ravel() for name in plan.parameters}
+    values = grid.si()
+    return {name: np.broadcast_to(values[name], shape).ravel() for name in plan.parameters}
 
 
 def _factor(output: str, parameter: str) -> float:

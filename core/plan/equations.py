@@ -25,13 +25,13 @@ def too_large_is_data() -> np.errstate:
     return np.errstate(over="ignore", invalid="ignore")
 
 
-def run_equations(plan: Plan, given: Mapping[str, Any], watch: Watch | None = None) -> Known:
+def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None = None) -> Known:
     """Return every quantity of a plan on whole arrays, SI units: given, default and computed.
 
-    `given` holds the parameters; equations that take long ask the watch.
+    Equations that take long ask the watch.
     """
     known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
-    return run(plan.equations, known | dict(given), watch)
+    return run(plan.equations, known | dict(parameters), watch)
 
 
 def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:

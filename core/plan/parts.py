@@ -33,12 +33,12 @@ class PartsMissingError(VibrafeedError):
     def __init__(self, missing: list[int], damaged: list[int]):
         self.missing, self.damaged = missing, damaged
         self.numbers = sorted({*missing, *damaged})
-        told = [
+        messages = [
             f"{len(numbers):,} {what}: {ranges(numbers)}"
             for what, numbers in (("missing", missing), ("damaged", damaged))
             if numbers
         ]
-        super().__init__("; ".join(told))
+        super().__init__("; ".join(messages))
 
 
 def identity(study: Study) -> dict[str, str]:
@@ -108,7 +108,7 @@ class Parts(ABC):
             key: digest
             for record in records
             if record is not None
-            for key, digest in record.told["shards"].items()
+            for key, digest in record.fields["shards"].items()
         }
 
     def forget(self, parts: Iterable[int]) -> None:
@@ -130,14 +130,14 @@ class Parts(ABC):
         """
         watch, started = watch or Watch(), time.perf_counter()
         arrays, shards = self._computed(*self.ends(part), watch)
-        told = {
+        fields = {
             "identity": self.identity,
             "part": part,
             "parts": self.count,
             "seconds": time.perf_counter() - started,
             "shards": shards,
         }
-        return Record(told, arrays).pack()
+        return Record(fields, arrays).pack()
 
     def keep(self, part: int, record: bytes) -> None:
         """Keep the record of a part: it is done then."""
@@ -180,13 +180,13 @@ class Parts(ABC):
 
     def _is_ours(self, record: Record | None, part: int) -> bool:
         own = {"identity": self.identity, "part": part, "parts": self.count}
-        return record is not None and own.items() <= record.told.items()
+        return record is not None and own.items() <= record.fields.items()
 
     def _check(
         self, watch: Watch, is_sound: Callable[[Record], bool] = lambda _: True
     ) -> list[Mapping[str, Any]]:
         """Return what all parts tell; raise if one is missing or damaged, or is not sound."""
-        missing, damaged, told = [], [], []
+        missing, damaged, fields = [], [], []
         there = set(self.records.names())
         for part in range(self.count):
             if watch.stopped():
@@ -199,11 +199,11 @@ class Parts(ABC):
             elif record is not None:
                 if not is_sound(record):
                     damaged.append(part)
-                told.append(record.told)
+                fields.append(record.fields)
             watch.advance(1 / self.count)
         if missing or damaged:
             raise PartsMissingError(missing, damaged)
-        return told
+        return fields
 
     def _records(self) -> Iterator[Record]:
         for part in range(self.count):
@@ -215,12 +215,12 @@ class Parts(ABC):
 
 def ranges(numbers: list[int]) -> str:
     """Return numbers as queues take them: ``3,17-19``."""
-    told: list[str] = []
+    intervals: list[str] = []
     start = before = -2
     for number in [*sorted(numbers), -2]:
         if number != before + 1 or number < 0:
             if before >= 0:
-                told.append(str(start) if start == before else f"{start}-{before}")
+                intervals.append(str(start) if start == before else f"{start}-{before}")
             start = number
         before = number
-    return ",".join(told)
+    return ",".join(intervals)

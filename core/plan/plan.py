@@ -124,7 +124,7 @@ def choose_scene(
 
 
 def make_plan(
-    scene_name: str, variant: str | None, outputs: Collection[str], given: Collection[str]
+    scene_name: str, variant: str | None, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
     """Return the plan of the outputs, given the names of the parameters of a study.
 
@@ -133,25 +133,25 @@ def make_plan(
     StudyError
         With every problem: unknown scene, variant or output, missing and unused parameters.
     """
-    return plan_scene(*find_scene(scene_name, variant), outputs, given)
+    return plan_scene(*find_scene(scene_name, variant), outputs, parameters)
 
 
 def plan_scene(
-    scene: Scene, variant: str, outputs: Collection[str], given: Collection[str]
+    scene: Scene, variant: str, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
     """Return the plan of the outputs of a scene, as `make_plan` does."""
-    scene = scene.fitted(given)
+    scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
         *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),
-        *_doubled(given),
+        *_doubled(parameters),
     ]
     known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
-    walk = _Walk(scene, variant, given, known_outputs)
+    walk = _Walk(scene, variant, parameters, known_outputs)
     problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
         blamed = {problem.place.removeprefix("parameters.") for problem in problems}
-        unused = (name for name in given if name not in walk.used | blamed)
+        unused = (name for name in parameters if name not in walk.used | blamed)
         problems += [_unused(scene, variant, name, known_outputs) for name in unused]
     if problems:
         raise StudyError(problems)
@@ -162,9 +162,14 @@ class _Walk:
     """Walks back from outputs to parameters; collects what it meets."""
 
     def __init__(
-        self, scene: Scene, variant: str, given: Collection[str], outputs: tuple[str, ...]
+        self, scene: Scene, variant: str, parameters: Collection[str], outputs: tuple[str, ...]
     ):
-        self.scene, self.variant, self.given, self.outputs = scene, variant, given, outputs
+        self.scene, self.variant, self.parameters, self.outputs = (
+            scene,
+            variant,
+            parameters,
+            outputs,
+        )
         self.scene_defaults = scene.defaults_of(variant)
         self.producers = scene.producers(variant)
         self.equations: list[Equation] = []
@@ -189,7 +194,7 @@ class _Walk:
             tuple(name for name in self.outputs if name != "regime"),
             tuple(self.equations),
             self.conditions,
-            tuple(name for name in self.given if name in self.used),
+            tuple(name for name in self.parameters if name in self.used),
             self.defaults,
         )
 
@@ -198,7 +203,7 @@ class _Walk:
             return
         self.visited.add(name)
         equation = self._producer(name)
-        if name in self.given:
+        if name in self.parameters:
             self.used.add(name)
         elif equation is not None:
             for needed in equation.inputs:
@@ -213,20 +218,20 @@ class _Walk:
         """Return the equation to run for a quantity that is not given, if any."""
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter}
-            if alias.gives == name and asked <= set(self.given):
+            if alias.gives == name and asked <= set(self.parameters):
                 return alias
         equation = self.producers.get(name)
         if equation is not None and name in self.scene_defaults:
             # A default of a derived quantity: the equation runs only if the study speaks of it.
-            spoken_of = name in self.outputs or set(equation.inputs) & set(self.given)
+            spoken_of = name in self.outputs or set(equation.inputs) & set(self.parameters)
             return equation if spoken_of or self._tells(equation.inputs) else None
         return equation
 
     def _tells(self, names: Collection[str]) -> bool:
         """True if the study gives one of some parameters by what it follows from."""
-        given = set(self.given)
+        parameters = set(self.parameters)
         followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
-        return any(one is not None and set(one.inputs) <= given for one in followed)
+        return any(one is not None and set(one.inputs) <= parameters for one in followed)
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
@@ -268,11 +273,11 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
     return Problem("outputs", message, f'Ask for {other}, or set kind = "{kind}"', name)
 
 
-def _doubled(given: Collection[str]) -> list[Problem]:
+def _doubled(parameters: Collection[str]) -> list[Problem]:
     """Return what is wrong with parameters that are given twice, or without what they need."""
     problems = []
     for name, others in GIVEN_BY.items():
-        doubled = [other for other in others if name in given and other in given]
+        doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
             problems.append(
                 Problem(
@@ -282,7 +287,7 @@ def _doubled(given: Collection[str]) -> list[Problem]:
                 )
             )
     for name, (needed, message, example) in NEEDS.items():
-        if name in given and needed not in given:
+        if name in parameters and needed not in parameters:
             problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))
     return problems
 

@@ -53,14 +53,14 @@ def evaluation_seconds(plan: Plan, grid: Grid) -> float:
 @cache
 def pace() -> float:
     """Return how much slower this machine is than that of the rates, by its best of some trials."""
-    one, other = np.linspace(1.0, 2.0, 4096), np.linspace(2.0, 3.0, 4096)
+    first, second = np.linspace(1.0, 2.0, 4096), np.linspace(2.0, 3.0, 4096)
     best = np.inf
     for _ in range(40):
         started = time.perf_counter()
         for _ in range(8):
-            np.add(one, other, out=other)
+            np.add(first, second, out=second)
         best = min(best, time.perf_counter() - started)
-    return float(np.clip(best / (8 * one.size) / SUM_SECONDS, 0.2, 20.0))
+    return float(np.clip(best / (8 * first.size) / SUM_SECONDS, 0.2, 20.0))
 
 
 def in_words(seconds: float) -> str:

@@ -90,15 +90,15 @@ class Sample:
         failed : int
             Cells whose values are further off than what is known of their errors allows.
         """
-        told: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
+        attributes: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
         if failed:
-            told[FAILED] = failed
+            attributes[FAILED] = failed
         left = self.chosen - evaluated
         if not left:
-            return told | {"verified_worst": worst}
+            return attributes | {"verified_worst": worst}
         stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
         words = f"{worst}; {stop}" if worst else stop
-        return told | {"verified_worst": words, LEFT_OUT: left}
+        return attributes | {"verified_worst": words, LEFT_OUT: left}
 
 
 def sample_of(

@@ -90,7 +90,7 @@ class Shards(Parts):
 
 def _is_there(growing: GrowingZarr, record: Record) -> bool:
     """True if the shards of a part have the digests that its record tells."""
-    shards: Mapping[str, str] = record.told["shards"]
+    shards: Mapping[str, str] = record.fields["shards"]
     return all(growing.digest(key) == digest for key, digest in shards.items())
 
 

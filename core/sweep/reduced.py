@@ -226,7 +226,7 @@ class ReducedParts(Parts):
         known: tuple[int, int] | None = None
         state: State = {}
         for record in self._records():
-            told.append(record.told)
+            told.append(record.fields)
             for place, found in _blocks(record.arrays).items():
                 if place == known:
                     state = merged(state, found)

@@ -105,7 +105,7 @@ class Fused:
     ) -> None:
         """Fill arrays that have the same axes, task by task."""
         program, grid = self._programs[dims], self._grid
-        given = laid_out(program, self._traced, self._values, grid)
+        operands = laid_out(program, self._traced, self._values, grid)
         sizes = [grid.shape[name] for name in dims]
         strides = np.array(
             [math.prod(sizes[dims.index(name) + 1 :]) for name in program.order.outer],
@@ -116,7 +116,7 @@ class Fused:
         most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
-            run_stages(program, given, (ends, strides), flat)
+            run_stages(program, operands, (ends, strides), flat)
             if progress is not None:
                 progress(int(np.prod(ends[:, 1] - ends[:, 0])) / cells)
 
@@ -140,7 +140,7 @@ def mark_compiled(program: Program) -> None:
 
 def run_stages(
     program: Program,
-    given: Mapping[int, Any],
+    operands: Mapping[int, Any],
     places: tuple[NDArray[np.int64], ...],
     results: Sequence[Array],
 ) -> None:
@@ -150,7 +150,7 @@ def run_stages(
     ----------
     program : Program
         The loops.
-    given : mapping of int to ndarray or number
+    operands : mapping of int to ndarray or number
         What numpy has made for them, by `laid_out`.
     places : tuple of ndarray
         Ends of the row and of each loop around it, strides, and with lanes the numbers of cells.
@@ -167,7 +167,7 @@ def run_stages(
             made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
             compiled_source(stage.loop.source)(
                 *(places[:2] if stage.functions else places),
-                *(given[node.number] for node in stage.loop.arrays),
+                *(operands[node.number] for node in stage.loop.arrays),
                 *(columns[node.number] for node in stage.loop.columns),
                 *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),
                 *(made.values() if stage.functions else results),
@@ -183,12 +183,12 @@ def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> di
     """Return what the loops of a program are given: by the axes that are loops, then by row."""
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)
-    given: dict[int, Any] = {}
+    operands: dict[int, Any] = {}
     for leaf in (node for stage in program.stages if stage.loop for node in stage.loop.arrays):
         node = traced.graph.nodes[int(leaf.name)]
         value = values.over(node, order.axes)
         if not value.ndim:
-            given[leaf.number] = value[()].item()
+            operands[leaf.number] = value[()].item()
             continue
         kept, is_row = order.kept(node), order.is_row(node)
         lengths = [
@@ -197,8 +197,8 @@ def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> di
         ]
         laid = np.broadcast_to(value, lengths)
         laid = np.ascontiguousarray(laid, np.float64 if is_row else None)
-        given[leaf.number] = laid.reshape([shape[name] for name in kept] + [row] * is_row)
-    return given
+        operands[leaf.number] = laid.reshape([shape[name] for name in kept] + [row] * is_row)
+    return operands
 
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
@@ -216,23 +216,23 @@ class Values:
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
         self._axes = tuple(grid.axes)
         self._known: dict[int, Any] = {}
-        given = grid.si()
+        values = grid.si()
         for node in traced.graph.nodes:
             if node.function is None:
-                value = given[node.name] if node.name in given else plan.defaults[node.name]
+                value = values[node.name] if node.name in values else plan.defaults[node.name]
                 self._known[node.number] = np.asarray(value)
 
-    def of(self, one: Any) -> Any:
+    def of(self, operand: Any) -> Any:
         """Return the value of a node, over all axes of the grid or none; of a number, itself."""
-        if not isinstance(one, Node):
-            return one
-        if one.number not in self._known:
-            self._known[one.number] = one.function(*map(self.of, one.inputs))  # type: ignore[misc]
-        return self._known[one.number]
+        if not isinstance(operand, Node):
+            return operand
+        if operand.number not in self._known:
+            self._known[operand.number] = operand.function(*map(self.of, operand.inputs))  # type: ignore[misc]
+        return self._known[operand.number]
 
-    def over(self, one: Any, axes: Iterable[str]) -> Array:
+    def over(self, operand: Any, axes: Iterable[str]) -> Array:
         """Return the value of a node over some axes that are all of those that it depends on."""
-        value, kept = np.asarray(self.of(one)), set(axes)
+        value, kept = np.asarray(self.of(operand)), set(axes)
         if not value.ndim:
             return value
         dropped = tuple(k for k, name in enumerate(self._axes) if name not in kept)
@@ -240,15 +240,15 @@ class Values:
 
     def special(self, nodes: Iterable[Node]) -> tuple[tuple[int, float | bool], ...]:
         """Return those of some nodes that make steps superfluous: their numbers and values."""
-        found: list[tuple[int, float | bool]] = []
+        constants: list[tuple[int, float | bool]] = []
         for node in nodes:
             value = np.asarray(self.of(node))
             first = value.flat[0]
             if value.dtype.kind != "b" and (first not in SPECIAL or np.signbit(value).any()):
                 continue
             if (value == first).all():
-                found.append((node.number, first.item()))
-        return tuple(found)
+                constants.append((node.number, first.item()))
+        return tuple(constants)
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:

@@ -183,13 +183,15 @@ def _renewed(
         node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
     } | dict(special)
 
-    def renewed(one: Any) -> Any:
-        if not isinstance(one, Node):
-            return one
-        if one.number not in new:
-            assert one.function is not None
-            new[one.number] = graph.apply(one.function, [renewed(each) for each in one.inputs])
-        return new[one.number]
+    def renewed(operand: Any) -> Any:
+        if not isinstance(operand, Node):
+            return operand
+        if operand.number not in new:
+            assert operand.function is not None
+            new[operand.number] = graph.apply(
+                operand.function, [renewed(each) for each in operand.inputs]
+            )
+        return new[operand.number]
 
     with np.errstate(all="ignore"):  # of a number that is far from where it is taken
         results = [renewed(traced.results[name]) for name in names]
@@ -202,11 +204,11 @@ def _ready(results: Iterable[Any]) -> dict[int, int]:
 
     def visit(node: Node) -> int:
         if node.number not in ready:
-            before = max((visit(one) for one in node.before), default=0)
+            before = max((visit(inner) for inner in node.before), default=0)
             ready[node.number] = before + _is_called(node)
         return ready[node.number]
 
-    for one in results:
-        if isinstance(one, Node):
-            visit(one)
+    for result in results:
+        if isinstance(result, Node):
+            visit(result)
     return ready

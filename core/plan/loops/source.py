@@ -95,7 +95,7 @@ class Loop:
 
 def write_loop(
     order: Order,
-    given: Collection[Node],
+    leaves: Collection[Node],
     columns: Collection[Node],
     results: Sequence[Any],
     *,
@@ -108,7 +108,7 @@ def write_loop(
     ----------
     order : Order
         The loops.
-    given : collection of Node
+    leaves : collection of Node
         Nodes whose values numpy has made, on their own axes.
     columns : collection of Node
         Nodes whose values numpy has made for each cell.
@@ -120,7 +120,7 @@ def write_loop(
         How cells are taken into lanes; they are stored if left out. A lane is found by a stride for
         each loop, then one for the row, and an offset; the number of a cell likewise.
     """
-    return _Writer(order, given, columns, results, in_place, lanes).write()
+    return _Writer(order, leaves, columns, results, in_place, lanes).write()
 
 
 class _Writer:
@@ -129,7 +129,7 @@ class _Writer:
     def __init__(
         self,
         order: Order,
-        given: Collection[Node],
+        leaves: Collection[Node],
         columns: Collection[Node],
         results: Sequence[Any],
         in_place: bool,
@@ -138,8 +138,8 @@ class _Writer:
         self.order, self.results, self.in_place, self.lanes = order, results, in_place, lanes
         self.updates = lanes.updates if lanes else ("store",) * len(results)
         self.arrays = sum(UPDATES[update][0] for update in self.updates)
-        self.given = {one.number for one in given}
-        self.columns = {one.number for one in columns}
+        self.leaves = {node.number for node in leaves}
+        self.columns = {node.number for node in columns}
         self.deepest = len(order.outer)
         self.steps: dict[int, Node] = {}
         self.used: dict[int, Node] = {}
@@ -155,7 +155,7 @@ class _Writer:
         """Collect a node and what it hangs on."""
         if node.number in self.steps or node.number in self.used:
             return
-        if node.number in self.given | self.columns:
+        if node.number in self.leaves | self.columns:
             self.used[node.number] = node
             return
         for one in node.before:
@@ -172,34 +172,36 @@ class _Writer:
 
     def _kept(self) -> dict[int, Node]:
         """Return the rows that a loop makes for the loops within it."""
-        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
-        used += [(one, self.deepest) for one in self.results if isinstance(one, Node)]
+        used = [(operand, self._level(node)) for node in self.nodes for operand in node.before]
+        used += [(operand, self.deepest) for operand in self.results if isinstance(operand, Node)]
         kept = {
-            one.number: one
-            for one, level in used
-            if one.number in self.steps and self._is_row(one) and self._level(one) < level
+            operand.number: operand
+            for operand, level in used
+            if operand.number in self.steps
+            and self._is_row(operand)
+            and self._level(operand) < level
         }
         return dict(sorted(kept.items()))
 
-    def _term(self, one: Node) -> str:
+    def _term(self, node: Node) -> str:
         """Return how a row's loop refers to a value."""
-        number = one.number
+        number = node.number
         if number in self.columns:
             return f"c{number}[done + i]"
         if number in self.used:
-            if not self.order.is_row(one):
+            if not self.order.is_row(node):
                 return f"a{number}_"
             row = f"a{number}_[i]"
         elif number in self.kept and number not in self.here:
             row = f"r{number}[i]"
         else:
             return f"t{number}"
-        return f"({row} != 0.0)" if one.dtype == np.bool_ else row
+        return f"({row} != 0.0)" if node.dtype == np.bool_ else row
 
     def write(self) -> Loop:
         """Return the loop."""
-        arrays = [one for one in self.used.values() if one.number in self.given]
-        columns = [one for one in self.used.values() if one.number in self.columns]
+        arrays = [node for node in self.used.values() if node.number in self.leaves]
+        columns = [node for node in self.used.values() if node.number in self.columns]
         lines: list[str] = []
         for level in range(self.deepest + 1):
             pad = "    " * (level + 2)
@@ -207,8 +209,8 @@ class _Writer:
                 lines.append(f"{pad[4:]}for i{level} in range(ends[{level}, 0], ends[{level}, 1]):")
             lines += self._at_level(level, arrays, pad)
         names = [
-            *(f"a{one.number}" for one in arrays),
-            *(f"c{one.number}" for one in columns),
+            *(f"a{node.number}" for node in arrays),
+            *(f"c{node.number}" for node in columns),
             *(f"r{number}" for number in self.kept),
             *(f"o{k}" for k in range(self.arrays)),
         ]
@@ -241,12 +243,12 @@ class _Writer:
             lines += self._row(rows, [])
         return [f"{pad}{line}" for line in lines]
 
-    def _taken(self, one: Node) -> str:
+    def _taken(self, node: Node) -> str:
         """Return the line that takes out of an array what the loops within need."""
         turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
-        index = ", ".join(turns[name] for name in self.order.kept(one))
-        taken = f"a{one.number}[{index}]" if index else f"a{one.number}"
-        return f"a{one.number}_ = {taken}{'[at:stop]' if self.order.is_row(one) else ''}"
+        index = ", ".join(turns[name] for name in self.order.kept(node))
+        taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
+        return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
         """Return the lines that find where the results of a row begin."""

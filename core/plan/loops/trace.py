@@ -106,7 +106,7 @@ class Node(NDArrayOperatorsMixin):
     def __float__(self) -> float:
         raise UntraceableError("it takes a number out of an array")
 
-    def __getitem__(self, place: Any) -> Any:
+    def __getitem__(self, index: Any) -> Any:
         raise UntraceableError("it takes a part of an array")
 
     __int__ = __index__ = __len__ = __iter__ = __float__
@@ -128,17 +128,21 @@ class Graph:
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
         """Return what a function of numpy gives: a node, or a number if it is given numbers."""
-        given = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
-        if not any(isinstance(one, Node) for one in given):
-            return function(*given)
+        operands = tuple(
+            operand if isinstance(operand, Node) else _number(operand) for operand in inputs
+        )
+        if not any(isinstance(operand, Node) for operand in operands):
+            return function(*operands)
         simplify = SIMPLER.get(function)
-        simpler = simplify(given) if simplify else None
+        simpler = simplify(operands) if simplify else None
         if simpler is not None:
             return simpler[0]
-        key = (function, *map(_identity, given))
+        key = (function, *map(_identity, operands))
         if key not in self._known:
-            axes = frozenset().union(*(one.axes for one in given if isinstance(one, Node)))
-            self._known[key] = Node(self, function, given, axes, _dtype(function, given))
+            axes = frozenset().union(
+                *(operand.axes for operand in operands if isinstance(operand, Node))
+            )
+            self._known[key] = Node(self, function, operands, axes, _dtype(function, operands))
         return self._known[key]
 
 
@@ -151,16 +155,16 @@ def _number(value: Any) -> Any:
     return value
 
 
-def _identity(one: Any) -> Any:
-    if isinstance(one, Node):
-        return one.number
-    array = np.asarray(one)
-    return (type(one), array.tobytes())
+def _identity(operand: Any) -> Any:
+    if isinstance(operand, Node):
+        return operand.number
+    array = np.asarray(operand)
+    return (type(operand), array.tobytes())
 
 
-def _dtype(function: Function, given: Iterable[Any]) -> np.dtype[Any]:
+def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
     """Return the type of what a function gives, asked of numpy with a value of each type."""
-    samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in given)
+    samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
             return np.asarray(function(*samples)).dtype
@@ -168,38 +172,38 @@ def _dtype(function: Function, given: Iterable[Any]) -> np.dtype[Any]:
             raise UntraceableError(str(error)) from None
 
 
-def _chosen(given: tuple[Any, ...]) -> tuple[Any] | None:
+def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
     """Return what a choice gives where its condition is a number, or both of its ways are one."""
-    condition, one, other = given
+    condition, first, second = operands
     if not isinstance(condition, Node):
-        return (one if condition else other,)
-    return (one,) if _identity(one) == _identity(other) else None
+        return (first if condition else second,)
+    return (first,) if _identity(first) == _identity(second) else None
 
 
-def _joined(given: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
+def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
     """Return what "and" or "or" gives where one of two is true or false, or both are one."""
-    for one, other in (given, given[::-1]):
-        if isinstance(one, bool | np.bool_):
-            return (other if bool(one) == neutral else one,)
-    return (given[0],) if _identity(given[0]) == _identity(given[1]) else None
+    for first, second in (operands, operands[::-1]):
+        if isinstance(first, bool | np.bool_):
+            return (second if bool(first) == neutral else first,)
+    return (operands[0],) if _identity(operands[0]) == _identity(operands[1]) else None
 
 
-def _product(given: tuple[Any, ...]) -> tuple[Any] | None:
+def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
     """Return the other factor of 1."""
-    for one, other in (given, given[::-1]):
-        if _is(one, 1.0) and isinstance(other, Node) and other.dtype == np.float64:
-            return (other,)
+    for first, second in (operands, operands[::-1]):
+        if _is(first, 1.0) and isinstance(second, Node) and second.dtype == np.float64:
+            return (second,)
     return None
 
 
-def _unchanged(given: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
+def _unchanged(operands: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
     """Return the first of two where the second is a number that leaves it as it is."""
-    return (given[0],) if _is(given[1], by) and given[0].dtype == np.float64 else None
+    return (operands[0],) if _is(operands[1], by) and operands[0].dtype == np.float64 else None
 
 
 SIMPLER: dict[Function, Callable[[tuple[Any, ...]], tuple[Any] | None]] = {
     np.where: _chosen,
-    np.positive: lambda given: (given[0],),
+    np.positive: lambda operands: (operands[0],),
     np.bitwise_and: partial(_joined, neutral=True),
     np.bitwise_or: partial(_joined, neutral=False),
     np.multiply: _product,
@@ -209,9 +213,9 @@ SIMPLER: dict[Function, Callable[[tuple[Any, ...]], tuple[Any] | None]] = {
 """What a step gives without being taken, where that is the same to the last bit; else None."""
 
 
-def _is(one: Any, value: float) -> bool:
+def _is(operand: Any, value: float) -> bool:
     """True if something is a number of a value; a zero, one without a sign."""
-    return not isinstance(one, Node) and bool(one == value) and not np.signbit(one)
+    return not isinstance(operand, Node) and bool(operand == value) and not np.signbit(operand)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,9 +249,9 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
     """Return a new graph of a plan over some axes; None if it has none."""
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
-    given = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
+    leaves = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
     try:
-        known = run(plan.equations, given)
+        known = run(plan.equations, leaves)
         holds = tuple(
             condition.function(**{name: known[name] for name in condition.inputs})
             for condition in plan.conditions
@@ -283,9 +287,9 @@ def _traced(
     ranged: tuple[str, ...],
 ) -> Traced | None:
     graph = Graph()
-    given = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
+    leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
     try:
-        known = run(equations, given)
+        known = run(equations, leaves)
         results = {name: known[name] for name in outputs}
         results["regime"] = regimes_of(conditions, otherwise, known)
     except UntraceableError:
