@@ -312,12 +312,12 @@ class Admission:
         What is broken is taken away; it is computed again when it is asked for.
         """
         read = 0
-        for found in damages(self.store, self._scrubbed, stopped):
-            self._scrubbed = found.name
-            if found.state == BROKEN:
-                path = self.store.folder(found.name) / found.files[0]
-                self.store.take_away(found.name, path)
-            read += found.bytes
+        for check in damages(self.store, self._scrubbed, stopped):
+            self._scrubbed = check.name
+            if check.state == BROKEN:
+                path = self.store.folder(check.name) / check.files[0]
+                self.store.take_away(check.name, path)
+            read += check.bytes
             if read >= SCRUBBED:
                 return
         self._scrubbed = ""

@@ -162,12 +162,12 @@ class Database:
             return self._opened
 
     def _new_engine(self) -> Engine:
-        given = {k: v for k, v in CONNECT[self.kind].items() if k not in self._url.query}
+        arguments = {k: v for k, v in CONNECT[self.kind].items() if k not in self._url.query}
         # AUTOCOMMIT: who reads has no transaction, who changes something begins one in words.
         engine = create_engine(
             self._url,
             isolation_level="AUTOCOMMIT",
-            connect_args=given,
+            connect_args=arguments,
             pool_pre_ping=self.kind != "sqlite",  # after a restart of the database
             max_overflow=20,
             hide_parameters=True,

@@ -105,7 +105,7 @@ class Executor:
         """
         if not self.workers:
             await self._client()
-        place = await self._fair_queue.take(share, seconds)
+        slot = await self._fair_queue.take(share, seconds)
         kept = False
         try:
             from distributed import KilledWorker
@@ -124,13 +124,13 @@ class Executor:
                 finally:
                     if not call.result.done():
                         kept = True
-                        self._see_off(call, place)
+                        self._see_off(call, slot)
                     else:
                         self._calls.pop(call.future.key, None)
                         await asyncio.gather(call.result, return_exceptions=True)
         finally:
             if not kept:
-                self._fair_queue.leave(place)
+                self._fair_queue.leave(slot)
 
     async def close(self) -> None:
         """Look after nothing any more."""
@@ -159,10 +159,10 @@ class Executor:
                 call.begun.set_result(None)
 
     async def _followed(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
-        told = False
+        announced = False
         while True:
             events: set[asyncio.Future[Any]] = {call.result}
-            if not told:
+            if not announced:
                 events.add(call.begun)
             done, _ = await asyncio.wait(
                 events, timeout=LOOK_AT_WORKERS, return_when=asyncio.FIRST_COMPLETED
@@ -172,20 +172,20 @@ class Executor:
                     return call.result.result()
             except (FutureCancelledError, CommClosedError) as error:
                 raise LostError(f"{type(error).__name__}: {error}") from error
-            if done and not told:
-                told = True
+            if done and not announced:
+                announced = True
                 await began()
             if call.result.done():
                 return call.result.result()
             if not done:
                 await self._client()
 
-    def _see_off(self, call: _Call, place: Place) -> None:
-        task = asyncio.create_task(self._ended(call, place))
+    def _see_off(self, call: _Call, slot: Place) -> None:
+        task = asyncio.create_task(self._ended(call, slot))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
 
-    async def _ended(self, call: _Call, place: Place) -> None:
+    async def _ended(self, call: _Call, slot: Place) -> None:
         """Wait until nobody works on a call that was given up; its place is taken until then."""
         try:
             either: set[asyncio.Future[Any]] = {call.result, call.begun}
@@ -202,7 +202,7 @@ class Executor:
             call.result.cancel()
             await asyncio.gather(call.result, return_exceptions=True)
             self._calls.pop(call.future.key, None)
-            self._fair_queue.leave(place)
+            self._fair_queue.leave(slot)
 
     async def _kill(self, call: _Call) -> None:
         about = {"worker": call.worker}

@@ -90,34 +90,34 @@ class FairQueue:
             self._forget(share)
             raise
 
-    def leave(self, place: Place) -> None:
+    def leave(self, slot: Place) -> None:
         """Give a place back."""
-        self._taken.remove(place)
-        used = time.monotonic() - place.since
-        self._had[place.share] += used - place.seconds  # it was charged for what was expected
+        self._taken.remove(slot)
+        used = time.monotonic() - slot.since
+        self._had[slot.share] += used - slot.seconds  # it was charged for what was expected
         self._due += used / len(self._had)
-        self._forget(place.share)
+        self._forget(slot.share)
         self._hand_out()
 
     def _hand_out(self) -> None:
         # Who was cancelled stays here until its task runs again.
-        self._waiting = [one for one in self._waiting if not one[3].done()]
+        self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         while self._waiting and len(self._taken) < self._places:
-            lasting = sum(self._lasts(place.seconds, place) for place in self._taken)
+            lasting = sum(self._lasts(slot.seconds, slot) for slot in self._taken)
             no_more = self._places > 1 and lasting >= self._places - 1
-            fits = [one for one in self._waiting if not (no_more and self._lasts(one[2]))]
+            fits = [waiter for waiter in self._waiting if not (no_more and self._lasts(waiter[2]))]
             if not fits:
                 return
-            chosen = min(fits, key=lambda one: (self._had[one[1]] + one[2], one[0]))
+            chosen = min(fits, key=lambda waiter: (self._had[waiter[1]] + waiter[2], waiter[0]))
             self._waiting.remove(chosen)
             _, share, seconds, got = chosen
-            place = Place(share, seconds)
-            self._taken.append(place)
+            slot = Place(share, seconds)
+            self._taken.append(slot)
             self._had[share] += seconds
-            got.set_result(place)
+            got.set_result(slot)
 
-    def _lasts(self, seconds: float, place: Place | None = None) -> bool:
-        run = 0.0 if place is None else time.monotonic() - place.since
+    def _lasts(self, seconds: float, slot: Place | None = None) -> bool:
+        run = 0.0 if slot is None else time.monotonic() - slot.since
         return max(seconds, run) > self._longest
 
     def _held(self, share: str) -> int:

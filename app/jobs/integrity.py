@@ -36,12 +36,12 @@ class Integrity:
 
     async def is_sound(self, file: FileIO, digest: str) -> bool:
         """True if an open file has a SHA-256; the event loop does not wait for the disk."""
-        found = os.fstat(file.fileno())
-        if self._knows(_mark(found, digest)):
+        status = os.fstat(file.fileno())
+        if self._knows(_mark(status, digest)):
             return True
         # A name of the thread's own for the file: whoever asks may be gone before it ends.
         own = FileIO(os.dup(file.fileno()))
-        lane = self._large if found.st_size > LARGE else self._small
+        lane = self._large if status.st_size > LARGE else self._small
         looking = lane.submit(self.look, own, digest)
         looking.add_done_callback(lambda _: own.close())
         return await asyncio.wrap_future(looking)
@@ -94,5 +94,5 @@ def _digest(file: FileIO) -> str:
     return found.hexdigest()
 
 
-def _mark(found: os.stat_result, digest: str) -> tuple[int | str, ...]:
-    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, digest
+def _mark(status: os.stat_result, digest: str) -> tuple[int | str, ...]:
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, digest

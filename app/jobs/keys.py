@@ -203,12 +203,12 @@ class Keys:
 
     def of_hash(self, digest: str) -> Key | None:
         """Return the key of a hash, in force or not; None if there is none."""
-        found = None
+        match = None
         # Every hash is compared, so that the time taken tells nothing of which one came near.
         for key in (*(self._known or ()), *self._set):
             if secrets.compare_digest(key.hash, digest):
-                found = key
-        return found
+                match = key
+        return match
 
 
 def _key(row: Row[*tuple[Any, ...]]) -> Key:
@@ -218,19 +218,19 @@ def _key(row: Row[*tuple[Any, ...]]) -> Key:
 
 
 def _wrong(key: Key, days: float | None) -> list[Problem]:
-    found = []
+    problems = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"
-        found.append(Problem("name", f"{key.name[:60]!r} is not a name", fix))
+        problems.append(Problem("name", f"{key.name[:60]!r} is not a name", fix))
     if key.role not in ROLES:
         fix = f"There are {', '.join(ROLES)}"
-        found.append(Problem("role", f"{key.role[:60]!r} is not a role", fix))
+        problems.append(Problem("role", f"{key.role[:60]!r} is not a role", fix))
     for name in ("requests", "jobs", "cells", "bytes"):
         limit = getattr(key, name)
         if limit is not None and not 1 <= limit <= MOST:
             fix = "Give a whole number of 1 or more, or leave it out for no limit"
-            found.append(Problem(name, f"{limit:g} cannot be", fix))
+            problems.append(Problem(name, f"{limit:g} cannot be", fix))
     if days is not None and not 0 < days <= MAX_DAYS:
         fix = f"Give more than 0 and at most {MAX_DAYS:,}, or leave it out for no end"
-        found.append(Problem("days", f"{days:g} cannot be", fix))
-    return found
+        problems.append(Problem("days", f"{days:g} cannot be", fix))
+    return problems

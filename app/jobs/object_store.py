@@ -49,17 +49,17 @@ class RemoteResults:
 
     def send(self, key: str, folder: Path) -> None:
         """Send the result in the folder of a study, unless it is there; raise `OSError`."""
-        told = (folder / MANIFEST).read_bytes()
+        manifest = (folder / MANIFEST).read_bytes()
         with _plainly():
             store = self._store(key)
-            if _get(store, MANIFEST) == told:
+            if _get(store, MANIFEST) == manifest:
                 return
             # Whatever is replaced is no result meanwhile.
             with contextlib.suppress(FileNotFoundError):
                 store.delete(MANIFEST)
-            for name in chain((STUDY,), _names(folder, Manifest(**json.loads(told)))):
+            for name in chain((STUDY,), _names(folder, Manifest(**json.loads(manifest)))):
                 store.put(name, folder / name)
-            store.put(MANIFEST, told)
+            store.put(MANIFEST, manifest)
 
     def fetch(self, key: str, folder: Path) -> bool | None:
         """Fetch a result into the folder of a study; None if that takes longer than a moment.
@@ -88,26 +88,26 @@ class RemoteResults:
     def _fetch(self, key: str, folder: Path) -> bool:
         with _plainly():
             store = self._store(key)
-            told = _get(store, MANIFEST)
-            if told is None:
+            packed = _get(store, MANIFEST)
+            if packed is None:
                 return False
-            manifest = Manifest(**json.loads(told))
+            manifest = Manifest(**json.loads(packed))
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
                 there = Path(scratch)
                 if not _download(store, there, manifest):
                     logger.warning("a result in the object store is broken: %s", key)
-                    if _get(store, MANIFEST) == told:  # or another has sent a new one
+                    if _get(store, MANIFEST) == packed:  # or another has sent a new one
                         store.delete(MANIFEST)
                     return False
                 for path in list(there.iterdir()):
-                    place = folder / path.name
-                    if place.is_dir():  # a torn group, which goes with the scratch
-                        place.replace(there / f"old-{path.name}")
-                    path.replace(place)
+                    target = folder / path.name
+                    if target.is_dir():  # a torn group, which goes with the scratch
+                        target.replace(there / f"old-{path.name}")
+                    path.replace(target)
         sync(folder)
         with kept(folder / MANIFEST) as temporary:
-            temporary.write_bytes(told)
+            temporary.write_bytes(packed)
         return True
 
     def _store(self, key: str) -> ObjectStore:

@@ -75,14 +75,14 @@ class Ownership:
         """Return by which holdings somebody may read a study; note its use."""
         is_seen = (HOLDINGS.c.owner == owner) | (HOLDINGS.c.shared == 1)
         rows = self._database.read(select(HOLDINGS).where(HOLDINGS.c.key == key, is_seen))
-        found = [_holding(row) for row in rows]
+        holdings = [_holding(row) for row in rows]
         now = time.time()
-        if any(abs(now - holding.used) > USED_EVERY for holding in found):
+        if any(abs(now - holding.used) > USED_EVERY for holding in holdings):
             with self._database.transaction() as connection:
                 connection.execute(
                     HOLDINGS.update().where(HOLDINGS.c.key == key, is_seen).values(used=now)
                 )
-        return found
+        return holdings
 
     def share(self, owner: str | None, key: str, shared: bool) -> None:
         """Let all keys read a study, or owners only; of None it is all holdings."""

@@ -26,22 +26,22 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
     created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
     (after, before), (least, most) = wanted.created, wanted.seconds
-    found: list[ColumnElement[bool]] = []
+    clauses: list[ColumnElement[bool]] = []
     if wanted.seen_by is not None:
-        found.append((JOBS.c.owner == wanted.seen_by) | (JOBS.c.shared == 1))
+        clauses.append((JOBS.c.owner == wanted.seen_by) | (JOBS.c.shared == 1))
     if wanted.processes:
-        found.append(JOBS.c.process.in_(wanted.processes))
+        clauses.append(JOBS.c.process.in_(wanted.processes))
     if wanted.states:
-        found.append(JOBS.c.state.in_(wanted.states))
+        clauses.append(JOBS.c.state.in_(wanted.states))
     if after is not None:
-        found.append(created >= round(after * 1000))
+        clauses.append(created >= round(after * 1000))
     if before is not None:
-        found.append(created <= round(before * 1000))
+        clauses.append(created <= round(before * 1000))
     if least is not None:
-        found.append(seconds >= least)
+        clauses.append(seconds >= least)
     if most is not None:
-        found.append(seconds <= most)
-    return found
+        clauses.append(seconds <= most)
+    return clauses
 
 
 def job_of(row: Row[*tuple[Any, ...]]) -> Job:

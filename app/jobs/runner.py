@@ -142,13 +142,13 @@ class Runner:
 
     async def _claim_some(self) -> None:
         while True:
-            found = await self._thread_pool(self._next)
-            if found is None:
+            candidate = await self._thread_pool(self._next)
+            if candidate is None:
                 if not self._active:  # nothing waits for the workers
                     self._dispatcher.executor.trouble = None
                 return
             lease = self._settings.lease_seconds
-            item = await self._thread_pool(self._ledger.claim, self._server, lease, found.key)
+            item = await self._thread_pool(self._ledger.claim, self._server, lease, candidate.key)
             if item is not None:  # no other server was quicker
                 keeping = asyncio.create_task(self._keep(item), name=item.key)
                 self._active[item.owner] = item, keeping

@@ -98,14 +98,14 @@ class Store(Blocks):
         return found
 
     def _manifest(self, key: str) -> Manifest | None:
-        found = self.manifest_as_it_is(key)
-        if found is None:
+        manifest = self.manifest_as_it_is(key)
+        if manifest is None:
             return None
         folder = self.folder(key)
-        broken = [name for name in found.files if not _has_size(folder, name, found)]
+        broken = [name for name in manifest.files if not _has_size(folder, name, manifest)]
         if broken:
             logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
-        return None if broken else found
+        return None if broken else manifest
 
     def manifest_as_it_is(self, key: str) -> Manifest | None:
         """Return what a manifest says, be its files there or not; None if it cannot be read."""
@@ -130,7 +130,7 @@ class Store(Blocks):
             return manifest.files[name].get("sha256")
         return read_list(self.folder(key)).get(name)
 
-    def take_away(self, key: str, path: Path, found: os.stat_result | None = None) -> None:
+    def take_away(self, key: str, path: Path, status: os.stat_result | None = None) -> None:
         """Remove a result of which a file is broken, the manifest first: it is computed again.
 
         Parameters
@@ -143,7 +143,7 @@ class Store(Blocks):
             The file that was looked at; if another has taken its place meanwhile, it stays.
         """
         with contextlib.suppress(FileNotFoundError), self._locked(key) as folder:
-            if found is not None and path.exists() and not os.path.samestat(found, path.stat()):
+            if status is not None and path.exists() and not os.path.samestat(status, path.stat()):
                 return
             logger.warning("a broken result is taken away: %s of %s", path.name, key)
             (folder / MANIFEST).unlink(missing_ok=True)

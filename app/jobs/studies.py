@@ -76,12 +76,12 @@ class Studies:
             If another version of vibrafeed was posted it.
         """
         try:
-            found, is_own = self._get(key)
+            prepared, is_own = self._get(key)
         except StudyError:  # it was sound when it was posted
             raise _not_own(key, None) from None
-        if found.not_lazy is None and is_own:
-            return found
-        raise _not_own(key, found)
+        if prepared.not_lazy is None and is_own:
+            return prepared
+        raise _not_own(key, prepared)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
         path = self.folder(key) / "study.json"
@@ -98,16 +98,16 @@ class Studies:
             raise unknown(key) from None
         self.note_use(key)
         prepared = prepare_content(read_json(content))
-        found = prepared, identifier(prepared.study) == key
+        entry = prepared, identifier(prepared.study) == key
         with self._lock:
             recent = self._known_long if len(content) > LONG else self._known
-            recent[key], self._sizes[key] = found, len(content)
+            recent[key], self._sizes[key] = entry, len(content)
             recent.move_to_end(key)
             while (
                 len(recent) > MAX_KNOWN or sum(self._sizes[one] for one in recent) > MAX_KNOWN_BYTES
             ):
                 del self._sizes[recent.popitem(last=False)[0]]
-        return found
+        return entry
 
     def folder(self, key: str) -> Path:
         """Return the folder of a study; raise `NotFoundError` for what is no identifier."""
@@ -118,12 +118,12 @@ class Studies:
 
     def studies(self) -> list[str]:
         """Return the identifiers of all studies, those that were used longest ago first."""
-        found = []
+        uses = []
         with contextlib.suppress(FileNotFoundError):
             for folder in self.directory.iterdir():
                 if IDENTIFIER.fullmatch(folder.name):
-                    found.append((self.used(folder.name), folder.name))
-        return [key for _, key in sorted(found)]
+                    uses.append((self.used(folder.name), folder.name))
+        return [key for _, key in sorted(uses)]
 
     def used(self, key: str) -> float:
         """Return when a study was last used [s since the epoch], to an hour; 0 if it is gone."""
@@ -154,11 +154,11 @@ def kept(path: Path) -> Iterator[Path]:
         os.close(folder)
 
 
-def _not_own(key: str, found: Prepared | None) -> VibrafeedError:
+def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
     """Return why a study that is there is no sweep of this version."""
-    if found is not None:
-        of_another_process = identifier(found.study, "accuracy") == key
-        if found.not_lazy is not None or of_another_process:
+    if prepared is not None:
+        of_another_process = identifier(prepared.study, "accuracy") == key
+        if prepared.not_lazy is not None or of_another_process:
             return unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "

@@ -56,17 +56,17 @@ def _weight(name: str, ranges: Mapping[str, float]) -> float:
 
 def _ranges(header: str) -> dict[str, float]:
     """Return the weight of each element of an Accept or Accept-Encoding header."""
-    found: dict[str, float] = {}
+    weights: dict[str, float] = {}
     for item in header.split(","):
         name, *parameters = (part.strip().lower() for part in item.split(";"))
-        given = [part[2:] for part in parameters if part.startswith("q=")]
+        qualities = [part[2:] for part in parameters if part.startswith("q=")]
         try:
-            weight = float(given[0]) if given else 1.0
+            weight = float(qualities[0]) if qualities else 1.0
         except ValueError:
             weight = 0.0
         if name:
-            found[name] = weight if 0 <= weight <= 1 else 0.0
-    return found
+            weights[name] = weight if 0 <= weight <= 1 else 0.0
+    return weights
 
 
 def takes_gzip(accept_encoding: str) -> bool:

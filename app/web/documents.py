@@ -227,7 +227,7 @@ def status_info(
         links.append(
             _link(f"{base}/sweeps/{job.key}", "related", "The sweep, to be read in slices")
         )
-    found = {
+    fields = {
         "processID": job.process,
         "type": "process",
         "jobID": job.id,
@@ -247,7 +247,7 @@ def status_info(
         "shared": job.shared,
         "links": links,
     }
-    return {name: value for name, value in found.items() if value is not None}
+    return {name: value for name, value in fields.items() if value is not None}
 
 
 def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
@@ -256,7 +256,7 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
     others = [name for name in manifest.files if name not in (NETCDF, ZARR, JSON)]
     is_group = ZARR in manifest.files
     title = "a Zarr v3 group, for a Zarr client to open" if is_group else "a CF-1.11 NetCDF-4 file"
-    found: dict[str, Any] = {
+    document: dict[str, Any] = {
         "dataset": {
             "href": f"{here}/{'zarr' if is_group else 'dataset'}",
             "type": ZARR_TYPE if is_group else NETCDF_TYPE,
@@ -267,10 +267,10 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
         }
     }
     if others:
-        found["files"] = [
+        document["files"] = [
             _link(f"{here}/files/{name}", "item", name, media_type_of(name)) for name in others
         ]
-    return found
+    return document
 
 
 def media_type_of(name: str) -> str:

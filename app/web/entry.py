@@ -78,24 +78,24 @@ class Entry:
         if not self.keys.are_needed:
             _enter(scope, NOBODY)
             return None
-        given = set(_given(headers))
-        if len(given) > MAX_GIVEN:
-            return _without(f"{len(given):,} keys are sent. Send one.")
-        if not given:
+        words = set(_given(headers))
+        if len(words) > MAX_GIVEN:
+            return _without(f"{len(words):,} keys are sent. Send one.")
+        if not words:
             return _without("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")
         now = time.time()
         # One wrong key among right ones is refused: a client that sends it is mistaken.
-        found = [self.keys.of_hash(hash_of(word)) for word in given]
-        names = {key.name for key in found if key is not None and key.stands(now)}
-        if len(names) != 1 or not all(key is not None and key.stands(now) for key in found):
-            known = next((key.name for key in found if key is not None), "")
+        keys = [self.keys.of_hash(hash_of(word)) for word in words]
+        names = {key.name for key in keys if key is not None and key.stands(now)}
+        if len(names) != 1 or not all(key is not None and key.stands(now) for key in keys):
+            known = next((key.name for key in keys if key is not None), "")
             if await self._wrong.slowed((scope.get("client") or ("",))[0], known):
                 return _without("This key is not known here.")
             return problem_document(
                 429, "wrong-keys", "Too many wrong keys", "Ask again with the right key.",
                 headers={"Retry-After": "60"},
             )  # fmt: skip
-        (key,) = {key.hash: key for key in found if key is not None}.values()
+        (key,) = {key.hash: key for key in keys if key is not None}.values()
         logs.bind(key=key.name)
         _enter(scope, key)
         return self._beyond_role(scope, key) or self._too_often(key)

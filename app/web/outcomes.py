@@ -54,8 +54,8 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
 def check_of(admission: Admission, job: Job, path: Path) -> Check:
     """Return how a file of a job's result is looked at before it is served."""
 
-    def broken(found: os.stat_result) -> Exception:
-        admission.store.take_away(job.key, path, found)
+    def broken(status: os.stat_result) -> Exception:
+        admission.store.take_away(job.key, path, status)
         return _mended(admission, job)
 
     return Check(admission.store.integrity, broken)

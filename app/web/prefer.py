@@ -39,7 +39,7 @@ def preferences(headers: Iterable[str]) -> Preferences:
     Of a preference that is given more than once the first counts, as the standard asks. Nor does
     what stands past the first 2,000 characters, or is cut off there.
     """
-    found: dict[str, str | None] = {}
+    values: dict[str, str | None] = {}
     text = ",".join(headers)
     if len(text) > MOST:
         text = text[:MOST].rpartition(",")[0]
@@ -53,7 +53,7 @@ def preferences(headers: Iterable[str]) -> Preferences:
         value = match["value"]
         if value is not None and value.startswith('"'):
             value = re.sub(r"\\(.)", r"\1", value[1:-1])
-        found.setdefault(match["name"].lower(), value)
-    wait = found.get("wait")
+        values.setdefault(match["name"].lower(), value)
+    wait = values.get("wait")
     is_number = wait is not None and re.fullmatch(r"[0-9]{1,9}", wait) is not None
-    return Preferences("respond-async" in found, int(str(wait)) if is_number else None)
+    return Preferences("respond-async" in values, int(str(wait)) if is_number else None)

@@ -56,21 +56,21 @@ def kept(
     With `in_ranges` so are ranges of bytes, which JSON is not sent in, and what is wrong with them.
     """
     types = {name: {"schema": schema} for name, schema in content.items()}
-    found: dict[int | str, dict[str, Any]] = {
+    replies: dict[int | str, dict[str, Any]] = {
         200: {"content": types, "description": description, "headers": ETAG},
         304: {"description": "The client has it: its ETag stands in If-None-Match"},
     }
     if in_ranges:
-        found[206] = {
+        replies[206] = {
             "content": {name: one for name, one in types.items() if one["schema"] is not OBJECT},
             "description": "The range of it that was asked for",
             "headers": {"Content-Range": {"schema": {"type": "string"}}},
         }
-        found |= problems(
+        replies |= problems(
             s412="It is not the file that If-Match names",
             s416="The range holds no byte of the file",
         )
-    return found
+    return replies
 
 
 PROBLEM: dict[str, Any] = {

@@ -67,12 +67,12 @@ class Shares:
     def _hand_out(self) -> None:
         """Give free places to those who wait, in the order of `_rank`."""
         # Who was cancelled stays here until its task runs again.
-        self._waiting = [one for one in self._waiting if not one[3].done()]
+        self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         self._taken = +self._taken
-        here = {one[2] for one in self._waiting} | self._taken.keys()
+        here = {waiter[2] for waiter in self._waiting} | self._taken.keys()
         self._served = {owner: turn for owner, turn in self._served.items() if owner in here}
         while self._taken.total() < self._places:
-            fits = [one for one in self._waiting if self._taken[one[2]] < self._of_one]
+            fits = [waiter for waiter in self._waiting if self._taken[waiter[2]] < self._of_one]
             if not fits:
                 return
             chosen = min(fits, key=self._rank)
@@ -82,12 +82,14 @@ class Shares:
             self._served[owner] = next(self._turn)
             got.set_result(None)
 
-    def _rank(self, one: tuple[int, int, str, asyncio.Future[None]]) -> tuple[int, int, int, int]:
+    def _rank(
+        self, waiter: tuple[int, int, str, asyncio.Future[None]]
+    ) -> tuple[int, int, int, int]:
         """Return what the next to be served has least of.
 
         The places of its owner, then the turn in which that was served last, then what is due.
         """
-        due, asked, owner, _ = one
+        due, asked, owner, _ = waiter
         return self._taken[owner], self._served.get(owner, -1), due, -asked
 
 

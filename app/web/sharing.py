@@ -54,5 +54,5 @@ def read_sharing(body: bytes) -> bool:
     return bool(content["shared"])
 
 
-def _wrong(place: str, message: str) -> dict[str, Any]:
-    return {"loc": (place,), "msg": message}
+def _wrong(parameter: str, message: str) -> dict[str, Any]:
+    return {"loc": (parameter,), "msg": message}

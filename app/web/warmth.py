@@ -50,18 +50,18 @@ class Warmth:
         except OSError:
             logger.exception("kernels cannot be compiled beforehand")
             return
-        told = b""
+        errors = b""
         try:
             with contextlib.suppress(ProcessLookupError):  # it has ended already
                 os.setpriority(os.PRIO_PGRP, process.pid, POLITE)
             assert process.stderr is not None
             while piece := await process.stderr.read(LONGEST):
-                told = (told + piece)[-LONGEST:]
+                errors = (errors + piece)[-LONGEST:]
             self.is_warm = await process.wait() == 0
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
             await process.wait()
         if not self.is_warm:
-            why = told.decode(errors="replace").strip() or f"it ended with {process.returncode}"
+            why = errors.decode(errors="replace").strip() or f"it ended with {process.returncode}"
             logger.warning("kernels could not be compiled beforehand: %s", why)

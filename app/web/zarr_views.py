@@ -36,32 +36,32 @@ class ZarrViews:
             If the wishes cannot be met.
         """
         is_there = self._store.used(key) > 0  # it may have been removed since it was last read
-        place = (key, chunks)
+        wish = (key, chunks)
         with self._lock:
-            view = self._views.get(place) if is_there else self._views.pop(place, None)
+            view = self._views.get(wish) if is_there else self._views.pop(wish, None)
             if view is not None and is_there:
-                self._views.move_to_end(place)
+                self._views.move_to_end(wish)
                 return view
         view = ZarrView(self._store.sweep(key), chunks=chunks)
         with self._lock:
-            self._views[place] = view
+            self._views[wish] = view
             while len(self._views) > MAX_VIEWS:
                 self._views.popitem(last=False)
         return view
 
     def read(self, key: str, path: str, chunks: str = "") -> bytes:
         """Return the bytes of a path in the group of a sweep; raise `KeyError` if it has none."""
-        place = (key, chunks, path)
+        entry = (key, chunks, path)
         self._store.note_use(key)
         with self._lock:
-            content = self._chunks.get(place)
+            content = self._chunks.get(entry)
             if content is not None:
-                self._chunks.move_to_end(place)
+                self._chunks.move_to_end(entry)
                 return content
         content = self.view(key, chunks).read(path)
         with self._lock:
-            if place not in self._chunks and len(content) <= self._most_bytes:
-                self._chunks[place] = content
+            if entry not in self._chunks and len(content) <= self._most_bytes:
+                self._chunks[entry] = content
                 self._bytes += len(content)
                 while self._bytes > self._most_bytes:
                     _, dropped = self._chunks.popitem(last=False)

@@ -37,12 +37,12 @@ def list_figures() -> Response:
 
 @functools.cache
 def _figures() -> list[dict[str, Any]]:
-    found = []
+    figures = []
     for path in sorted(FOLDER.glob("fig-*.toml"), key=_place):
         content = load_study(path).content()
         title, notes = content.pop("title", path.stem), content.pop("notes", "")
-        found.append({"name": path.stem, "title": title, "notes": notes, "study": content})
-    return found
+        figures.append({"name": path.stem, "title": title, "notes": notes, "study": content})
+    return figures
 
 
 def _place(path: Path) -> tuple[int, ...]:

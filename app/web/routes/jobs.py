@@ -116,15 +116,15 @@ def list_jobs(
     seen_by = None if who.sees_all else who.name
     known = [name for name in process if name in PROCESSES]
     wanted = Wanted(tuple(known), tuple(status), interval(created), (least, longest), seen_by)
-    found = []
+    jobs = []
     if (known or not process) and (not kind or "process" in kind):
-        found = admission.ledger.jobs(wanted, limit=limit + 1, offset=offset)
+        jobs = admission.ledger.jobs(wanted, limit=limit + 1, offset=offset)
     wishes = {
         "processID": process, "status": status, "type": kind, "datetime": created,
         "minDuration": least, "maxDuration": longest, "limit": limit,
     }  # fmt: skip
     pages = {"self": offset}
-    if len(found) > limit:
+    if len(jobs) > limit:
         pages["next"] = offset + limit
     if offset:
         pages["prev"] = max(0, offset - limit)
@@ -133,7 +133,7 @@ def list_jobs(
         asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
         href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
         links.append({"href": href, "rel": rel, "type": "application/json"})
-    shown = [status_info(job, base, waits=admission.waits()) for job in found[:limit]]
+    shown = [status_info(job, base, waits=admission.waits()) for job in jobs[:limit]]
     return json_reply({"jobs": shown, "links": links})
 
 
@@ -208,13 +208,13 @@ async def follow_job(
 async def _events(
     admission: Admission, number: str, who: Key, base: str, over: Callable[[], Awaitable[bool]]
 ) -> AsyncIterator[bytes]:
-    told, at = None, time.monotonic()
+    sent, at = None, time.monotonic()
     while not await over():
         job = await admission.looks.job(number)
         if job is None or not is_readable(job, who):
             return
-        if (job.state, job.done) != told:
-            told, at = (job.state, job.done), time.monotonic()
+        if (job.state, job.done) != sent:
+            sent, at = (job.state, job.done), time.monotonic()
             status = orjson.dumps(status_info(job, base, waits=admission.waits()))
             yield b"event: status\ndata: " + status + b"\n\n"
             if job.state not in ACTIVE:

@@ -217,7 +217,7 @@ async def get_slice(
         values = math.prod(sweep.grid.shape.get(name, 1) for name in names)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
         lane = request.app.state.large_slices if values > LARGE else None
-        place = nullcontext() if lane is None else place_of(request)
+        turn = nullcontext() if lane is None else place_of(request)
 
         def prepare() -> SliceCut:
             return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
@@ -233,7 +233,7 @@ async def get_slice(
         elif chosen in TABLES:
             expect(request, BYTES_A_VALUE * min(values, most))
             rows = most_rows(settings, chosen, most)
-            async with place:
+            async with turn:
                 frame = await to_thread.run_sync(
                     lambda: Frame.of(table_of(sweep, carried_out(prepare())), most=rows),
                     limiter=lane,
@@ -241,7 +241,7 @@ async def get_slice(
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:
             expect(request, BYTES_A_VALUE * min(values, most))
-            async with place:
+            async with turn:
                 made = await to_thread.run_sync(content, limiter=lane)
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
