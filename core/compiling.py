@@ -42,13 +42,13 @@ class Stopwatch:
         return self._depth > 0
 
     @contextmanager
-    def telling(self, told: Callable[[bool], object]) -> Iterator[None]:
+    def telling(self, listener: Callable[[bool], object]) -> Iterator[None]:
         """Tell a function, until the block ends, when compiling begins (True) and ends (False)."""
-        self._told.append(told)
+        self._told.append(listener)
         try:
             yield
         finally:
-            self._told.remove(told)
+            self._told.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
         for told in tuple(self._told):

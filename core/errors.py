@@ -42,9 +42,9 @@ class Problem:
     def __str__(self) -> str:
         return f"{self.place}: {self.message}. {self.fix}{'' if self.fix.endswith('?') else '.'}"
 
-    def below(self, place: str) -> Problem:
+    def below(self, parent: str) -> Problem:
         """Return the same problem with `place` in front of its own place."""
-        return replace(self, place=f"{place}.{self.place}")
+        return replace(self, place=f"{parent}.{self.place}")
 
 
 class VibrafeedError(Exception):

@@ -76,17 +76,17 @@ def package_of(file: Path) -> str:
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
     """Return the files that the code of a package depends on, in a fixed order."""
-    found = {CORE / name for name in COMPILERS}
+    files = {CORE / name for name in COMPILERS}
     if package != LOOPS:
         left = sorted(packages()[package].glob("*.py"))
-        passed = found | {CORE / name for name in NEUTRAL}
+        passed = files | {CORE / name for name in NEUTRAL}
         while left:
             file = left.pop()
             if file not in passed:
                 passed.add(file)
-                found.add(file)
+                files.add(file)
                 left += imported(file.read_text(encoding="utf-8"))
-    return tuple(sorted(found))
+    return tuple(sorted(files))
 
 
 def imported(text: str) -> Iterator[Path]:
@@ -124,14 +124,14 @@ def folder(package: str) -> Path | None:
 
     One that cannot be written is there to be read (an image may ship it); None if there is none.
     """
-    found = root() / f"{package}-{digest(package)}"
+    path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):
-        found.mkdir(parents=True, exist_ok=True)
-        os.utime(found)  # it is in use
-        if os.access(found, os.W_OK):
-            _forget_old(package, found)
-            return found
-    return found if os.access(found, os.R_OK) else None
+        path.mkdir(parents=True, exist_ok=True)
+        os.utime(path)  # it is in use
+        if os.access(path, os.W_OK):
+            _forget_old(package, path)
+            return path
+    return path if os.access(path, os.R_OK) else None
 
 
 @functools.cache

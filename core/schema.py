@@ -65,7 +65,7 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     named : mapping of str to dict
         Definitions that they refer to.
     """
-    counts = Counter(_text(part) for one in (*kinds, *named.values()) for part in _below(one))
+    counts = Counter(_text(part) for kind in (*kinds, *named.values()) for part in _below(kind))
     names: dict[str, str] = {}
     shared: dict[str, Schema] = {}
 
@@ -79,8 +79,8 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
         notes = {key: schema[key] for key in NOTES if key in schema}
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
-    whole = [_mapped(one, short) for one in kinds]
-    definitions = {name: _mapped(one, short) for name, one in named.items()}
+    whole = [_mapped(kind, short) for kind in kinds]
+    definitions = {name: _mapped(kind, short) for name, kind in named.items()}
     return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
 
 

@@ -165,11 +165,11 @@ def _in_families(names: Iterable[str]) -> list[str]:
     for name in names:
         stem, _, number = name.rpartition("_")
         families.setdefault(f"{stem}_" if number.isdecimal() else name, []).append(name)
-    told = []
+    texts = []
     for stem, family in families.items():
         if len(family) >= FEWEST_OF_A_FAMILY:
             numbers = [int(name.removeprefix(stem)) for name in family]
-            told.append(f"{stem}{min(numbers)} to _{max(numbers)}")
+            texts.append(f"{stem}{min(numbers)} to _{max(numbers)}")
         else:
-            told += family
-    return told
+            texts += family
+    return texts

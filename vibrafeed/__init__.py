@@ -276,11 +276,11 @@ def plot(
     )  # fmt: skip
 
 
-def _opened(given: Any) -> Any:
+def _opened(source: Any) -> Any:
     """Return what is to be drawn, files read."""
-    if isinstance(given, str | _os.PathLike):
-        return import_module("core.plots.files").read(given)
-    return [_opened(one) for one in given] if isinstance(given, list | tuple) else given
+    if isinstance(source, str | _os.PathLike):
+        return import_module("core.plots.files").read(source)
+    return [_opened(one) for one in source] if isinstance(source, list | tuple) else source
 
 
 def animate(

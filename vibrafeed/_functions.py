@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from core.watch import Watch
 
 
-def study(given: Given | None = None, /, **keywords: Any) -> Study:
+def study(base: Given | None = None, /, **keywords: Any) -> Study:
     """Return the study that a mapping or keywords describe; `kind` says which one it is.
 
     Its values are right by themselves. Whether they make a whole is seen when it is carried out.
@@ -59,8 +59,8 @@ def study(given: Given | None = None, /, **keywords: Any) -> Study:
     {'frequency': 101}
     """
     intake = import_module("core.intake")
-    found = intake.gather(given, keywords)
-    return intake.study_of(found) if isinstance(found, dict) else found
+    content = intake.gather(base, keywords)
+    return intake.study_of(content) if isinstance(content, dict) else content
 
 
 def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
@@ -350,29 +350,29 @@ def drive_error(
     return drive_error(asked, fit, draws, np.random.default_rng(seed))
 
 
-def said(given: Mapping[str, Any]) -> dict[str, Any]:
+def said(arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keywords that say something, by name, of all that a function was given."""
-    _, *named = given.items()  # the first is the study
+    _, *named = arguments.items()  # the first is the study
     keywords = dict(named)
     for name in ("others", "numbered"):
         keywords |= keywords.pop(name, {})
     return {name: value for name, value in keywords.items() if value is not None}
 
 
-def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> Any:
+def _prepared(kind: str, base: Given | None, keywords: Mapping[str, Any]) -> Any:
     """Return a study of one kind, ready to be carried out."""
     intake = import_module("core.intake")
-    found = intake.gather(given, keywords, kind)
-    if not isinstance(found, dict):
-        return import_module("core.kinds").prepare(found)
-    prepared = intake.prepare_content(found, files=True)
-    for question in import_module("core.study.unusual").questions(found):
+    content = intake.gather(base, keywords, kind)
+    if not isinstance(content, dict):
+        return import_module("core.kinds").prepare(content)
+    prepared = intake.prepare_content(content, files=True)
+    for question in import_module("core.study.unusual").questions(content):
         warnings.warn(question, stacklevel=CALLER)
     return prepared
 
 
-def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
-    prepared = _prepared(kind, given, keywords)
+def _carry_out(kind: str, base: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
+    prepared = _prepared(kind, base, keywords)
     prepared.check_limits(cells=None, bytes_=_memory())
     _import_accessor()
     with import_module("core.compiling").announced(_say):

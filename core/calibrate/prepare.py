@@ -190,15 +190,15 @@ def _open(
 ) -> Iterable[Problem]:
     """Yield unknowns whose parameter is known, and offsets and factors of what is not there."""
     for unknown in unknowns:
-        place, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
+        path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
             where = "observations" if unknown.parameter in columns else "parameters"
             message = f"{unknown.parameter} is unknown, and given in the {where}"
-            yield Problem(place, message, "Give it once, or make it [offsets] or [factors]")
+            yield Problem(path, message, "Give it once, or make it [offsets] or [factors]")
         elif unknown.table != "unknowns" and unknown.parameter not in names:
             message = f"there is no {unknown.parameter} among the parameters or observations"
             fix = "Give what it changes, or move it to [unknowns]"
-            yield Problem(place, message, fix)
+            yield Problem(path, message, fix)
 
 
 def _spans(
@@ -213,17 +213,17 @@ def _spans(
     for unknown in unknowns:
         low, high = unknown.lower, unknown.upper
         if unknown.table != "unknowns":
-            given = columns.get(
+            values_known = columns.get(
                 unknown.parameter, np.array([shared.get(unknown.parameter, np.nan)])
             )
             known = spans.get(unknown.parameter)
             if isinstance(known, Span):  # it has another unknown already
-                given = np.array([known.start, known.stop])
-            given = given[~np.isnan(given)]
-            if not given.size:
+                values_known = np.array([known.start, known.stop])
+            values_known = values_known[~np.isnan(values_known)]
+            if not values_known.size:
                 continue
             pair = np.array([low, high])[:, np.newaxis]
-            ends = given + pair if unknown.table == "offsets" else given * pair
+            ends = values_known + pair if unknown.table == "offsets" else values_known * pair
             low, high = float(ends.min()), float(ends.max())
         quantity = QUANTITIES[unknown.parameter]
         if low < quantity.lower or high > quantity.upper:

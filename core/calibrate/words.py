@@ -265,8 +265,8 @@ def _deviation(values: Array, weights: Array) -> float:
     return float(np.sqrt(weights @ np.square(values - mean)))
 
 
-def _joint_unit(one: str, other: str, mark: str) -> str:
-    read = ["" if unit == "1" else SI.get(unit, unit) for unit in (one, other)]
+def _joint_unit(first: str, second: str, mark: str) -> str:
+    read = ["" if unit == "1" else SI.get(unit, unit) for unit in (first, second)]
     if mark == "/" and read[0] == read[1]:
         return ""
     if mark == "/":

@@ -90,7 +90,7 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     return content
 
 
-def plain(value: object, place: str) -> Any:
+def plain(value: object, path: str) -> Any:
     """Return a value as a file could hold it: ranges and arrays become lists.
 
     Raises
@@ -99,13 +99,13 @@ def plain(value: object, place: str) -> Any:
         If a range or an array has more values than an axis may have, or more dimensions than one.
     """
     if isinstance(value, Mapping):
-        return {str(name): plain(item, f"{place}.{name}") for name, item in value.items()}
+        return {str(name): plain(item, f"{path}.{name}") for name, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item, place) for item in value]
+        return [plain(item, path) for item in value]
     if isinstance(value, range):
         if value[MAX_POINTS:]:
             most = f"One axis holds {MAX_POINTS:,} values at most; take a larger step"
-            raise StudyError([Problem(place, f"{value} is too long", most)])
+            raise StudyError([Problem(path, f"{value} is too long", most)])
         return list(value)
     if hasattr(value, "to_numpy"):  # labelled arrays, of pandas and xarray
         value = value.to_numpy()
@@ -113,7 +113,7 @@ def plain(value: object, place: str) -> Any:
     if numpy is not None and isinstance(value, numpy.ndarray | numpy.generic):
         if value.ndim > 1:
             message = f"it is an array of {value.ndim} dimensions"
-            raise StudyError([Problem(place, message, "Give an array of one, or one number")])
+            raise StudyError([Problem(path, message, "Give an array of one, or one number")])
         return value.tolist()
     return value
 

@@ -95,21 +95,21 @@ def _problem(
     error: ErrorDetails, path: list[Any], section: Section, suggest: Suggestions
 ) -> Problem:
     """Return one error of pydantic in our words."""
-    place = section.place(path)
+    key = section.place(path)
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] == "value":
         fix = context["fix"]
         if callable(fix):
             fix = suggest.within(fix)
-        return Problem(place, context["message"], fix)
+        return Problem(key, context["message"], fix)
     if error["type"] == "union_tag_invalid":
         tag = str(context["tag"])[:60]
         message = f"'{tag}' is not a {path[0]}"
-        return Problem(f"{place}.kind", message, suggest(tag, section.tags))
+        return Problem(f"{key}.kind", message, suggest(tag, section.tags))
     if error["type"] == "union_tag_not_found":
         fix = "Write kind = " + " or ".join(f'"{name}"' for name in section.tags)
-        return Problem(f"{place}.kind", "it is missing", fix)
+        return Problem(f"{key}.kind", "it is missing", fix)
     if error["type"] == "missing":
         name = str(path[-1])[:60] if path else ""
-        return Problem(place, "it is missing", f"Add {name}")
-    return Problem(place, error["msg"].removesuffix("."), "Fix the value or its type")
+        return Problem(key, "it is missing", f"Add {name}")
+    return Problem(key, error["msg"].removesuffix("."), "Fix the value or its type")

@@ -54,24 +54,24 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     """Return values and densities of a parameter in a result, or why there are none."""
     from core.dataset.read import read_netcdf  # few studies need it
 
-    place = f"uncertain.{name}.{CALIBRATION}"
+    key = f"uncertain.{name}.{CALIBRATION}"
     fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
     if not isinstance(path, str):
-        return Problem(place, "it is not a path", fix)
+        return Problem(key, "it is not a path", fix)
     try:
         table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds
-        return Problem(place, f"{path} cannot be read: {error}"[:300], fix)
+        return Problem(key, f"{path} cannot be read: {error}"[:300], fix)
     density = table.variables.get(f"{DENSITY}{name}")
     if density is None or density.dims != (name,) or name not in table.coordinates:
         known = ", ".join(n.removeprefix(DENSITY) for n, one in table.variables.items()
                           if n.startswith(DENSITY) and len(one.dims) == 1)  # fmt: skip
         message = f"{path} has no density of {name}"
-        return Problem(place, message, f"It has those of {known}" if known else fix)
+        return Problem(key, message, f"It has those of {known}" if known else fix)
     values = np.asarray(table.coordinates[name].values, dtype=np.float64)
     densities = np.asarray(density.values, dtype=np.float64)
     if not (np.isfinite(densities).all() and (densities > 0).any()):
-        return Problem(place, f"the density of {name} in {path} has no mass", "Calibrate it again")
+        return Problem(key, f"the density of {name} in {path} has no mass", "Calibrate it again")
     # Nothing is lost beyond the first and the last 0 next to some mass.
     some = np.flatnonzero(densities > 0)
     kept = slice(max(some[0] - 1, 0), some[-1] + 2)

@@ -79,18 +79,18 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
 
 def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
     """Return what a study keeps of the recording that it names, and its fit."""
-    given = _read(drive)
-    source = _source(given, files)
-    place = "drive.file" if isinstance(source, Path) else "drive.data"
+    fields = _read(drive)
+    source = _source(fields, files)
+    path = "drive.file" if isinstance(source, Path) else "drive.data"
     try:
-        fit = measured.fit_drive(_table(source, place, files), _recording(given))
+        fit = measured.fit_drive(_table(source, path, files), _recording(fields))
         digest = _digest(source)
     except StudyError as error:
-        raise StudyError(_placed(problem, place) for problem in error.problems) from None
+        raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
         raise StudyError(
-            [Problem(place, message, "Name a CSV file in the study's folder")]
+            [Problem(path, message, "Name a CSV file in the study's folder")]
         ) from None
     name = source.name if isinstance(source, Path) else SENT
     return _record_of(fit, name, digest), fit
@@ -130,20 +130,20 @@ def _which(files: bool) -> str:
     return f"Give file = its name, or {text}" if files else f"Give {text}"
 
 
-def _table(source: str | Path, place: str, files: bool) -> measured.RecordingTable:
+def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     if not files and lines > 2 * MAX_ROWS_SENT:
-        raise StudyError([_too_long(place, lines, "lines")])
+        raise StudyError([_too_long(path, lines, "lines")])
     table = measured.read_table(source)
     if not files and len(table.lines) > MAX_ROWS_SENT:
-        raise StudyError([_too_long(place, len(table.lines), "rows")])
+        raise StudyError([_too_long(path, len(table.lines), "rows")])
     return table
 
 
-def _too_long(place: str, count: int, what: str) -> Problem:
+def _too_long(path: str, count: int, what: str) -> Problem:
     message = f"it has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
-    return Problem(place, message, "Cut it: one second of recording is enough")
+    return Problem(path, message, "Cut it: one second of recording is enough")
 
 
 def _recording(drive: RecordedDrive) -> measured.Recording:
@@ -158,10 +158,10 @@ def _digest(source: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _placed(problem: Problem, place: str) -> Problem:
+def _placed(problem: Problem, path: str) -> Problem:
     """Return a problem of a recording where a study has what it is about."""
     if problem.place == "recording":
-        return Problem(place, problem.message, problem.fix)
+        return Problem(path, problem.message, problem.fix)
     return problem if problem.place.startswith("drive.") else problem.below("drive")
 
 

@@ -125,25 +125,25 @@ def _check_values(content: object, *, texts: bool) -> None:
     level: list[tuple[str, Any]] = [("", [content])]
     for _ in range(DEEPEST + 1):
         below: list[tuple[str, Any]] = []
-        for place, part in level:
+        for path, part in level:
             if isinstance(part, dict):
                 for key, value in part.items():
-                    within = f"{place}.{_shown(key)}".lstrip(".")
+                    within = f"{path}.{_shown(key)}".lstrip(".")
                     if texts and _is_no_text(key):
                         _fail(within, "its name holds an invalid character", "Fix the name")
                     _check_plain(within, (value,), texts)
                     if isinstance(value, dict | list):
                         below.append((within, value))
             else:
-                _check_plain(place, part, texts)
-                below.extend((place, item) for item in part if isinstance(item, dict | list))
+                _check_plain(path, part, texts)
+                below.extend((path, item) for item in part if isinstance(item, dict | list))
         if not below:
             return
         level = below
     _fail(level[0][0][:100] or "body", "it is nested too deeply", ONE)
 
 
-def _check_plain(place: str, values: Sequence[Any], texts: bool) -> None:
+def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
     """Raise `StudyError` if one of some values is a number beyond floats, or no text."""
     kinds = {*map(type, values)}
     if kinds <= {int, float}:
@@ -151,10 +151,10 @@ def _check_plain(place: str, values: Sequence[Any], texts: bool) -> None:
     else:
         numbers = [value for value in values if type(value) in (int, float)]
     if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
-        _fail(place or "body", "it is a number larger than 1.8e308", "Fix the value")
+        _fail(path or "body", "it is a number larger than 1.8e308", "Fix the value")
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
         wrong = "it holds an invalid character: NUL, or half of a surrogate pair"
-        _fail(place or "body", wrong, "Fix the value")
+        _fail(path or "body", wrong, "Fix the value")
 
 
 def _is_no_text(text: str) -> bool:
@@ -166,5 +166,5 @@ def _shown(text: str) -> str:
     return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
 
 
-def _fail(place: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
-    raise StudyError([Problem(place, message, fix)]) from cause
+def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
+    raise StudyError([Problem(path, message, fix)]) from cause

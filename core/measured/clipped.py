@@ -14,7 +14,7 @@ STEPS = 4.0  # of the sensor: crests that differ by less may be one
 
 
 def clipped(
-    place: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
+    path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
 ) -> list[Problem]:
     """Return a problem for each end of the range at which a channel sticks.
 
@@ -42,7 +42,7 @@ def clipped(
                 f"{values[starts[0]]:g}, first in line {first}"
             )
             fix = "Record again with a wider range of the sensor"
-            problems.append(Problem(place, message, fix))
+            problems.append(Problem(path, message, fix))
     return problems
 
 

@@ -68,19 +68,19 @@ class RecordingTable:
     columns: Mapping[str, RecordingColumn]
     lines: NDArray[np.int64]
 
-    def column(self, name: str, place: str, problems: list[Problem]) -> RecordingColumn | None:
+    def column(self, name: str, path: str, problems: list[Problem]) -> RecordingColumn | None:
         """Return a sound column; else say at `place` what is wrong with it, and return None."""
         column = self.columns.get(name)
         if column is None:
             message = f"the recording has no column '{name[:60]}'"
-            problems.append(Problem(place, message, suggestion(name, self.columns), name))
+            problems.append(Problem(path, message, suggestion(name, self.columns), name))
             return None
         for fault in column.faults:
             message = f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}"
-            problems.append(Problem(place, message, "Correct the line, or leave it out", name))
+            problems.append(Problem(path, message, "Correct the line, or leave it out", name))
         if column.faulty > SHOWN:
             message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
-            problems.append(Problem(place, message, "Export the recording again", name))
+            problems.append(Problem(path, message, "Export the recording again", name))
         return None if column.faulty else column
 
 

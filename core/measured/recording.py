@@ -127,7 +127,7 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
     problems: list[Problem] = []
     times = read_times(table, recording.rate, recording.time, problems)
     names = _channels(recording, problems)
-    channels = [_channel(table, place, name, recording.unit, problems) for place, name in names]
+    channels = [_channel(table, path, name, recording.unit, problems) for path, name in names]
     turned = direction(recording.mounting, problems)
     line, guess = (
         _number(name, getattr(recording, name), problems)
@@ -147,7 +147,7 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
         raise StudyError(problems)
     accelerations = np.array([channel.accelerations for channel in held])
     resolution = np.array([channel.step for channel in held])
-    axes = tuple(place for place, _ in names)
+    axes = tuple(path for path, _ in names)
     if recording.sensor is not None:
         accelerations, axes = turned @ accelerations, AXES
         resolution = np.sqrt(turned**2 @ resolution**2)
@@ -182,15 +182,15 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 
 
 def _channel(
-    table: RecordingTable, place: str, name: str, unit: str | None, problems: list[Problem]
+    table: RecordingTable, path: str, name: str, unit: str | None, problems: list[Problem]
 ) -> _Channel | None:
     """Return a channel in m s-2; None if something is wrong with it."""
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
-    column = table.column(name if sign > 0 else name[1:].strip(), place, problems)
+    column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
     if column is None:
         return None
-    factor = _factor(place, name, column, unit, problems)
-    problems += clipped(place, name, column.values, table.lines)
+    factor = _factor(path, name, column, unit, problems)
+    problems += clipped(path, name, column.values, table.lines)
     if factor is None:
         return None
     gaps = np.diff(np.unique(column.values))
@@ -199,7 +199,7 @@ def _channel(
 
 
 def _factor(
-    place: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
+    path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
     """Return what one unit of a channel is in m s-2."""
     said = {text for text in (column.unit, unit) if text}
@@ -212,7 +212,7 @@ def _factor(
     for text, factor in factors.items():
         if factor is None:
             message = f"'{text[:40]}' is not a unit of acceleration"
-            problems.append(Problem("unit" if text == unit else place, message, f"Known: {listed}"))
+            problems.append(Problem("unit" if text == unit else path, message, f"Known: {listed}"))
             return None
     if len(set(factors.values())) > 1:
         message = f"the header says {column.unit} for column '{name}', unit says {unit}"

@@ -52,16 +52,16 @@ def check_before(signal: Signal) -> None:
         problems.append(Problem("recording", "all its channels are constant", fix))
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
-    for place in ("frequency", "line_frequency"):
-        asked = getattr(signal, place)
+    for key in ("frequency", "line_frequency"):
+        asked = getattr(signal, key)
         if asked is None:
             continue
         if asked < lowest:
-            problems.append(_too_short(place, asked, duration))
+            problems.append(_too_short(key, asked, duration))
         elif asked > highest:
             problems.append(
                 Problem(
-                    place,
+                    key,
                     f"{count / duration:,.4g} samples a second cannot resolve {asked:g} Hz",
                     f"Record {asked / NYQUIST_SHARE:,.4g} a second or more",
                 )
@@ -128,10 +128,10 @@ def check_fit(
         raise StudyError(problems)
 
 
-def _too_short(place: str, frequency: float, duration: float) -> Problem:
-    another = ", or give frequency, if it is another" if place == "recording" else ""
+def _too_short(key: str, frequency: float, duration: float) -> Problem:
+    another = ", or give frequency, if it is another" if key == "recording" else ""
     return Problem(
-        place,
+        key,
         f"{duration:.4g} s hold {frequency * duration:.3g} periods of {frequency:.4g} Hz",
         f"Record {LEAST_PERIODS} periods at least, {LEAST_PERIODS / frequency:.3g} s{another}",
     )

@@ -24,13 +24,13 @@ _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}
 
 def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
     """Return the dimensions of every answer."""
-    found: dict[str, tuple[str, ...]] = {}
+    dims: dict[str, tuple[str, ...]] = {}
     for boxes in units.boxes:
         kept = tuple(dim for dim in boxes.field.dims if dim not in asked.over)
         for name in _names(boxes, asked):
             is_quantile = name.endswith(f"_{QUANTILE}") and name not in boxes.field.levels
-            found[name] = (QUANTILE, *kept) if is_quantile else kept
-    return found
+            dims[name] = (QUANTILE, *kept) if is_quantile else kept
+    return dims
 
 
 def answers(
@@ -46,13 +46,13 @@ def answers(
     for field, block, state in states:
         boxes = units.boxes[field]
         box = boxes.cutting.kept(boxes.cutting.box(block, 0))
-        place = tuple(slice(*ends) for ends in box)
+        region = tuple(slice(*ends) for ends in box)
         shape = tuple(stop - start for start, stop in box)
         for name, values in _answers(boxes, grid, asked, state):
             if dims[name][:1] == (QUANTILE,):
-                arrays[name][(slice(None), *place)] = values.reshape((-1, *shape))
+                arrays[name][(slice(None), *region)] = values.reshape((-1, *shape))
             else:
-                arrays[name][place] = values.reshape(shape)
+                arrays[name][region] = values.reshape(shape)
     return arrays
 
 
@@ -153,17 +153,17 @@ def binned_quantiles(
     least, largest = (float(values_of(ends[row])[0]) for row in (2, 0))
     before = np.cumsum(filled) - filled
     for k, quantile in enumerate(quantiles):
-        place = quantile * (total - 1)
-        if place <= 0 or place >= total - 1:  # they are known
-            result[k, 0] = least if place <= 0 else largest
+        rank = quantile * (total - 1)
+        if rank <= 0 or rank >= total - 1:  # they are known
+            result[k, 0] = least if rank <= 0 else largest
             continue
-        at = int(np.searchsorted(before, place, side="right")) - 1
+        at = int(np.searchsorted(before, rank, side="right")) - 1
         keys = np.array([bins[at] - BINS // 2, bins[at] - BINS // 2 + 1]) << SHIFT
         keys[1] -= 1
         low, high = (float(value) for value in values_of(keys))
         # The bins of infinite values hold patterns beyond them, which are no numbers.
         low = least if math.isnan(low) else max(low, least)
         high = largest if math.isnan(high) else min(high, largest)
-        share = min(1.0, (place - float(before[at])) / max(1, int(filled[at]) - 1))
+        share = min(1.0, (rank - float(before[at])) / max(1, int(filled[at]) - 1))
         result[k, 0] = low if low == high else low + (high - low) * share
     return result

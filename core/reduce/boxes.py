@@ -233,14 +233,14 @@ class Boxes:
         self, conditions: tuple[ShareCondition, ...], values: Buffers, rows: Rows
     ) -> NDArray[np.int64]:
         met = np.ones(values["regime"].size, np.int8)
-        for one in conditions:
-            if one.name == "regime":
-                same = values["regime"] == REGIMES[str(one.value)].value
-                met[same if one.comparison == "!=" else ~same] = 0
+        for condition in conditions:
+            if condition.name == "regime":
+                same = values["regime"] == REGIMES[str(condition.value)].value
+                met[same if condition.comparison == "!=" else ~same] = 0
             else:
                 others.meet(
-                    values[one.name], values["regime"], self._valid,
-                    COMPARED[one.comparison], float(one.value), met,
+                    values[condition.name], values["regime"], self._valid,
+                    COMPARED[condition.comparison], float(condition.value), met,
                 )  # fmt: skip
         return _counted(met, 1, rows)
 
@@ -249,13 +249,13 @@ class Boxes:
         at = dims.index(level.along)
         stride = math.prod(stop - start for start, stop in box[at + 1 :])
         largest = level.take == "largest"
-        found = np.full(rows.count, -np.inf if largest else np.inf)
+        crossings = np.full(rows.count, -np.inf if largest else np.inf)
         others.crossings(
             values[level.output], values["regime"], self._valid, level.level,
             self._grid.axes[level.along].array(*box[at]), stride, largest,
-            rows.slots, rows.length, rows.spread, found,
+            rows.slots, rows.length, rows.spread, crossings,
         )  # fmt: skip
-        return {f"{name}.{level.take}": found}
+        return {f"{name}.{level.take}": crossings}
 
 
 def exact_quantiles(

@@ -40,24 +40,24 @@ def _of_shares(
     asked: Reduction, outputs: Collection[str], suggest: Suggestions
 ) -> Iterator[Problem | None]:
     for share, conditions in asked.shares.items():
-        place = f"reduce.shares.{share}"
+        path = f"reduce.shares.{share}"
         if not conditions:
-            yield Problem(place, "it has no condition", "Give at least one")
-        for k, one in enumerate(conditions):
-            if one.name != "regime":
-                yield _no_output(one.name, f"{place}.{k}", outputs, suggest)
+            yield Problem(path, "it has no condition", "Give at least one")
+        for k, condition in enumerate(conditions):
+            if condition.name != "regime":
+                yield _no_output(condition.name, f"{path}.{k}", outputs, suggest)
 
 
 def _of_levels(
     asked: Reduction, outputs: Collection[str], suggest: Suggestions
 ) -> Iterator[Problem | None]:
     for name, level in asked.levels.items():
-        place = f"reduce.levels.{name}"
-        yield _no_output(level.output, f"{place}.output", outputs, suggest)
+        path = f"reduce.levels.{name}"
+        yield _no_output(level.output, f"{path}.output", outputs, suggest)
         if level.along not in asked.over:
             fix = suggest(level.along, asked.over)
             message = f"'{level.along[:60]}' is not among the axes that go (over)"
-            yield Problem(f"{place}.along", message, fix)
+            yield Problem(f"{path}.along", message, fix)
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
@@ -77,21 +77,21 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
 def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
     depends = plan.depends_on(grid.axes)
     for name, level in asked.levels.items():
-        place = f"reduce.levels.{name}.along"
+        path = f"reduce.levels.{name}.along"
         if level.along not in grid.axes or level.output not in plan.outputs:
             continue
         if level.along not in depends[level.output]:
             message = f"{level.output} does not depend on {level.along}"
             needed = [dim for dim in grid.dims(depends[level.output]) if dim in asked.over]
             fix = f"It depends on {', '.join(needed)}" if needed else "Leave the level out"
-            yield Problem(place, message, fix)
+            yield Problem(path, message, fix)
         elif grid.shape[level.along] == 1:
-            yield Problem(place, f"{level.along} has one value only", "Give it two or more")
+            yield Problem(path, f"{level.along} has one value only", "Give it two or more")
 
 
 def _no_axis(
     name: str,
-    place: str,
+    path: str,
     axes: Collection[str],
     values: Mapping[str, Values],
     suggest: Suggestions,
@@ -100,13 +100,13 @@ def _no_axis(
         return None
     if name in values:
         fix = f"Give {name} several values, or leave it out here"
-        return Problem(place, f"{name} has one value, and is no axis", fix)
+        return Problem(path, f"{name} has one value, and is no axis", fix)
     fix = suggest(name, axes) if axes else "Give a parameter several values"
-    return Problem(place, f"'{name[:60]}' is not an axis of this study", fix)
+    return Problem(path, f"'{name[:60]}' is not an axis of this study", fix)
 
 
 def _no_output(
-    name: str, place: str, outputs: Collection[str], suggest: Suggestions
+    name: str, path: str, outputs: Collection[str], suggest: Suggestions
 ) -> Problem | None:
     if name in outputs:
         return None
@@ -114,4 +114,4 @@ def _no_output(
     message = f"'{name[:60]}' is not among the outputs of this study"
     if not fix.startswith("Did"):
         fix = f"Add it to outputs, or take one of them: {', '.join(outputs)}"
-    return Problem(place, message, fix)
+    return Problem(path, message, fix)

@@ -114,19 +114,21 @@ class FieldLoop:
         for tile in lanes.tiles(box):
             places, offset = lanes.places(tile, box)
             held = [
-                [lanes.buffer(f"{k}.{kind}", places.lanes) for kind in one.kinds]
-                for k, one in enumerate(self._gatherings)
+                [lanes.buffer(f"{k}.{kind}", places.lanes) for kind in gathering.kinds]
+                for k, gathering in enumerate(self._gatherings)
             ]
             flat = [array for arrays in held for array in arrays]
             self._loop.run(tile, places.strides, lanes.numbers, flat)
-            for one, arrays in zip(self._gatherings, held, strict=True):
-                if one.kinds[0] == "counts":
-                    totals.fold_counts(arrays[0], places, offset, *one.counters)
-                elif one.kinds[0] == "sum":
-                    totals.fold_sum(one.output, arrays[0], places, offset, lanes.line)
+            for gathering, arrays in zip(self._gatherings, held, strict=True):
+                if gathering.kinds[0] == "counts":
+                    totals.fold_counts(arrays[0], places, offset, *gathering.counters)
+                elif gathering.kinds[0] == "sum":
+                    totals.fold_sum(gathering.output, arrays[0], places, offset, lanes.line)
                 else:
                     at = arrays[-1][: 0 if len(arrays) == 1 else None]
-                    totals.fold_extremes(one.output, one.kinds[0], arrays[0], at, places, offset)
+                    totals.fold_extremes(
+                        gathering.output, gathering.kinds[0], arrays[0], at, places, offset
+                    )
 
     def _outputs(self) -> list[str]:
         compared = (one.name for conditions in self._field.shares.values() for one in conditions)
@@ -171,24 +173,28 @@ class FieldLoop:
             some = counters[first : first + COUNTS]
             weights = [float(1 << COUNT_BITS * k) for k in range(len(some))]
             regimes = {
-                one: weight for one, weight in zip(some, weights, strict=True) if type(one) is int
+                counter: weight
+                for counter, weight in zip(some, weights, strict=True)
+                if type(counter) is int
             }
             packed = self._by_regime(regimes, 0.0) if regimes else 0.0
-            for one, weight in zip(some, weights, strict=True):
-                if type(one) is not int:
-                    packed = np.where(one, weight, 0.0) + packed
+            for counter, weight in zip(some, weights, strict=True):
+                if type(counter) is not int:
+                    packed = np.where(counter, weight, 0.0) + packed
             pairs.append((Gathering("sum", counters=(first, first + len(some))), packed))
         return pairs
 
     def _met(self, conditions: Sequence[ShareCondition], counted: Mapping[str, Any]) -> Any:
         met: Any = True
-        for one in conditions:
-            if one.name == "regime":
-                equal = {int(REGIMES[str(one.value)].value): one.comparison == "=="}
-                holds = self._by_regime(equal, one.comparison != "==")
+        for condition in conditions:
+            if condition.name == "regime":
+                equal = {int(REGIMES[str(condition.value)].value): condition.comparison == "=="}
+                holds = self._by_regime(equal, condition.comparison != "==")
             else:
-                value = counted[one.name]
-                holds = COMPARISONS[one.comparison](value, float(one.value)) & (value == value)
+                value = counted[condition.name]
+                holds = COMPARISONS[condition.comparison](value, float(condition.value)) & (
+                    value == value
+                )
             met = holds & met
         return met
 

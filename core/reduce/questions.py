@@ -48,24 +48,26 @@ class ReducedField:
 
 def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, ...]:
     """Return the fields of a reduction, each with all that is asked of it."""
-    found: dict[tuple[tuple[str, ...], str], ReducedField] = {}
+    fields: dict[tuple[tuple[str, ...], str], ReducedField] = {}
     needed: dict[tuple[tuple[str, ...], str], set[str]] = {}
     depends = plan.depends_on(grid.axes)
-    for names, one in _questions(plan, asked):
+    for names, question in _questions(plan, asked):
         if has_invalid(plan, asked) and names:
             names = {*names, "regime"}
         dims = grid.dims(frozenset().union(*(depends[name] for name in names)))
-        key = (dims, one.along)
-        known = found.get(key, ReducedField(dims, plan, along=one.along))
+        key = (dims, question.along)
+        known = fields.get(key, ReducedField(dims, plan, along=question.along))
         needed[key] = needed.get(key, set()) | names
-        found[key] = replace(
+        fields[key] = replace(
             known,
-            outputs=tuple(dict.fromkeys((*known.outputs, *one.outputs))),
-            regimes=known.regimes or one.regimes,
-            shares={**known.shares, **one.shares},
-            levels={**known.levels, **one.levels},
+            outputs=tuple(dict.fromkeys((*known.outputs, *question.outputs))),
+            regimes=known.regimes or question.regimes,
+            shares={**known.shares, **question.shares},
+            levels={**known.levels, **question.levels},
         )
-    return tuple(replace(one, plan=_pulled(plan, needed[key])) for key, one in found.items())
+    return tuple(
+        replace(question, plan=_pulled(plan, needed[key])) for key, question in fields.items()
+    )
 
 
 def has_invalid(plan: Plan, asked: Reduction) -> bool:

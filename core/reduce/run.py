@@ -108,16 +108,16 @@ class Units:
                     if not running:
                         break
                     unit, future = running.popleft()
-                    found = future.result()
+                    result = future.result()
                     if before is not None and (unit.field, unit.block) == (
                         before.field,
                         before.block,
                     ):
-                        state = found if state is None else merged(state, found)
+                        state = result if state is None else merged(state, result)
                     else:
                         if before is not None and state is not None:
                             yield before.field, before.block, state
-                        state = found
+                        state = result
                     before = unit
                     watch.advance(unit.cells / cells)
             except BaseException:

@@ -23,26 +23,28 @@ State = dict[str, NDArray[Any]]
 """
 
 
-def merged(one: State, other: State) -> State:
+def merged(first: State, second: State) -> State:
     """Return what is known after the cells of two states, in whatever order they were seen."""
     result: State = {}
-    for name in one:
+    for name in first:
         of, _, kind = name.rpartition(".")
-        mine, yours = one[name], other[name]
+        mine, yours = first[name], second[name]
         if kind == "ends":
             result[name] = _ends(mine, yours)
         elif kind == "low":
             low, digits = added(
-                (int(mine[0]), one[f"{of}.digits"]), (int(yours[0]), other[f"{of}.digits"])
+                (int(mine[0]), first[f"{of}.digits"]), (int(yours[0]), second[f"{of}.digits"])
             )
             result |= {name: np.array([low]), f"{of}.digits": digits}
         elif kind == "beyond":
             with np.errstate(invalid="ignore"):
                 result[name] = mine + yours
         elif kind == "bins":
-            bins, place = np.unique(np.concatenate([mine, yours]), return_inverse=True)
+            bins, positions = np.unique(np.concatenate([mine, yours]), return_inverse=True)
             filled = np.zeros(bins.size, np.int64)
-            np.add.at(filled, place, np.concatenate([one[f"{of}.filled"], other[f"{of}.filled"]]))
+            np.add.at(
+                filled, positions, np.concatenate([first[f"{of}.filled"], second[f"{of}.filled"]])
+            )
             result |= {name: bins, f"{of}.filled": filled}
         elif kind == "count":
             result[name] = mine + yours

@@ -26,12 +26,12 @@ def carried(sums: Integers) -> Integers:
     return sums
 
 
-def added(one: tuple[int, Integers], other: tuple[int, Integers]) -> tuple[int, Integers]:
+def added(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple[int, Integers]:
     """Return the sum of two sums, each with its lowest level."""
-    low = min(one[0], other[0])
-    high = max(level + len(sums) for level, sums in (one, other))
-    total = np.zeros((high - low, one[1].shape[1]), np.int64)
-    for level, sums in (one, other):
+    low = min(first[0], second[0])
+    high = max(level + len(sums) for level, sums in (first, second))
+    total = np.zeros((high - low, first[1].shape[1]), np.int64)
+    for level, sums in (first, second):
         total[level - low : level - low + len(sums)] += sums
     return low, carried(total)
 

@@ -114,12 +114,12 @@ class Sensitivity(Prepared):
     @cached_property
     def _price(self) -> tuple[float, float]:
         """Seconds of an evaluation as is likely, and at most."""
-        if not any(one.takes_long for one in self.plan.equations):
+        if not any(equation.takes_long for equation in self.plan.equations):
             seconds = self.plan.scene.seconds_a_cell * pace()
             return seconds, seconds
         ends = {
-            name: tuple(to_si(name, np.array(tolerance(name, one))).tolist())
-            for name, one in self.uncertain.items()
+            name: tuple(to_si(name, np.array(tolerance(name, equation))).tolist())
+            for name, equation in self.uncertain.items()
         }
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         return price_of(method, self.plan, self.grid, ends)
@@ -231,17 +231,17 @@ def _wrong_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
     """Yield what is wrong with each demand, and with two of one name."""
     seen: set[str] = set()
     for number, demand in enumerate(demands):
-        place = f"demands.{number}"
+        path = f"demands.{number}"
         wrong = _unclear(demand)
         if wrong is not None:
-            yield Problem(place, *wrong)
+            yield Problem(path, *wrong)
         if demand.output in FLAGS:
             fix = 'Name the regime, for example regime = "hopping"'
-            yield Problem(f"{place}.output", f"{demand.output} is a name and not a number", fix)
+            yield Problem(f"{path}.output", f"{demand.output} is a name and not a number", fix)
         if demand.name in seen:
             fix = "Remove one, or put it into a study of its own"
             about = demand.output or demand.regime
-            yield Problem(place, f"an earlier demand is about the same side of {about}", fix)
+            yield Problem(path, f"an earlier demand is about the same side of {about}", fix)
         seen.add(demand.name)
 
 

@@ -108,9 +108,9 @@ def share_of(value: float, raw: object, example: str) -> float | None:
         raise UnitError(f"{raw[:40]!r} is not a percentage", fix) from None
 
 
-def problem(place: str, error: UnitError) -> Problem:
+def problem(path: str, error: UnitError) -> Problem:
     """Return the error as a problem at `place`."""
-    return Problem(place, error.message, error.fix)
+    return Problem(path, error.message, error.fix)
 
 
 def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:

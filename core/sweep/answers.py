@@ -60,36 +60,36 @@ def attributes_of_answer(
     name: str, asked: Reduction, outputs: Collection[str], *, is_exact: bool
 ) -> dict[str, Any]:
     """Return the CF attributes of an answer."""
-    one = answer_of(name, asked, outputs)
+    parts = answer_of(name, asked, outputs)
     attributes: dict[str, Any] = {"units": unit_of(name, asked, outputs)}
-    label = QUANTITIES[one.of].label if one.of in QUANTITIES else one.of
+    label = QUANTITIES[parts.of].label if parts.of in QUANTITIES else parts.of
     over = "".join(f"{axis}: " for axis in asked.over)
-    if one.what in METHODS:
-        attributes["long_name"] = f"{_WORDS[one.what]} {label.lower()}"
-        attributes["cell_methods"] = over + METHODS[one.what]
-    elif one.what in ("argmax", "argmin"):
-        where = "largest" if one.what == "argmax" else "least"
-        axis = QUANTITIES[one.axis].label
+    if parts.what in METHODS:
+        attributes["long_name"] = f"{_WORDS[parts.what]} {label.lower()}"
+        attributes["cell_methods"] = over + METHODS[parts.what]
+    elif parts.what in ("argmax", "argmin"):
+        where = "largest" if parts.what == "argmax" else "least"
+        axis = QUANTITIES[parts.axis].label
         attributes["long_name"] = f"{axis} where {label.lower()} is {where}"
         attributes["comment"] = "of equal values that of the first cell, the last axis fastest"
-    elif one.what == "quantile":
+    elif parts.what == "quantile":
         attributes["long_name"] = f"Quantiles of {label.lower()}"
         attributes["comment"] = EXACT if is_exact else BINNED
-    elif one.what == "count":
+    elif parts.what == "count":
         attributes["long_name"] = f"Cells that count for {label.lower()}"
         attributes["standard_name"] = "number_of_observations"
-    elif one.what == "regime":
-        attributes["long_name"] = f"Cells in the regime {one.of}"
-        attributes["comment"] = REGIMES[one.of].description
-    elif one.what == "share":
-        attributes["long_name"] = f"Share of cells: {one.of}"
-        attributes["comment"] = " and ".join(map(str, asked.shares[one.of]))
+    elif parts.what == "regime":
+        attributes["long_name"] = f"Cells in the regime {parts.of}"
+        attributes["comment"] = REGIMES[parts.of].description
+    elif parts.what == "share":
+        attributes["long_name"] = f"Share of cells: {parts.of}"
+        attributes["comment"] = " and ".join(map(str, asked.shares[parts.of]))
     else:
-        level = asked.levels[one.of]
-        attributes["long_name"] = f"{QUANTITIES[one.axis].label} of {one.of}"
+        level = asked.levels[parts.of]
+        attributes["long_name"] = f"{QUANTITIES[parts.axis].label} of {parts.of}"
         attributes["comment"] = _crossing(level)
-    counted = f"{one.of}_count"
-    if one.what in (*METHODS, "argmax", "argmin", "quantile"):
+    counted = f"{parts.of}_count"
+    if parts.what in (*METHODS, "argmax", "argmin", "quantile"):
         attributes["ancillary_variables"] = counted
     return attributes
 

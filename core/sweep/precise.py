@@ -239,7 +239,7 @@ def _outputs(
 ) -> dict[str, NDArray[np.object_]]:
     """Return the outputs at columns of numbers, piece by piece; raise for what rounds."""
     rounds: dict[str, str] = {}
-    found = {name: np.empty(size, dtype=object) for name in plan.outputs}
+    outputs = {name: np.empty(size, dtype=object) for name in plan.outputs}
     for start in range(0, size, PIECE):
         piece = slice(start, min(start + PIECE, size))
         count = piece.stop - piece.start
@@ -254,13 +254,13 @@ def _outputs(
             if name not in rounds:
                 with np.errstate(all="ignore"):
                     values = np.broadcast_to(_numbers(known[name]), count)
-                found[name][piece] = [number.value for number in values]
+                outputs[name][piece] = [number.value for number in values]
         watch.advance(count / size)
     for name in rounds:
-        if name in found and not partial:
+        if name in outputs and not partial:
             raise NotPreciseError(rounds[name])
-        found.pop(name, None)
-    return found
+        outputs.pop(name, None)
+    return outputs
 
 
 def _run(plan: Plan, known: dict[str, Any], rounds: dict[str, str]) -> None:

@@ -61,16 +61,18 @@ def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
     Shapes, types and attributes are those of `tabulate`, with cells verified that are evaluated
     for it, and a price that is not known yet; `watch` may stop verifying.
     """
-    one = sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified()
-    first = carry_out(one, compute, label)
+    corner = sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified()
+    first = carry_out(corner, compute, label)
     tiled, shape = Tiled(sweep), sweep.grid.shape
 
     def values_at(sample: Sample) -> dict[str, Array]:
         return tiled.at(sample.places, sample.count)
 
     variables = {
-        name: replace(one, values=np.broadcast_to(one.values, [shape[dim] for dim in one.dims]))
-        for name, one in first.variables.items()
+        name: replace(
+            corner, values=np.broadcast_to(corner.values, [shape[dim] for dim in corner.dims])
+        )
+        for name, corner in first.variables.items()
     }
     attributes = {**attributes_of(sweep), **verified(sweep, values_at, watch or Watch())}
     unknown = dict.fromkeys(price(0, 0.0), 0.0)

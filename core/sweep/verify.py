@@ -110,15 +110,16 @@ class Rounding:
         if self.worst is None:
             text = "no value that is not 0 is known to 50 digits"
         else:
-            one = self.worst
-            unit = QUANTITIES[one.name].unit.replace("degree", "rad")
+            worst = self.worst
+            unit = QUANTITIES[worst.name].unit.replace("degree", "rad")
             text = (
-                f"{one.name} {where}: error {one.error:.2g}{'' if unit == '1' else f' {unit}'}, "
-                f"{one.ulps:.3g} ulp, {one.conditioned:.2g} ulp over the condition number "
-                f"{one.kappa:.3g}"
+                f"{worst.name} {where}: error {worst.error:.2g}"
+                f"{'' if unit == '1' else f' {unit}'}, "
+                f"{worst.ulps:.3g} ulp, {worst.conditioned:.2g} ulp over the condition number "
+                f"{worst.kappa:.3g}"
             )
             if self.bound is not None:
-                kept = "within" if one.conditioned <= self.bound else "BEYOND"
+                kept = "within" if worst.conditioned <= self.bound else "BEYOND"
                 text += f", {kept} the bound of {self.bound}"
         if self.left_of_zero:
             text += f"; of values that are 0, {self.left_of_zero:.2g} is left at most"
@@ -248,9 +249,11 @@ def verified(
         return {}
     plan, sample = prepared.plan, sample_of(prepared, {})
     cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
-    found = rounding_of(plan, cells, values_at(sample), watch)
-    evaluated = int(found.evaluated.sum())
+    rounding = rounding_of(plan, cells, values_at(sample), watch)
+    evaluated = int(rounding.evaluated.sum())
     if not evaluated:
         return sample.told(AGAINST)
-    worst = found.in_words(sample.where(found.cell))
-    return sample.told(AGAINST, worst, evaluated=evaluated, compared=evaluated, failed=found.failed)
+    worst = rounding.in_words(sample.where(rounding.cell))
+    return sample.told(
+        AGAINST, worst, evaluated=evaluated, compared=evaluated, failed=rounding.failed
+    )

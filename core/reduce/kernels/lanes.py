@@ -133,17 +133,17 @@ def fold_extremes(
     empty = math.inf if least else -math.inf
     each = order.size // slots.size
     for slot in range(slots.size):
-        best, place = empty, math.inf
+        best, lowest = empty, math.inf
         for k in range(slot * each, (slot + 1) * each):
             lane = order[k]
             value = values[lane]
             number = numbers[lane] + own_numbers[lane] if numbers.size else 0.0
             is_better = value < best if least else value > best
-            if is_better or (value == best and number < place):
-                best, place = value, number
-        if place == math.inf:
+            if is_better or (value == best and number < lowest):
+                best, lowest = value, number
+        if lowest == math.inf:
             continue
-        own, at = key(best + 0.0), int(place)
+        own, at = key(best + 0.0), int(lowest)
         here = offset + slots[slot]
         is_better = own < keys[here] if least else own > keys[here]
         if is_better or (own == keys[here] and at < places[here]):

@@ -84,7 +84,7 @@ def crossings(
     slots: Integers,
     length: int,
     spread: bool,
-    found: Array,
+    extremes: Array,
 ) -> None:
     """Find where values cross a level between neighbours along an axis.
 
@@ -112,32 +112,32 @@ def crossings(
             before = values[start - stride : start]
             mine = values[start : start + stride]
             for k in range(mine.size):
-                one, other = before[k], mine[k]
-                if not ((one <= level <= other) or (one >= level >= other)):
+                lower, upper = before[k], mine[k]
+                if not ((lower <= level <= upper) or (lower >= level >= upper)):
                     continue
                 cell = start + k
                 if not (
-                    counted(one, regimes[cell - stride], valid)
-                    and counted(other, regimes[cell], valid)
+                    counted(lower, regimes[cell - stride], valid)
+                    and counted(upper, regimes[cell], valid)
                 ):
                     continue
                 first, last = axis[at - 1], axis[at]
-                place = _between(one, other, level, first, last, largest)
+                crossing = _between(lower, upper, level, first, last, largest)
                 row = cell // length
                 slot = slots[row] + (cell - row * length if spread else 0)
-                if (place > found[slot]) if largest else (place < found[slot]):
-                    found[slot] = place
+                if (crossing > extremes[slot]) if largest else (crossing < extremes[slot]):
+                    extremes[slot] = crossing
 
 
 @borrowing
 def _between(
-    one: float, other: float, level: float, first: float, last: float, largest: bool
+    lower: float, upper: float, level: float, first: float, last: float, largest: bool
 ) -> float:
     """Return where a line between two values crosses a level that lies between them."""
-    if one == level and other == level:
+    if lower == level and upper == level:
         return max(first, last) if largest else min(first, last)
-    if one == level or math.isinf(other):
+    if lower == level or math.isinf(upper):
         return first
-    if other == level or math.isinf(one):
+    if upper == level or math.isinf(lower):
         return last
-    return first + (level - one) / (other - one) * (last - first)
+    return first + (level - lower) / (upper - lower) * (last - first)
