@@ -65,7 +65,7 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     named : mapping of str to dict
         Definitions that they refer to.
     """
-    counts = Counter(_text(part) for kind in (*kinds, *named.values()) for part in _below(kind))
+    counts = Counter(_text(part) for schema in (*kinds, *named.values()) for part in _below(schema))
     names: dict[str, str] = {}
     shared: dict[str, Schema] = {}
 
@@ -80,7 +80,7 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
     whole = [_mapped(kind, short) for kind in kinds]
-    definitions = {name: _mapped(kind, short) for name, kind in named.items()}
+    definitions = {name: _mapped(schema, short) for name, schema in named.items()}
     return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
 
 

@@ -71,7 +71,10 @@ class Asked:
     def arrays(
         self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
     ) -> dict[str, NDArray[Any]]:
-        """Return each variable over its axes, in the units of files."""
+        """Return each variable over its axes, in the units of files.
+
+        `derivatives` hold every cell.
+        """
         shape = tuple(grid.shape.values())
         values: dict[str, Any] = {**plan.defaults, **grid.si()}
         arrays: dict[str, NDArray[Any]] = {}

@@ -164,12 +164,8 @@ class _Walk:
     def __init__(
         self, scene: Scene, variant: str, parameters: Collection[str], outputs: tuple[str, ...]
     ):
-        self.scene, self.variant, self.parameters, self.outputs = (
-            scene,
-            variant,
-            parameters,
-            outputs,
-        )
+        self.scene, self.variant = scene, variant
+        self.parameters, self.outputs = parameters, outputs
         self.scene_defaults = scene.defaults_of(variant)
         self.producers = scene.producers(variant)
         self.equations: list[Equation] = []

@@ -65,9 +65,7 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
             shares={**known.shares, **question.shares},
             levels={**known.levels, **question.levels},
         )
-    return tuple(
-        replace(question, plan=_pulled(plan, needed[key])) for key, question in fields.items()
-    )
+    return tuple(replace(known, plan=_pulled(plan, needed[key])) for key, known in fields.items())
 
 
 def has_invalid(plan: Plan, asked: Reduction) -> bool:

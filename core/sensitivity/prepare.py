@@ -118,8 +118,8 @@ class Sensitivity(Prepared):
             seconds = self.plan.scene.seconds_a_cell * pace()
             return seconds, seconds
         ends = {
-            name: tuple(to_si(name, np.array(tolerance(name, equation))).tolist())
-            for name, equation in self.uncertain.items()
+            name: tuple(to_si(name, np.array(tolerance(name, uncertain))).tolist())
+            for name, uncertain in self.uncertain.items()
         }
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         return price_of(method, self.plan, self.grid, ends)

@@ -70,9 +70,10 @@ def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
 
     variables = {
         name: replace(
-            corner, values=np.broadcast_to(corner.values, [shape[dim] for dim in corner.dims])
+            variable,
+            values=np.broadcast_to(variable.values, [shape[dim] for dim in variable.dims]),
         )
-        for name, corner in first.variables.items()
+        for name, variable in first.variables.items()
     }
     attributes = {**attributes_of(sweep), **verified(sweep, values_at, watch or Watch())}
     unknown = dict.fromkeys(price(0, 0.0), 0.0)
