@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def study(
-    given: Given | None = None,
+    base: Given | None = None,
     /,
     *,
     kind: Literal["sweep", "simulate", "optimise", "sensitivity", "calibrate"] | None = None,
@@ -307,7 +307,7 @@ def study(
     {'frequency': 101}
     """
     keywords = _functions.said(locals())
-    return _functions.study(given, **keywords)
+    return _functions.study(base, **keywords)
 
 
 def sweep(

@@ -7,6 +7,7 @@ import pytest
 from benchmarks.browsing import browsed
 from benchmarks.serving import served
 from tools import tool
+from waiting import PATIENCE
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +21,7 @@ def browser():
     tool("chromium")
     from playwright.sync_api import expect
 
-    expect.set_options(timeout=60_000)  # ms; a busy machine takes its time
+    expect.set_options(timeout=1000 * PATIENCE)  # ms; a busy machine takes its time
     with browsed() as context:
         yield context
 
@@ -33,8 +34,8 @@ def page(browser):
     complaints: list[str] = []
     found.on("request", lambda request: asked.append(request.url))
     found.on("console", lambda message: complaints.append(message.text))
-    found.on("pageerror", lambda error: complaints.append(str(error)))
-    found.set_default_timeout(60_000)
+    found.on("pageerror", lambda error: complaints.append(f"{error}\n{error.stack}"))
+    found.set_default_timeout(1000 * PATIENCE)
     yield found
     found.close()
     local = ("http://127.0.0.1:", "data:", "blob:")

@@ -12,6 +12,7 @@ import pytest
 from playwright.sync_api import expect
 
 from audit import audited
+from waiting import PATIENCE
 
 SNAPSHOT = (
     "#question=drive&kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
@@ -28,7 +29,7 @@ def posted(address, study):
         json.dumps(study).encode(),
         {"Content-Type": "application/json"},
     )
-    with urllib.request.urlopen(request, timeout=60) as reply:
+    with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
         return json.load(reply)["variables"]
 
 

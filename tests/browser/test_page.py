@@ -10,6 +10,7 @@ import urllib.request
 import pytest
 
 from audit import audited
+from waiting import PATIENCE
 
 TRACK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
@@ -24,7 +25,7 @@ def posted(address, study):
         json.dumps(study).encode(),
         {"Content-Type": "application/json"},
     )
-    with urllib.request.urlopen(request, timeout=60) as reply:
+    with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
         return json.load(reply)
 
 
@@ -32,7 +33,7 @@ def shown(page):
     from playwright.sync_api import expect
 
     # Its words say what it waits for, where it does.
-    expect(page.locator("#progress")).to_have_text(SHOWN, timeout=100_000)
+    expect(page.locator("#progress")).to_have_text(SHOWN)
 
 
 def told(page):

@@ -11,6 +11,7 @@ from playwright.sync_api import expect
 
 from app.jobs.keys import new_key
 from services import services
+from waiting import PATIENCE
 
 KEY, HASH = new_key()
 MOTION = (
@@ -46,15 +47,15 @@ def entered(page, service, link=""):
 
 
 def shown(page):
-    expect(page.locator("#progress")).to_have_text(re.compile("^Shown"), timeout=100_000)
-    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=100_000)
+    expect(page.locator("#progress")).to_have_text(re.compile("^Shown"))
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
 
 
 def asked(service, path, study=None, method=None):
     headers = {"Authorization": f"Bearer {KEY}", "Content-Type": "application/json"}
     body = study and json.dumps(study).encode()
     request = urllib.request.Request(service.address + path, body, headers, method=method)
-    with urllib.request.urlopen(request, timeout=20) as reply:
+    with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
         return json.load(reply)
 
 
@@ -93,7 +94,7 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
     page.get_by_role("button", name="Cancel").click()
     expect(lines.first).to_contain_text("dismissed")
     expect(page.locator("#notice p")).to_contain_text("dismissed")
-    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=100_000)
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
     expect(page.locator("#progress")).to_be_empty()
     # The same again, but now something else is looked at.
     page.locator("#value-friction").fill("0.5")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from waiting import wait_for
 
@@ -74,6 +74,20 @@ def test_each_question_on_a_phone(page: Page, address: str) -> None:
             page.locator(question.then).click()
         answered(page, question)
         assert clicks <= MAX_CLICKS
+
+
+def test_a_question_asked_before_the_scenes_are_known_is_answered_then(
+    page: Page, address: str
+) -> None:
+    held: list[Route] = []
+    page.route("**/scenes", lambda route: held.append(route))
+    with page.expect_request("**/scenes"):
+        page.goto(f"{address}/")
+    page.locator("#question-hop").click()
+    [asked] = held
+    asked.continue_()
+    expect(page.locator("#part .answer strong")).to_contain_text("Hops 0.149")
+    expect(page.locator("#question-hop")).to_have_attribute("aria-current", "true")
 
 
 def tabbed(page: Page, to: str, most: int = 60) -> None:

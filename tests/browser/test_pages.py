@@ -11,6 +11,7 @@ import pytest
 from benchmarks.page import WITNESS, dragged, finished, loaded, moved
 from links import links
 from night import count
+from waiting import PATIENCE
 
 LINKS = count(12, 500, "VIBRAFEED_FUZZ_LINKS")
 
@@ -65,7 +66,7 @@ def test_pictures_come_and_follow_and_little_is_loaded(page, address):
 @pytest.fixture(scope="module")
 def scenes(address):
     def read(path):
-        with urllib.request.urlopen(address + path, timeout=60) as reply:
+        with urllib.request.urlopen(address + path, timeout=PATIENCE) as reply:
             return json.load(reply)
 
     found = {}

@@ -66,6 +66,8 @@ class Page {
     });
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
+    this.isReady = false; // the service has said what scenes there are
+    this.asked = null; // a question that was chosen before
     this.turn = 0; // of views that were opened: the last one counts
     this.opened = 0; // the last of them that is open
     byId("skip").addEventListener("click", (event) => {
@@ -114,7 +116,15 @@ class Page {
       if (location.hash !== this.link) this.restore();
     });
     get("/healthz").then(({ version }) => (byId("version").textContent = version), () => {});
-    await this.restore();
+    this.isReady = true;
+    await (this.asked ? this.ask(this.asked) : this.restore());
+  }
+
+  // Open what a question begins with; one that is chosen while the page opens waits for the scenes.
+  async ask(question) {
+    if (!this.isReady) this.asked = question;
+    else if (question === "thesis") await this.openFigure(null);
+    else await this.open(begun(question), { isStep: true });
   }
 
   async restore() {
@@ -239,9 +249,7 @@ class Page {
   }
 
   tellQuestions(current) {
-    tellQuestions(byId("questions"), current, (question) =>
-      question === "thesis" ? this.openFigure(null) : this.open(begun(question), { isStep: true }),
-    );
+    tellQuestions(byId("questions"), current, (question) => this.ask(question));
   }
 
   // What a question has besides the picture and its fields.

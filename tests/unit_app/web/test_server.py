@@ -154,7 +154,8 @@ def processes_with(text: str) -> list[Path]:
     return found
 
 
-def test_the_service_refuses_to_open_itself_without_keys(tmp_path):
+def test_the_service_refuses_to_open_itself_without_keys(tmp_path, monkeypatch):
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))  # whoever runs it may have keys
     for host in ("0.0.0.0", "::", "lab.example"):
         result = CliRunner().invoke(commands, ["serve", "--host", host])
         assert result.exit_code == 2
