@@ -66,5 +66,26 @@ def test_such_a_comparison_is_found(source: str) -> None:
     assert verdicts(source) != []
 
 
+def impatient(source: str) -> list[int]:
+    """Return the lines with a time limit of their own, in place of the patience of all."""
+    keywords = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.keyword))
+    return [
+        node.value.lineno
+        for node in keywords
+        if node.arg == "timeout" and isinstance(node.value, ast.Constant) and node.value.value
+    ]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(HERE).as_posix())
+def test_time_limits_are_one_patience(path: Path) -> None:
+    """`waiting.PATIENCE`: what a quiet machine does in 20 s takes a busy one minutes."""
+    assert impatient(path.read_text()) == []
+
+
+def test_a_time_limit_of_its_own_is_found() -> None:
+    assert impatient("urlopen(request, timeout=20)") == [1]
+    assert impatient("urlopen(request, timeout=PATIENCE)") == []
+
+
 def test_a_clock_that_is_handed_on_is_none() -> None:
     assert verdicts("assert key.stands(time.time()) == [True]") == []

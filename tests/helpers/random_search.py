@@ -29,6 +29,7 @@ from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS
 from core.quantities import QUANTITIES
 from core.scenes import SCENES
+from waiting import PATIENCE
 
 FOLLOWED = 25
 LOOKS = 25  # at a job that is followed, 0.2 s apart
@@ -256,7 +257,7 @@ class Search:
         headers = {"Content-Type": "application/json", "Accept": "application/json"}
         request = urllib.request.Request(self._server.address + path, data, headers, method=method)
         try:
-            with urllib.request.urlopen(request, timeout=120) as reply:
+            with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
                 return reply.status, json.load(reply)
         except urllib.error.HTTPError as error:
             with error:

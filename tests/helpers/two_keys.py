@@ -23,6 +23,7 @@ from urllib.parse import urlsplit
 from app.jobs.keys import Key, Keys
 from app.jobs.ledger import Ledger
 from benchmarks.serving import served
+from waiting import PATIENCE
 
 STRICT, LIMITED = "strict", "limited"
 LIMITED_BYTES = 60_000
@@ -77,7 +78,9 @@ class Client:
 
     def __init__(self, address: str, name: str, key: str):
         parts = urlsplit(address)
-        self._connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=60)
+        self._connection = http.client.HTTPConnection(
+            str(parts.hostname), parts.port, timeout=PATIENCE
+        )
         self.name, self._key = name, key
         self.sweeps: dict[str, bool] = {}
         self.jobs: dict[str, bool] = {}

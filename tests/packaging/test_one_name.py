@@ -313,14 +313,14 @@ def running(environment: Environment, *arguments: str, **more: str) -> Iterator[
         yield
     finally:
         process.kill()
-        process.wait(30)
+        process.wait(PATIENCE)
 
 
 def ask(address: str, body: object = None) -> dict[str, object]:
     headers = {"Content-Type": "application/json", "Prefer": "respond-async"}
     data = None if body is None else json.dumps(body).encode()
     with urllib.request.urlopen(
-        urllib.request.Request(address, data, headers), timeout=60
+        urllib.request.Request(address, data, headers), timeout=PATIENCE
     ) as reply:
         return json.load(reply)
 

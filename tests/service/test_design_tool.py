@@ -15,6 +15,7 @@ import xarray
 from app.jobs.keys import new_key
 from core.intake import prepare_content
 from core.kinds import tabulate
+from waiting import PATIENCE
 
 TOOL = Path(__file__).parents[2] / "examples" / "design_tool.py"
 BEST = {
@@ -31,7 +32,7 @@ BEST = {
 
 def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(TOOL), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from waiting import PATIENCE
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -36,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(code: str, folder: Path) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, timeout=150,
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, timeout=PATIENCE,
         check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -73,7 +75,13 @@ def test_the_curl_lines_of_the_page(curl, server, folder):
     def shell(line: str) -> str:
         line = line.replace("curl ", f"{curl} --silent --show-error --fail --noproxy '*' ", 1)
         done = subprocess.run(
-            line, shell=True, cwd=folder, capture_output=True, text=True, timeout=90, check=False
+            line,
+            shell=True,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
         )
         assert done.returncode == 0, (line, done.stderr)
         return done.stdout
@@ -95,7 +103,7 @@ def test_the_three_calls_answer_what_the_page_says(curl, server):
     for line in re.split(r"^(?=curl )", lines, flags=re.MULTILINE)[1:]:
         line = line.replace("http://127.0.0.1:8000", server).replace("/ID/", f"/{key}/")
         line = line.replace("curl ", f"{curl} --silent --show-error --fail --noproxy '*' ", 1)
-        done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=120)
+        done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=PATIENCE)
         assert done.returncode == 0, (line, done.stderr)
         replies.append(json.loads(done.stdout))
         if "dataset" in replies[-1]:  # a job, on a machine that is thought to take long
@@ -123,7 +131,7 @@ def test_the_line_that_convert_writes(curl, server, folder):
     }
     line = to_curl(content, server).replace("curl ", f"{curl} --silent --noproxy '*' ", 1)
     done = subprocess.run(
-        line, shell=True, cwd=folder, capture_output=True, text=True, timeout=90, check=True
+        line, shell=True, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=True
     )
     assert study_of(content).key() in done.stdout
     assert not (folder / "owned").exists()

@@ -108,7 +108,7 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
                 os.kill(chance.choice(workers), signal.SIGKILL)
             else:
                 server.process.kill()
-                server.process.wait(30)
+                server.process.wait(PATIENCE)
                 server.launch()
         before = [server.job(number) for number in numbers]
         assert any(job["status"] in ("accepted", "running") for job in before)
@@ -116,7 +116,7 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
         assert [job["status"] for job in jobs] == ["successful"] * JOBS, jobs
         contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
         server.process.kill()
-        server.process.wait(30)
+        server.process.wait(PATIENCE)
         server.launch()
         server.ask("/healthz")
         assert len(json.loads(server.ask("/jobs"))["jobs"]) == JOBS
@@ -152,7 +152,7 @@ def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgre
         }  # fmt: skip
         in_postgresql.stop(signal.SIGQUIT)
         server.process.kill()
-        server.process.wait(30)
+        server.process.wait(PATIENCE)
         in_postgresql.start()
         server.launch()
         jobs = [server.finished(number) for number in numbers]
@@ -170,7 +170,7 @@ def test_a_block_that_is_done_is_not_computed_again(tmp_path):
         number = server.post(study)
         folder = tmp_path / "data" / "studies" / server.begun(number)["study"]
         server.process.kill()
-        server.process.wait(30)
+        server.process.wait(PATIENCE)
         time.sleep(2)  # for its workers to see that they are alone
         done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.block")}
         assert done
@@ -245,7 +245,7 @@ def test_work_on_a_scheduler_elsewhere(tmp_path):
     finally:
         for process in cluster:
             process.kill()
-            process.wait(30)
+            process.wait(PATIENCE)
 
 
 def test_a_scheduler_that_is_not_there_is_told_and_waited_for(tmp_path):
@@ -339,7 +339,7 @@ def test_a_start_on_a_full_or_read_only_disk_is_refused_in_one_line(tmp_path):
         done = subprocess.run(
             [Path(sys.executable).with_name("vibrafeed"), "serve", "--port", str(free_port())],
             env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(data)},
-            capture_output=True, text=True, timeout=60,
+            capture_output=True, text=True, timeout=PATIENCE,
         )  # fmt: skip
         assert (done.returncode, done.stdout) == (2, "")
         (line,) = done.stderr.splitlines()

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from tools import tool
+from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 GENERATOR = "VIBRAFEED_CLIENT_GENERATOR"
@@ -175,12 +176,12 @@ def generator() -> str:
 @pytest.fixture(scope="module")
 def server(serve: Callable[..., Any]) -> str:
     """Return the address of a service of its own: replies tell what is new from what is known."""
-    return serve(workers=2, max_cells=1000).address
+    return serve(workers=2, max_cells=1000, max_execution_seconds=PATIENCE).address
 
 
 @pytest.fixture(scope="module")
 def document(server: str) -> dict[str, Any]:
-    with urllib.request.urlopen(f"{server}/openapi.json", timeout=20) as reply:
+    with urllib.request.urlopen(f"{server}/openapi.json", timeout=PATIENCE) as reply:
         return json.load(reply)
 
 
@@ -201,7 +202,7 @@ def folder(generator: str, document: dict[str, Any], tmp_path_factory) -> Path:
     command = [generator, "generate", "--path", "openapi.json", "--config", "configuration.json",
                "--output-path", "made", "--meta", "none", "--fail-on-warning"]  # fmt: skip
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, timeout=120, check=False
+        command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "warning" not in (done.stdout + done.stderr).lower()
@@ -218,7 +219,7 @@ def test_the_client_calls_every_route(folder, document, generator, server, tmp_p
     file = tmp_path / "motion.nc"
     done = subprocess.run(
         [python, "-c", CALLS, server, file],
-        cwd=folder, capture_output=True, text=True, timeout=360, check=False,
+        cwd=folder, capture_output=True, text=True, timeout=4 * PATIENCE, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads(done.stdout)

@@ -17,6 +17,7 @@ import pytest
 
 from once import made_once
 from tools import tool
+from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 # Calibrations have no regime; their files are written by the same hand.
@@ -56,7 +57,7 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
         [str(part) for part in command],
         capture_output=True,
         text=True,
-        timeout=360,  # all studies in one process, on a machine that does other things too
+        timeout=PATIENCE,  # all studies in one process, on a machine that does other things too
         env=fresh_environment(),
         check=False,
     )

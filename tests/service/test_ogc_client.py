@@ -19,7 +19,7 @@ from owslib.ogcapi.processes import Processes
 
 from core.intake import parse_study
 from core.kinds import run_study
-from waiting import wait_for
+from waiting import PATIENCE, wait_for
 
 OGC = "http://www.opengis.net/def/rel/ogc/1.0/"
 CLASSES = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/"
@@ -101,7 +101,7 @@ def check_summary(document: Mapping[str, Any]) -> None:
 def followed(document: Mapping[str, Any], rel: str) -> requests.Response:
     """Fetch what a link names, as it stands."""
     (link,) = (link for link in document["links"] if link["rel"] == rel)
-    reply = requests.get(link["href"], timeout=20)
+    reply = requests.get(link["href"], timeout=PATIENCE)
     assert reply.headers["content-type"].partition(";")[0] == link["type"].partition(";")[0]
     return reply
 
@@ -125,7 +125,7 @@ def test_landing_page_and_conformance(client, server):
               f"{OGC}job-list"},
     )  # fmt: skip
     for link in client.links:
-        assert requests.get(link["href"], timeout=20).status_code == 200, link
+        assert requests.get(link["href"], timeout=PATIENCE).status_code == 200, link
     assert followed(client.response, f"{OGC}conformance").json() == client.conformance()
     classes = client.conformance()["conformsTo"]
     assert {f"{CLASSES}{name}" for name in ("core", "json", "job-list", "dismiss")} <= set(classes)
@@ -188,7 +188,7 @@ def test_a_job_from_the_post_to_the_file(client, server, tmp_path):
     status = client.execute("simulate", inputs={"study": SIMULATION}, async_=True)
     check_status(status)
     address = client.response_headers["Location"]
-    assert requests.get(address, timeout=20).json()["jobID"] == status["jobID"]
+    assert requests.get(address, timeout=PATIENCE).json()["jobID"] == status["jobID"]
     assert client.response_headers["Preference-Applied"] == "respond-async"
     status = waited(status)
     assert status["status"] == "successful", status
@@ -197,7 +197,7 @@ def test_a_job_from_the_post_to_the_file(client, server, tmp_path):
     # results by reference: link, of which href is required.
     assert set(results) == {"dataset"}
     link = results["dataset"]
-    reply = requests.get(link["href"], timeout=20)
+    reply = requests.get(link["href"], timeout=PATIENCE)
     assert reply.headers["content-type"] == link["type"] == "application/x-netcdf"
     assert len(reply.content) == link["length"]
     path = tmp_path / "motion.nc"
@@ -220,12 +220,12 @@ def test_the_list_of_jobs(client):
 def test_a_job_is_dismissed(client):
     status = client.execute("simulate", inputs={"study": LONG}, async_=True)
     (link,) = (link for link in status["links"] if link["rel"] == "self")
-    early = requests.get(f"{link['href']}/results", timeout=20)
+    early = requests.get(f"{link['href']}/results", timeout=PATIENCE)
     assert early.status_code == 404
     assert early.json()["type"] == (
         "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/result-not-ready"
     )
-    reply = requests.delete(link["href"], timeout=20)
+    reply = requests.delete(link["href"], timeout=PATIENCE)
     assert reply.status_code == 200
     check_status(reply.json())
     assert reply.json()["status"] == "dismissed"
@@ -234,7 +234,7 @@ def test_a_job_is_dismissed(client):
 
 def test_a_missing_job_is_told_as_the_standard_asks(server):
     for method, end in (("GET", ""), ("DELETE", ""), ("GET", "/results")):
-        reply = requests.request(method, f"{server}/jobs/nothing{end}", timeout=20)
+        reply = requests.request(method, f"{server}/jobs/nothing{end}", timeout=PATIENCE)
         assert reply.status_code == 404
         assert reply.json()["type"] == (
             "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/no-such-job"

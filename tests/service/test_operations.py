@@ -20,7 +20,7 @@ from dockerfile_parse import DockerfileParser
 
 from benchmarks.serving import free_port
 from tools import tool
-from waiting import wait_for
+from waiting import PATIENCE, wait_for
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "operations.md").read_text(encoding="utf-8")
@@ -42,7 +42,7 @@ def blocks(language: str, section: str) -> list[str]:
 def ask(address, path, study=None, context=None):
     body = None if study is None else json.dumps(study).encode()
     request = urllib.request.Request(address + path, body, {"Prefer": "respond-async"})
-    with urllib.request.urlopen(request, timeout=60, context=context) as reply:
+    with urllib.request.urlopen(request, timeout=PATIENCE, context=context) as reply:
         content = reply.read()
     return json.loads(content) if "json" in reply.headers["content-type"] else content
 
@@ -98,7 +98,7 @@ def proxied(nginx, folder, service):
         yield f"https://localhost:{port}/vibrafeed", ssl.create_default_context(cafile=certificate)
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(PATIENCE)
 
 
 def test_a_proxy_with_tls_and_a_path(serve, tmp_path):
@@ -115,7 +115,7 @@ def test_a_proxy_with_tls_and_a_path(serve, tmp_path):
             assert link["href"].startswith(f"{address}/"), link
             assert ask(link["href"], "", context=context)
         request = urllib.request.Request(f"{address}/sweeps", json.dumps(SWEEP).encode())
-        with urllib.request.urlopen(request, timeout=60, context=context) as reply:
+        with urllib.request.urlopen(request, timeout=PATIENCE, context=context) as reply:
             location = reply.headers["location"]
         assert ask(urllib.parse.urljoin(f"{address}/sweeps", location), "", context=context)["id"]
         document = ask(address, "/openapi.json", context=context)
@@ -135,7 +135,7 @@ def test_a_proxy_with_tls_and_a_path(serve, tmp_path):
 
 def shell(commands, **variables):
     environment = {**os.environ, **{name: str(value) for name, value in variables.items()}}
-    subprocess.run(["sh", "-eu", "-c", commands], env=environment, check=True, timeout=60)
+    subprocess.run(["sh", "-eu", "-c", commands], env=environment, check=True, timeout=PATIENCE)
 
 
 def test_backup_and_restore(serve, tmp_path):

@@ -21,6 +21,7 @@ import pytest
 from app.jobs.keys import new_key
 from benchmarks import serving
 from night import NIGHT, count
+from waiting import PATIENCE, wait_for
 
 CASES = count(2, 500, "VIBRAFEED_FUZZ_CASES")
 SEEDS = (1, 2, 3) if CASES > 100 else (1,)
@@ -36,8 +37,8 @@ LIMITS = {
     "max_cells": 2000,
     "max_slice_cells": 2000,
     "max_synchronous_seconds": 0.05,
-    "max_execution_seconds": 10,
-    "max_job_seconds": 30,
+    "max_execution_seconds": PATIENCE,
+    "max_job_seconds": PATIENCE,
     "max_wait_seconds": 0.1,
     "max_queue": 6,  # of which the only key has half
     "workers": 1,
@@ -45,7 +46,7 @@ LIMITS = {
 # A schema says what a study looks like, not what is physical: whether a scene has an output, needs
 # a parameter, or has a value on its axis is told by 422 and a problem document, as documented.
 CONFIGURATION = """
-request-timeout = 60  # the first simulation may have to be compiled
+request-timeout = {patience}  # the first simulation may have to be compiled
 
 [checks.positive_data_acceptance]
 expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
@@ -103,7 +104,7 @@ def asked(address: str, content: Any = None, **headers: str) -> Any:
     )
     while True:
         try:
-            with urllib.request.urlopen(request, timeout=300) as reply:
+            with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
                 return json.load(reply)
         except urllib.error.HTTPError as refused:
             if refused.code != HTTPStatus.TOO_MANY_REQUESTS:
@@ -121,15 +122,14 @@ def served(tmp_path_factory) -> Iterator[tuple[str, Path]]:
         asked(f"{address}/openapi.json")
         sweep = asked(f"{address}/sweeps", STUDY)["id"]
         job = asked(f"{address}/processes/sweep/execution", STUDY, Prefer="respond-async")["jobID"]
-        for _ in range(300):
-            status = asked(f"{address}/jobs/{job}")["status"]
-            if status == "successful":
-                break
-            time.sleep(0.1)
-        assert status == "successful"
+        wait_for(lambda: asked(f"{address}/jobs/{job}")["status"] == "successful")
         configuration = folder / "schemathesis.toml"
         content = CONFIGURATION.format(
-            key=KEY, sweep=sweep, job=job, long="true" if CASES > 100 else "false"
+            patience=PATIENCE,
+            key=KEY,
+            sweep=sweep,
+            job=job,
+            long="true" if CASES > 100 else "false",
         )
         configuration.write_text(content)
         yield address, configuration

@@ -51,7 +51,7 @@ def ask(service, path, study=None):
     body = None if study is None else json.dumps(study).encode()
     headers = {"Prefer": "respond-async"}
     request = urllib.request.Request(service.address + path, body, headers)
-    with urllib.request.urlopen(request, timeout=60) as reply:
+    with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
         return json.load(reply)
 
 
@@ -127,7 +127,7 @@ def test_draining_refuses_new_work_and_answers_the_rest(serve):
     assert ask(service, f"/sweeps/{key}")["id"] == key
     # A second signal is heeded at once.
     service.process.send_signal(signal.SIGTERM)
-    service.process.wait(30)
+    service.process.wait(PATIENCE)
 
 
 def is_stopping(service):
@@ -172,8 +172,8 @@ def test_what_hangs_is_cut_short(tmp_path):
     try:
         wait_for(lambda: b"startup complete" in log.read_bytes() or process.poll() is not None)
         process.terminate()
-        assert process.wait(30) == 1
+        assert process.wait(PATIENCE) == 1
         assert "is cut short" in log.read_text()
     finally:
         process.kill()
-        process.wait(20)
+        process.wait(PATIENCE)

@@ -8,7 +8,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -20,7 +19,7 @@ import pytest
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.sweep.zarr_view import ZarrView
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_for
 
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
 FIXED = {"friction": 0.3, "radius": "0.8 m", "distance": "0.2 mm"}
@@ -180,7 +179,9 @@ def download(server) -> str:
 class TestCurl:
     def run(self, curl: str, *options: str | Path) -> subprocess.CompletedProcess[str]:
         command = [curl, "--silent", "--show-error", "--noproxy", "*", *map(str, options)]
-        return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
 
     def test_a_broken_download_is_resumed(self, curl, download, tmp_path):
         file, headers = tmp_path / "x.nc", tmp_path / "headers"
@@ -202,14 +203,19 @@ class TestCurl:
         assert file.stat().st_size == size
 
     def test_a_job_s_file_is_resumed_after_the_server_was_killed(self, curl, serve, tmp_path):
-        service = serve(workers=1)
+        service = serve(workers=1, max_wait_seconds=PATIENCE)
         content = sized(
             ["acceleration_x", "transport_velocity"], frequency=50, amplitude=10, alpha=50, beta=80
         )
         study = tmp_path / "study.json"
         study.write_text(json.dumps(content))
         execution = f"{service.address}/processes/sweep/execution"
-        wait = ["-H", "Prefer: respond-async, wait=50", "-H", "Content-Type: application/json"]
+        wait = [
+            "-H",
+            f"Prefer: respond-async, wait={PATIENCE:.0f}",
+            "-H",
+            "Content-Type: application/json",
+        ]
         told = self.run(curl, *wait, "-d", f"@{study}", execution)
         result = json.loads(told.stdout)["dataset"]
         whole, file = tmp_path / "whole.nc", tmp_path / "x.nc"
@@ -217,9 +223,9 @@ class TestCurl:
         assert whole.stat().st_size == result["length"]
         slow = [curl, "--silent", "--noproxy", "*", "--limit-rate", "1M", "-o", file]
         with subprocess.Popen([*slow, result["href"]]) as broken:
-            time.sleep(1)
+            wait_for(lambda: file.exists() and file.stat().st_size)
             service.kill()
-            assert broken.wait(20) == 18  # a part of the file
+            assert broken.wait(PATIENCE) == 18  # a part of the file
         partial = file.stat().st_size
         assert 0 < partial < result["length"]
         service.start()
@@ -247,4 +253,4 @@ class TestCurl:
             assert slow.poll() is None
         finally:
             slow.terminate()
-            slow.wait(10)
+            slow.wait(PATIENCE)

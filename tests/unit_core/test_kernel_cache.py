@@ -15,6 +15,7 @@ import pytest
 from core import kernel_cache
 from core.kernel_cache import COMPILERS, CORE, KEPT, NEUTRAL, imported, packages, sources
 from core.warm import STUDIES
+from waiting import PATIENCE
 
 ROOT = CORE.parent
 FROZEN = ("quantities/flags.py", "optimise/codes.py")
@@ -90,7 +91,7 @@ def start(
 
 def said(process: subprocess.Popen[str]) -> tuple[float, int]:
     """Return what a process says in the end."""
-    told, _ = process.communicate(timeout=240)
+    told, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
     found, loaded = told.split()
     return float(found), int(loaded)

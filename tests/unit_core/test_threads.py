@@ -8,6 +8,7 @@ import threading
 import pytest
 
 from core.threads import share_out
+from waiting import PATIENCE
 
 
 def test_every_task_once_and_no_more_at_a_time_than_asked():
@@ -42,7 +43,7 @@ def test_the_first_error_comes_after_what_has_begun_and_the_rest_is_left_out():
         if task == 0:
             released.set()
             raise ValueError("of the first task")
-        released.wait(60)
+        released.wait(PATIENCE)
         ended.append(task)
 
     with pytest.raises(ValueError, match="of the first task"):

@@ -282,7 +282,7 @@ def test_who_starts_it_by_hand_reads_which_address_to_open(tmp_path):
         line = os.read(ours, 1000).decode()
     finally:
         process.terminate()
-        process.wait(60)
+        process.wait(PATIENCE)
         os.close(ours)
         os.close(theirs)
     first, *_ = line.splitlines()

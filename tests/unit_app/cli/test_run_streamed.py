@@ -20,6 +20,7 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from waiting import PATIENCE
 
 STUDY = """
 kind = "sweep"
@@ -134,7 +135,7 @@ def test_an_interrupt_stops_between_tiles_and_says_how_to_go_on(study, tmp_path)
     while records(tmp_path / ".a.nc.partial") < 3 and process.poll() is None:
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    output = words(process.communicate(timeout=30)[0])
+    output = words(process.communicate(timeout=PATIENCE)[0])
     assert process.returncode == 1
     assert re.search(r"it was stopped; \d+ of \d+ tiles are done", output)
     assert f"What is done is kept in {tmp_path / '.a.nc.partial'}" in output

@@ -12,6 +12,7 @@ from sqlalchemy.exc import ProgrammingError
 from app.jobs.errors import LostLedgerError, QueueFullError
 from app.jobs.ledger import ACTIVE, Ledger, Wanted
 from postgres import PASSWORD
+from waiting import PATIENCE
 
 LEASE = 60.0
 
@@ -304,7 +305,7 @@ def test_who_makes_a_ledger_at_the_same_moment_waits_for_the_other(tmp_path):
 
     def use(path):
         ledger = Ledger(path)
-        barrier.wait(20)
+        barrier.wait(PATIENCE)
         try:
             ledger.counts()
         finally:
@@ -322,7 +323,7 @@ def test_servers_that_make_the_tables_of_one_database_at_the_same_moment(postgre
 
     def use(url):
         ledger = Ledger(url)
-        barrier.wait(20)
+        barrier.wait(PATIENCE)
         try:
             return ledger.counts()
         finally:

@@ -22,7 +22,7 @@ from app.jobs.runner import Runner
 from app.jobs.store import Store
 from app.settings import Settings
 from core.intake import prepare_content
-from waiting import awaited
+from waiting import PATIENCE, awaited
 
 STUDY = {
     "kind": "simulate",
@@ -129,7 +129,7 @@ def test_work_is_carried_out(tmp_path):
 
 def test_time_runs_out_while_a_block_runs(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(30))
+    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "failed")
@@ -157,7 +157,7 @@ def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, 
 
 def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
@@ -170,7 +170,7 @@ def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
 
 def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
     workers.nannies = False
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
@@ -187,7 +187,7 @@ def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
 
 def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
@@ -225,7 +225,7 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
 def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
     monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
     go_on = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
+    workers = Workers(1, compute_block=lambda *_: go_on.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: "compute_block" in workers.calls)

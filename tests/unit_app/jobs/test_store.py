@@ -31,6 +31,7 @@ from core.errors import StoppedError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.pieces import Computed, Cut
+from waiting import PATIENCE
 
 SWEEP = {
     "kind": "sweep",
@@ -248,7 +249,7 @@ def test_a_folder_that_was_removed_while_its_lock_was_waited_for_is_not_used(sto
         again.__enter__()
     assert not entered.wait(0.2)
     again.__exit__(None, None, None)
-    thread.join(10)
+    thread.join(PATIENCE)
     assert seen == [True]
 
 

@@ -17,6 +17,7 @@ from app.main import create_app
 from app.settings import Settings
 from local_client import ended, local_client
 from posted_sweeps import STUDY, problem, with_axes
+from waiting import PATIENCE
 
 WAIT = {"Prefer": "respond-async, wait=300"}
 
@@ -214,7 +215,7 @@ class TestSound:
         def slow(file):
             if os.path.samestat(os.fstat(file.fileno()), held):
                 looking.set()
-                assert go_on.wait(60)
+                assert go_on.wait(PATIENCE)
             return plain(file)
 
         monkeypatch.setattr("app.jobs.integrity._digest", slow)
@@ -229,7 +230,7 @@ class TestSound:
         for thread in asked:
             thread.start()
         try:
-            assert looking.wait(60)
+            assert looking.wait(PATIENCE)
             assert client.get("/healthz").status_code == 200
             assert client.get("/scenes").status_code == 200
             assert client.get(f"/sweeps/{other}/netcdf").status_code == 200
@@ -237,5 +238,5 @@ class TestSound:
         finally:
             go_on.set()
             for thread in asked:
-                thread.join(60)
+                thread.join(PATIENCE)
         assert [reply.status_code for reply in replies] == [200] * 12

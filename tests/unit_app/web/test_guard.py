@@ -24,6 +24,7 @@ from app.settings import TEST_SWITCHES, Settings, unknown_variables
 from app.web import guard
 from app.web.guard import SAFE, is_loopback
 from local_client import local_client
+from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[3]
 KEY, HASH = new_key()
@@ -299,7 +300,7 @@ class TestLimits:
 
         def wait() -> dict[str, str]:
             held.release()
-            go.wait(20)
+            go.wait(PATIENCE)
             return {}
 
         client.app.add_api_route("/wait", wait)
@@ -308,7 +309,7 @@ class TestLimits:
             for thread in threads:
                 thread.start()
             for _ in threads:
-                assert held.acquire(timeout=20)
+                assert held.acquire(timeout=PATIENCE)
             reply = client.get("/scenes")
             problem(reply, 503, "busy")
             assert reply.headers["retry-after"] == "1"
@@ -316,7 +317,7 @@ class TestLimits:
             assert client.get("/readyz").status_code == 200
             go.set()
             for thread in threads:
-                thread.join(20)
+                thread.join(PATIENCE)
             assert client.get("/scenes").status_code == 200
 
     def test_one_address_leaves_room_to_others(self):

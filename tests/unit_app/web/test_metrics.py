@@ -22,6 +22,7 @@ from app.main import create_app
 from app.settings import Settings
 from local_client import local_client
 from posted_sweeps import STUDY
+from waiting import PATIENCE
 
 
 @pytest.fixture
@@ -75,17 +76,17 @@ def test_requests_under_way_are_counted_while_they_are(client):
 
     def wait() -> dict[str, str]:
         entered.set()
-        go.wait(20)
+        go.wait(PATIENCE)
         return {}
 
     client.app.add_api_route("/wait", wait)
     with client:
         thread = threading.Thread(target=client.get, args=("/wait",))
         thread.start()
-        assert entered.wait(20)
+        assert entered.wait(PATIENCE)
         assert figures(client)["vibrafeed_requests_under_way",] == 2  # and this one itself
         go.set()
-        thread.join(20)
+        thread.join(PATIENCE)
         assert figures(client)["vibrafeed_requests_under_way",] == 1
 
 

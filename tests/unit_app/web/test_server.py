@@ -121,7 +121,7 @@ def server(
 
 
 def is_warm(port: int) -> bool:
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=30) as reply:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=PATIENCE) as reply:
         return json.load(reply)["warm"]
 
 
@@ -137,7 +137,7 @@ def test_a_service_that_stops_compiles_no_more(tmp_path):
         wait_for(lambda: list(cache.glob("*/*.nbi")))  # it compiles
         assert not is_warm(port)
         process.terminate()
-        process.wait(30)
+        process.wait(PATIENCE)
     compiled = sorted(cache.rglob("*.nbc"))
     # A process that imports notices the end of its parent a moment later.
     wait_for(lambda: not processes_with(str(cache)))

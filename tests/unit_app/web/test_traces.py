@@ -15,7 +15,7 @@ from app import traces
 from app.main import create_app
 from app.settings import Settings
 from local_client import local_client
-from waiting import wait_for
+from waiting import PATIENCE, wait_for
 
 TRACE = "0af7651916cd43dd8448eb211c80319c"
 STUDY = {
@@ -51,7 +51,7 @@ def receiver(monkeypatch) -> Iterator[ThreadingHTTPServer]:
     finally:
         server.shutdown()
         server.server_close()
-        thread.join(20)
+        thread.join(PATIENCE)
 
 
 def spans(receiver):

@@ -20,6 +20,7 @@ from core.motion.rates import effective_distance, parts_per_minute, velocity_for
 from core.motion.systems import CONTACTS
 from core.quantities import MOTION_STATUSES
 from core.watch import Watch
+from waiting import PATIENCE
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 HOP = {
@@ -486,4 +487,4 @@ def test_it_runs_where_no_cache_can_be_written():
         "    return 2 * x\n"
         "assert double(2.0) == 4.0\n"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=PATIENCE)
