@@ -17,7 +17,7 @@ from night import count
 from services import services
 from tools import tool
 
-ACTIONS = count(60, 2000, "VIBRAFEED_FUZZ_ACTIONS")
+ACTIONS = count(20, 2000, "VIBRAFEED_FUZZ_ACTIONS")
 IN_FIREFOX = 200
 SEED = 34
 MONKEY = (Path(__file__).parent / "monkey.js").read_text()

@@ -13,8 +13,9 @@ from core.plan.equations import regimes
 from core.plan.plan import make_plan
 from core.quantities import REGIMES
 from core.scenes import SCENES
+from night import count
 
-IMPACTS = 100_000
+IMPACTS = count(20_000, 100_000)
 BLOCK = 8_192  # points at a time, which stay in the processor's cache
 CLOSE = 1e-12
 LAWS = ["frictionless", "pfeiffer_glocker", "moreau"]

@@ -14,8 +14,10 @@ from core.quantities import QUANTITIES
 from core.scenes import ALIASES, SCENES
 from exact_planes import Point, digits
 from many_digits import mp, mpf
+from night import count
 
-RANDOM, EXTREME, TUNED = 2000, 300, 8  # points; the last for each threshold, three in a row
+RANDOM, EXTREME = count(400, 2000), count(100, 300)
+TUNED = 8  # points for each threshold, three in a row
 
 
 DECADES = {  # of random values

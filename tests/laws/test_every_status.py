@@ -26,7 +26,7 @@ from core.motion.waves import Wave, bound
 from core.quantities import REGIMES
 from night import count
 
-CELLS = count(40, 17_000)
+CELLS = count(16, 17_000)
 """Of each of the six families: 10^5 by night."""
 pytestmark = pytest.mark.timeout(400 + CELLS // 2)  # a cell takes some 30 ms of a processor
 MOST, PERIODS = 1000, 3000
@@ -107,7 +107,7 @@ def test_periodic_is_what_one_more_cycle_confirms(family):
 
 # --- every scene, every form of drive
 
-EVERYWHERE = count(40, 4_000)
+EVERYWHERE = count(16, 4_000)
 """Of each scene and form."""
 IN_A_LINE = count(1_000, 10_000)
 """Some five in 1,000 were wrong."""

@@ -15,8 +15,8 @@ import pytest
 import vibrafeed
 from night import count
 
-CELLS = count(day=10, night=1000)
-"""Of each scene and drive: some ninety in all by day."""
+CELLS = count(day=4, night=1000)
+"""Of each scene and drive: some forty in all by day."""
 pytestmark = pytest.mark.timeout(300 + 10 * CELLS)
 METHODS = ("events", "reference", "time-stepping")
 SCENES = ("rectangle-on-plane", "rectangle-on-track", "cylinder-on-plane")

@@ -309,7 +309,8 @@ def test_a_sprung_floor_has_the_lining_and_its_damping():
     )  # fmt: skip
     assert by_e.damping_of_restitution.values == pytest.approx(zeta, rel=1e-12)
     assert by_e.conveying_velocity.values == pytest.approx(
-        lined.conveying_velocity.values, rel=1e-9
+        lined.conveying_velocity.values,
+        rel=1e-6,  # the last bit of zeta moves its steps
     )
 
 

@@ -117,9 +117,9 @@ def test_a_plan_of_the_drive_alone_assesses_no_contact():
 @pytest.mark.parametrize(("name", "variant"), EVERY_VARIANT)
 def test_every_equation_of_a_plan_is_needed(name, variant):
     scene = SCENES[name]
+    described = {o["name"]: o["parameters"] for o in describe(name, variant)["outputs"]}
     for output in scene.outputs(variant):
-        given = describe(name, variant)
-        needed = next((o["parameters"] for o in given["outputs"] if o["name"] == output), [])
+        needed = described.get(output, [])
         conditions = [c for c in scene.conditions[variant] if output in c.outputs]
         # The counts of a drop test stand for shares by the part's sizes.
         parameters = [

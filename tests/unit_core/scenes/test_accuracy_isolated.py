@@ -18,11 +18,12 @@ import pytest
 from core.plan.plan import make_plan
 from core.scenes import SCENES
 from many_digits import mp, mpf
+from night import count
 
 BAR = 8
 DIGITS = 50
 STEP = mpf(10) ** -18
-RANDOM, EXTREME = 2000, 300
+RANDOM, EXTREME = count(400, 2000), count(100, 300)
 ACROSS = {"rectangle-isolated": "height", "cylinder-isolated": "diameter"}
 
 
