@@ -123,7 +123,7 @@ STATES = (
     State(
         "mistake",
         f"question=speed&{MAP}&p.friction=-1".replace("&p.friction=0.4", ""),
-        (("#progress", "Not drawn"), ("#wrong-friction", "must be at least 0")),
+        (("#stale", "Not drawn"), ("#wrong-friction", "must be at least 0")),
     ),
 )
 

@@ -107,7 +107,8 @@ def test_a_picture_of_other_values_is_dimmed(page: Page, address: str) -> None:
     opened(page, address)
     typed(page, FRICTION, "-1")
     expect(page.locator("#picture")).to_have_class(re.compile("stale"))
-    expect(page.locator("#stale")).to_contain_text("Not drawn")
+    expect(page.locator("#stale")).to_contain_text("Not drawn. Friction coefficient is -1.")
+    assert page.locator("#stale button").count() == 0  # to compute it again would change nothing
     typed(page, FRICTION, "0.3")
     expect(page.locator("#picture")).not_to_have_class(re.compile("stale"))
     expect(page.locator("#stale")).to_be_empty()
@@ -177,3 +178,25 @@ def test_an_exact_point_is_typed_and_answered_in_one_line(page: Page, address: s
     assert page.url.endswith("point=0.00035%3A25")
     typed(page, FRICTION, "0.4")
     expect(answer).not_to_contain_text(f"{1e3 * speed:.4g}\u00a0mm/s")
+
+
+def test_ends_of_a_slider_are_typed_and_an_unusual_value_is_said(page: Page, address: str) -> None:
+    opened(page, address)
+    odd = page.locator("#unusual-friction")
+    expect(odd).to_be_empty()
+    slider = page.get_by_label("Friction coefficient, slider")
+    upper = page.get_by_label("Upper end of the slider of friction coefficient")
+    upper.fill("0,2")
+    upper.press("Enter")  # the value, 0.3, is above it
+    expect(page.locator(".slider [role=alert]")).to_contain_text("have to be below it")
+    upper.fill("0.32")
+    upper.press("Enter")
+    before = page.url
+    slider.press("End")
+    expect(page).not_to_have_url(before)
+    assert in_address(page, "friction") == pytest.approx(0.32)
+    typed(page, FRICTION, "3")
+    expect(odd).to_contain_text("Outside the usual")
+    page.get_by_role("button", name="Everything").click()  # what was typed is kept
+    settled(page)
+    expect(upper).to_have_value("0.32")

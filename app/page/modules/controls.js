@@ -2,10 +2,10 @@
 
 import { element, refill } from "./elements.js";
 import { choiceField, numberInput } from "./fields.js";
-import { capital, label, sentence, shown, withUnit, words } from "./words.js";
-import { places } from "./computed.js";
+import { knob } from "./knob.js";
+import { capital, label, sentence, shown, words } from "./words.js";
 import { pictured } from "./opening.js";
-import { furtherParameters, shownParameters, typical, usual } from "./view.js";
+import { furtherParameters, shownParameters, typical, unusual, usual } from "./view.js";
 
 const KINDS_OF_FRICTION = {
   friction: "kinetic",
@@ -20,6 +20,7 @@ export class Controls {
     this.host = host;
     this.onchange = onchange;
     this.frictions = []; // rows of published coefficients
+    this.ends = Object.create(null); // of sliders, that were typed, by name
   }
 
   show(view, scenes, scene) {
@@ -139,6 +140,7 @@ export class Controls {
       );
     field.append(
       element("div", { class: "ends" }, end("from"), "to", end("to")),
+      element("span", { class: "unusual" }, unusual(parameter, axis.from) || unusual(parameter, axis.to)),
       this.complaint(axis.name),
     );
     return field;
@@ -149,64 +151,22 @@ export class Controls {
   }
 
   field(parameter) {
-    const { name, unit, description } = parameter;
-    const [, unitShown] = shown(unit);
-    const [low, high] = usual(parameter);
-    const id = `value-${name}`;
-    let range;
-    let current = this.view.values[name];
-    const slider = element("input", {
-      type: "range",
-      min: 0,
-      step: 1,
-      "aria-label": `${capital(words(name))}, slider`,
-      oninput: () => {
-        const moved = range.at(Number(slider.value));
-        current = moved;
-        typed.show(moved);
-        tell(moved);
-        this.onchange({ values: { ...this.view.values, [name]: moved } }, { dragged: { name, from: range.from, to: range.to } });
+    const { name } = parameter;
+    const { field, show } = knob(
+      parameter,
+      this.view.values[name],
+      {
+        ends: this.ends[name],
+        onmove: (value, { from, to }) =>
+          this.onchange({ values: { ...this.view.values, [name]: value } }, { dragged: { name, from, to } }),
+        ontake: (value) => this.set(name, value),
+        onends: (ends) => (this.ends[name] = ends),
       },
-      onchange: () => this.set(name, range.at(Number(slider.value))),
-    });
-    const tell = (value) => slider.setAttribute("aria-valuetext", withUnit(value, unit));
-    // The slider reaches from what is usual to the value, and stands at it.
-    const follow = (value) => {
-      range = places(Math.min(low, value), Math.max(high, value));
-      slider.max = String(range.num - 1);
-      slider.value = String(Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1)));
-      tell(value);
-    };
-    const taken = (value) => {
-      current = value;
-      follow(value);
-      this.set(name, value);
-    };
-    const typed = numberInput(null, this.view.values[name], unit, taken, {
-      id,
-      "aria-describedby": `wrong-${name}`,
-    });
-    follow(this.view.values[name]);
-    this.shown[name] = (value) => {
-      if (value === current) return;
-      current = value;
-      typed.show(value);
-      follow(value);
-    };
-    return element(
-      "div",
-      { class: "field", title: description },
-      element(
-        "label",
-        { for: id },
-        `${capital(words(name))} `,
-        unitShown ? element("span", { class: "unit" }, `(${unitShown})`) : null,
-      ),
-      typed,
-      slider,
       this.published(parameter),
       this.complaint(name),
     );
+    this.shown[name] = show;
+    return field;
   }
 
   // Published values beside a coefficient of friction; the band is that of their range.

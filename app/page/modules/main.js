@@ -5,8 +5,9 @@ import { Away as TakeAway } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
 import { Source } from "./computed.js";
+import { Computing, busy } from "./computing.js";
 import { Controls } from "./controls.js";
-import { byId, reveal } from "./elements.js";
+import { byId } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
 import { Jobs } from "./jobs.js";
 import { Matters } from "./matters.js";
@@ -25,16 +26,10 @@ import { isSet, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
 import { fromLink, frozen, toLink } from "./view.js";
 import { Waves } from "./waves.js";
-import { duration, learn, valuesTold } from "./words.js";
+import { learn, valuesTold } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
-const DIMMED_AFTER = 100; // ms without the picture of the fields
-
-// For screen readers, and whoever waits for the picture.
-function busy(isBusy) {
-  byId("picture").setAttribute("aria-busy", String(isBusy));
-}
 
 class Page {
   constructor() {
@@ -64,8 +59,10 @@ class Page {
       onpoint: (point) => this.setView({ point }),
       onpin: () => this.pins.pin(this.view),
     });
-    this.isComputing = false;
-    this.waiting = null; // what is to be computed next
+    const { source, picture, controls, notice, jobs } = this;
+    const view = () => this.view;
+    const isOpen = () => this.opened === this.turn;
+    this.computing = new Computing({ view, isOpen, source, picture, controls, notice, jobs });
     this.isReady = false; // the service has said what scenes there are
     this.asked = null; // a question that was chosen before
     this.turn = 0; // of views that were opened: the last one counts
@@ -274,89 +271,8 @@ class Page {
     }
   }
 
-  // One computation at a time; of the changes meanwhile only the last counts.
-  async compute(how) {
-    if (this.isComputing) {
-      this.waiting = how;
-      if (how.dragged) this.source.ahead(this.view, how.dragged);
-      else this.abort?.abort();
-      return;
-    }
-    this.isComputing = true;
-    busy(true);
-    try {
-      let next = how;
-      while (next) {
-        this.waiting = null;
-        try {
-          await this.computeOnce(next);
-        } catch (error) {
-          reportError(error); // a fault of this page: the next view is drawn all the same
-          this.picture.dim("Not drawn: the page has met a fault of its own. Change a value, or load it anew.");
-        }
-        next = this.waiting;
-      }
-    } finally {
-      this.isComputing = false;
-      if (this.opened === this.turn) busy(false); // else another view is being opened
-    }
-  }
-
-  async computeOnce({ dragged = null, isFirst = false }) {
-    const { view } = this;
-    this.abort = new AbortController();
-    const { signal } = this.abort;
-    const tell = (job) => this.tellJob(job);
-    const started = performance.now();
-    const dimming = setTimeout(() => this.picture.dim("Computing ..."), DIMMED_AFTER);
-    try {
-      if (isFirst && view.kind === "simulate" && view.y) {
-        const coarse = await this.notice.persist(() => this.source.coarse(view, { signal, tell }));
-        signal.throwIfAborted();
-        clearTimeout(dimming);
-        this.picture.show(coarse, view);
-      }
-      let found;
-      do {
-        found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
-        signal.throwIfAborted();
-        clearTimeout(dimming);
-        this.picture.show(found, view, { isMoving: dragged !== null });
-      } while (!dragged && this.source.isWorthMore(view));
-      this.controls.clear();
-      if (!isFirst) this.notice.tell(); // a word about a link stays
-      if (view.pins?.length && !view.y && !dragged) {
-        const others = await Promise.all(
-          view.pins.map(async (pin, i) => {
-            const one = { ...view, values: { ...view.values, ...pin }, band: null };
-            delete one.values[view.x.name];
-            return { text: `design ${LETTERS[i]}`, found: await this.source.compute(one, { signal }) };
-          }),
-        );
-        signal.throwIfAborted();
-        this.picture.showOthers(found, others);
-      }
-      if (view.band && !dragged && view.question !== "drive") {
-        const band = await this.notice.persist(() => this.source.band(view, { signal }));
-        signal.throwIfAborted();
-        this.picture.showBand(found, band, view.band);
-      }
-      const seconds = (performance.now() - started) / 1000;
-      byId("progress").textContent = dragged ? "" : `Shown after ${duration(seconds)}.`;
-    } catch (error) {
-      if (error.name === "AbortError") return;
-      byId("progress").textContent = "";
-      if (!(error instanceof Refusal)) throw error;
-      reveal();
-      this.picture.dim("Not drawn: this picture shows other values.");
-      this.controls.clear();
-      const rest = this.controls.complain(error.errors);
-      this.notice.tell(error.errors.length ? rest.slice(0, 1) : [error.message]);
-      const wrong = this.controls.wrong();
-      if (wrong.length) byId("progress").textContent = `Not drawn. ${wrong.join(" ")}`;
-    } finally {
-      clearTimeout(dimming);
-    }
+  compute(how) {
+    return this.computing.compute(how);
   }
 
   // The address restores the view, also where its picture takes long; a step is undone by going back.
@@ -365,13 +281,6 @@ class Page {
     if (this.link === location.hash) return;
     if (isStep) history.pushState(null, "", this.link);
     else history.replaceState(null, "", this.link);
-  }
-
-  tellJob(job) {
-    this.jobs.note(job);
-    reveal();
-    const left = job.secondsLeft ? `, ${duration(job.secondsLeft)} left` : "";
-    byId("progress").textContent = `${job.message} ${job.progress} %${left}`;
   }
 
   // Show a drive as a whole: its point, and the values that are no axes.

@@ -3,7 +3,7 @@
 
 import { recordedDrive, valuesAt } from "./computed.js";
 import { element, fill } from "./elements.js";
-import { Refusal, carryOut } from "./service.js";
+import { Refusal, carryOut, left } from "./service.js";
 import { capital, number, words } from "./words.js";
 
 const SAMPLES = 512;
@@ -55,7 +55,7 @@ export class Matters {
     const text = JSON.stringify(study);
     if (this.for === text) return;
     this.for = text;
-    this.abort?.abort();
+    this.abort?.abort(left());
     this.abort = new AbortController();
     try {
       const { dataset } = await carryOut("sensitivity", study, { signal: this.abort.signal });

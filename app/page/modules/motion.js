@@ -6,6 +6,8 @@ import { courseOf } from "./course.js";
 import { Refusal } from "./service.js";
 import { sentence } from "./words.js";
 
+const DIMMED_AFTER = 100; // ms without the motion of the fields
+
 export class MotionAtPoint {
   // `onshown(view, course)` hears whose motion is shown.
   constructor(section, { notice, onshown }) {
@@ -48,16 +50,22 @@ export class MotionAtPoint {
     const { turn } = this;
     this.section.hidden = false;
     this.animation ??= new Animation(this.section);
+    const stale = (isStale) => this.section.classList.toggle("stale", isStale);
+    const dimming = setTimeout(() => stale(true), DIMMED_AFTER);
     try {
       const course = courseOf(await this.notice.persist(() => courseAt(view, scene, view.point)));
       if (turn !== this.turn) return;
+      stale(false);
       this.animation.show(course);
       this.onshown(view, course);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       if (turn !== this.turn) return;
+      stale(true);
       this.animation.fail(error.errors[0] ? sentence(error.errors[0]) : error.message);
       this.onshown(view, null);
+    } finally {
+      clearTimeout(dimming);
     }
   }
 }

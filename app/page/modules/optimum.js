@@ -8,7 +8,7 @@ import { Front } from "./front.js";
 import { designTold, marginsTold, ratesTold, statusTold } from "./margin.js";
 import { bandTold, neighboursDrawn, neighboursTold } from "./neighbours.js";
 import { Parallel } from "./parallel.js";
-import { carryOut } from "./service.js";
+import { carryOut, left } from "./service.js";
 import { Wishes } from "./wishes.js";
 import { withUnit, words } from "./words.js";
 
@@ -44,7 +44,7 @@ export class Optimum {
     this.wishes.show(view, scene);
     this.tellFirst();
     this.forget();
-    this.abort?.abort();
+    this.abort?.abort(left());
   }
 
   // The button that finds the best, and each level that it may keep below.
@@ -124,7 +124,7 @@ export class Optimum {
   // `isShown` where the drive that is found becomes the design.
   async find({ isShown = true } = {}) {
     const study = this.study();
-    this.abort?.abort();
+    this.abort?.abort(left());
     this.abort = new AbortController();
     const { signal } = this.abort;
     this.forget();

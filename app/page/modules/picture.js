@@ -6,6 +6,7 @@ import { byId, element, fill, reveal } from "./elements.js";
 import { occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
 import { lookOf } from "./markers.js";
+import { Overlay } from "./overlay.js";
 import { pictureOf } from "./view.js";
 import { capital, number, words } from "./words.js";
 
@@ -17,6 +18,7 @@ export class Picture {
     /** @type {any} */
     this.drawing = null; // a map or lines
     this.marks = {}; // by who sets them
+    this.overlay = new Overlay(byId("stale"));
   }
 
   // Begin anew: what was drawn is of another view.
@@ -66,16 +68,21 @@ export class Picture {
     reveal();
   }
 
-  // What is drawn is not, or not yet, of the fields: it is dimmed, and why is said over it.
-  dim(reason) {
-    if (!this.drawing) return;
+  // What is drawn is not, or not yet, of the fields: it is dimmed, and why is said over it, with
+  // {text, onclick} of what one can do.
+  dim(reason, action = null) {
     byId("picture").classList.add("stale");
-    byId("stale").textContent = reason;
+    this.overlay.say(reason, action);
+  }
+
+  // The same over a picture that is of the fields.
+  tell(text, action = null) {
+    this.overlay.say(text, action);
   }
 
   undim() {
     byId("picture").classList.remove("stale");
-    byId("stale").textContent = "";
+    this.overlay.clear();
   }
 
   hint() {

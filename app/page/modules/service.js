@@ -137,16 +137,20 @@ export async function carryOut(process, study, { tell = () => {}, signal } = {})
     const seconds = (Date.parse(job.finished) - Date.parse(job.started)) / 1000;
     return { dataset, job, seconds: seconds > 0 ? seconds : null };
   } catch (error) {
-    if (error.name === "AbortError") await leave(content, tell); // something else is looked at
+    if (error.name === "AbortError") await leave(content, tell, error.message);
     throw error;
   }
 }
 
+// Why nobody waits any more: reasons of a signal.
+export const cancelled = () => new DOMException("It was cancelled.", "AbortError");
+export const left = () => new DOMException("It was cancelled: something else is looked at.", "AbortError");
+
 // Have the service end a job that nobody waits for any more, so that others have their turn.
-async function leave(job, tell) {
+async function leave(job, tell, message) {
   try {
     await remove(`/jobs/${job.jobID}`);
-    tell({ ...job, status: "dismissed", message: "It was dismissed: something else is looked at." });
+    tell({ ...job, status: "dismissed", message });
   } catch {
     // it may be over
   }

@@ -4,6 +4,7 @@
 import { bestFromQuery, bestToQuery } from "./criterion.js";
 import { QUESTIONS } from "./questions.js";
 import { SETS } from "./sets.js";
+import { withUnit } from "./words.js";
 
 const MAX_CHARACTERS = 4000;
 
@@ -165,6 +166,13 @@ export function usual(parameter) {
   if (parameter.unit === "degree") return [Math.max(lower, 0), Math.min(upper, 60)];
   if (typical === 0) return [Math.max(lower, 0), Math.min(upper, 1)];
   return [Math.max(lower, 0.2 * typical), Math.min(upper, 2 * typical)].sort((a, b) => a - b);
+}
+
+// A sentence about a value outside of what is usual, else "".
+export function unusual(parameter, value) {
+  const [low, high] = usual(parameter);
+  if (value >= low && value <= high) return "";
+  return `Outside the usual ${withUnit(low, parameter.unit)} to ${withUnit(high, parameter.unit)}.`;
 }
 
 export function typical(parameter) {

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { usualBest } from "../../../app/page/modules/criterion.js";
-import { fromLink, givenValues, toLink, typical, usual } from "../../../app/page/modules/view.js";
+import { fromLink, givenValues, toLink, typical, unusual, usual } from "../../../app/page/modules/view.js";
 
 const VIEW = {
   question: "drive",
@@ -66,4 +66,11 @@ test("what is usual lies within the bounds, in order", () => {
 
 test("a value that is the service's own is not given", () => {
   assert.deepEqual(givenValues({ values: { a: 1, b: 2 }, own: { a: 1, b: 3 } }), { b: 2 });
+});
+
+test("a value outside of what is usual is said, in the unit of the page", () => {
+  const amplitude = { name: "amplitude", unit: "m", example: 0.0005 };
+  assert.equal(unusual(amplitude, 0.0005), "");
+  assert.equal(unusual(amplitude, 0.005), "Outside the usual 0.1\u00a0mm to 1\u00a0mm.");
+  assert.equal(unusual({ name: "friction", unit: "1", usual: [0.05, 0.6] }, 0.01), "Outside the usual 0.05 to 0.6.");
 });
