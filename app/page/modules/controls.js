@@ -2,6 +2,7 @@
 
 import { element, refill } from "./elements.js";
 import { choiceField, numberInput } from "./fields.js";
+import { grouped } from "./groups.js";
 import { knob } from "./knob.js";
 import { capital, label, sentence, shown, words } from "./words.js";
 import { pictured } from "./opening.js";
@@ -107,7 +108,7 @@ export class Controls {
         : null,
       this.select(
         "Output",
-        pictured(scene).map(({ name, unit }) => [name, label(name, unit)]),
+        grouped(pictured(scene), ({ name, unit }) => [name, label(name, unit)]),
         view.output,
         (name) => this.change({ output: name }),
       ),

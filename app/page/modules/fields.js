@@ -4,13 +4,13 @@ import { element } from "./elements.js";
 import { fieldText, readNumber } from "./numbers.js";
 import { shown } from "./words.js";
 
-// `options` are [value, text]; `chosen(value)` hears.
+// `options` are [value, text], or groups of them, [title, options]; `chosen(value)` hears.
 export function choiceField(id, text, options, value, chosen) {
-  const made = element(
-    "select",
-    { id, onchange: () => chosen(made.value) },
-    ...options.map(([name, title]) => element("option", { value: name, selected: name === value }, title)),
-  );
+  const option = ([name, told]) =>
+    Array.isArray(told)
+      ? element("optgroup", { label: name }, ...told.map(option))
+      : element("option", { value: name, selected: name === value }, told);
+  const made = element("select", { id, onchange: () => chosen(made.value) }, ...options.map(option));
   return element("div", { class: "field" }, element("label", { for: id }, text), made);
 }
 

@@ -4,6 +4,7 @@ import { furtherOf } from "./best.js";
 import { CRITERIA, FIGURES, NEEDS_OTHER } from "./criterion.js";
 import { element, fill } from "./elements.js";
 import { button, choiceField, numberInput, tick } from "./fields.js";
+import { grouped } from "./groups.js";
 import { usual } from "./view.js";
 import { capital, label, number, sentence, shown, words } from "./words.js";
 
@@ -74,7 +75,7 @@ export class Wishes {
         this.changed("criterion");
       }),
       NEEDS_OTHER.has(best.kind)
-        ? choiceField("against", "The other output", others.map((one) => [one.name, label(one.name, one.unit)]), best.against, (chosen) => {
+        ? choiceField("against", "The other output", grouped(others, (one) => [one.name, label(one.name, one.unit)]), best.against, (chosen) => {
             best.against = chosen;
             this.changed("against");
           })
@@ -122,7 +123,7 @@ export class Wishes {
       this.changed(id);
     };
     const next = `limit-${best.limits.length}`;
-    const outputs = scene.outputs.map((one) => [one.name, label(one.name, one.unit)]);
+    const outputs = grouped(scene.outputs, (one) => [one.name, label(one.name, one.unit)]);
     const levels = scene.outputs.filter(
       ({ name, level }) =>
         Number.isFinite(level) && !best.limits.some(({ output, upper }) => output === name && upper === level),
