@@ -129,8 +129,9 @@ def test_what_amplitude_will_my_springs_give(page, address):
     assert amplitude == pytest.approx(answer * 1e3, rel=5e-3)
     assert page.get_by_label("Model", exact=True).count() == 0  # nothing is followed in time there
     page.goto(f"{address}/#question=speed&kind=simulate&scene=linear-drive-unit&choice=events")
+    page.wait_for_url(lambda url: "question=speed" in url and "kind=sweep" in url)
     page.locator("#headline", has_text="Amplitude of the track").wait_for()
-    page.wait_for_url(lambda url: "kind=sweep" in url)
+    shown(page)
 
 
 def test_what_did_the_thesis_draw(page, address):

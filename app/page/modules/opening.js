@@ -4,7 +4,7 @@ import { SETS, isSet } from "./sets.js";
 import { shownParameters, typical, usual } from "./view.js";
 import { capital, words } from "./words.js";
 
-const FIRST_OUTPUTS = ["conveying_velocity", "acceleration_x"];
+const FIRST_OUTPUTS = ["conveying_velocity", "acceleration_x", "track_amplitude"];
 const FIRST_AXES = ["amplitude", "beta"];
 
 // A name that may be anybody's, as it is told.
