@@ -26,8 +26,8 @@ STUDY = {
     "parameters": {
         "frequency": 50,
         "friction": 0.4,
-        "amplitude": {"start": 1e-4, "stop": 7e-4, "num": 40},
-        "beta": {"start": 5, "stop": 60, "num": 40},
+        "amplitude": {"start": 1e-4, "stop": 7e-4, "num": 60},
+        "beta": {"start": 5, "stop": 60, "num": 60},
     },
 }
 
@@ -36,7 +36,9 @@ STUDY = {
 def service(tmp_path_factory):
     with services(tmp_path_factory) as start:
         hashes = json.dumps([HASH])
-        yield start(workers=1, api_key_hashes=hashes, max_synchronous_seconds=0.3)
+        # Also short studies count as long, of which one at a time is computed.
+        queue = {"concurrent_jobs": 1, "block_seconds": 0.05}
+        yield start(workers=1, api_key_hashes=hashes, max_synchronous_seconds=0.3, **queue)
 
 
 def entered(page, service, link=""):
@@ -121,7 +123,7 @@ def test_a_service_that_starts_again_is_waited_for(page, service, browser):
     path = "/processes/simulate/execution"
     before = asked(service, path, {**STUDY, "method": "reference"})["jobID"]
     lines = MOTION.replace("y=beta:5:60", "y=&p.beta=30")
-    entered(page, service, f"{lines}&choice=time-stepping")
+    entered(page, service, f"{lines}&choice=reference")
     looking = browser.new_page()
     entered(looking, service, lines)  # so few cells are short also for a service that is busy
     shown(looking)

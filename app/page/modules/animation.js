@@ -1,12 +1,18 @@
 // A motion that plays: the sketch, the curves that are scrubbed, and what the part does.
 
-import { MODES, cycleOf, modeAt } from "./course.js";
+import { MODES, PARTS, cycleOf, modeAt, platoonsAt } from "./course.js";
 import { element, fill } from "./elements.js";
 import { Panels } from "./panels.js";
 import { drawAbove, drawSide } from "./sketch.js";
 import { capital, withUnit } from "./words.js";
 
 const SLOWNESS = [10, 30, 100, 300];
+
+// Which parts of a row touch, in a sentence: those of each platoon by the numbers of its ends.
+function platoonsTold(platoons) {
+  const joined = platoons.filter(({ length }) => length > 1).map((one) => `${one[0]} to ${one[one.length - 1]}`);
+  return joined.length ? `Parts ${joined.join(", and ")} touch` : "No parts touch";
+}
 
 export class Animation {
   constructor(host) {
@@ -49,11 +55,11 @@ export class Animation {
     this.time = share * cycleOf(course);
     this.play.textContent = this.isRunning ? "Pause" : "Play";
     this.above.hidden = !course.radius;
-    const present = course.row ? [] : [...new Set(course.modes)];
+    const parts = (course.row?.positions ?? []).map((_, i) => [PARTS[i % PARTS.length], `part ${i + 1}${i ? "" : ", the rearmost"}`]);
+    const present = course.row ? parts : [...new Set(course.modes)].map((mode) => MODES[mode] ?? MODES.unknown);
     fill(
       this.legend,
-      ...present.map((mode) => {
-        const [colour, text] = MODES[mode] ?? MODES.unknown;
+      ...present.map(([colour, text]) => {
         const swatch = element("span", { class: "swatch line" });
         swatch.style.borderColor = colour;
         return element("li", {}, swatch, capital(text));
@@ -123,10 +129,10 @@ export class Animation {
     drawSide(this.side, course, time, this.turns, colour);
     if (course.radius) drawAbove(this.above, course, time, this.turns, colour);
     this.panels.at(this.time);
-    if (!this.isRunning || this.told !== mode) this.panels.tell();
-    if (this.told === mode) return;
-    this.told = mode;
-    const subject = course.row ? "The row moves" : `The part ${text}`;
-    this.said.textContent = `${subject}. Mean speed ${withUnit(course.velocity, "m s-1")}.`;
+    const told = course.row ? platoonsTold(platoonsAt(course, time)) : `The part ${text}`;
+    if (!this.isRunning || this.told !== told) this.panels.tell(told);
+    if (this.told === told) return;
+    this.told = told;
+    this.said.textContent = `${told}. Mean speed ${withUnit(course.velocity, "m s-1")}.`;
   }
 }

@@ -1,5 +1,8 @@
 // The motion of one part, or of a row of them, over a cycle: its numbers, and what it is at a moment.
 
+// Of the way that is shown: gaps that are no larger are those of parts that touch.
+const TOUCHES = 1e-9;
+
 // Of the parts of a row.
 export const PARTS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
@@ -54,8 +57,9 @@ function nameOf(variable) {
   return Object.keys(flags).find((name) => flags[name] === data) ?? "";
 }
 
-// The parts of a row from the rear to the front: {positions: [[m]], length}; null of a single part.
-// Each part has what it is ahead of the mean travel, too.
+// The parts of a row from the rear to the front: {positions: [[m]], ahead: [[m]], length, closed}; null
+// of a single part. `ahead` is what each is ahead of the mean travel, `closed[i][k]` whether part i
+// touches the one in front of it at time k.
 function rowOf(all, times) {
   const positions = [];
   for (let part = 1; all[`part_position_${part}`]; part++) positions.push(all[`part_position_${part}`].data);
@@ -63,7 +67,28 @@ function rowOf(all, times) {
   const [rear] = positions;
   const travel = (rear[rear.length - 1] - rear[0]) / (times[times.length - 1] - times[0] || 1);
   const ahead = positions.map((values) => values.map((value, i) => value - values[0] - travel * (times[i] - times[0])));
-  return { positions, ahead, length: all.length?.data ?? 0 };
+  const length = all.length?.data ?? 0;
+  const every = positions.flat();
+  const room = TOUCHES * (Math.max(...every) - Math.min(...every));
+  const closed = positions.slice(1).map((front, i) => front.map((value, k) => value - positions[i][k] - length <= room));
+  return { positions, ahead, length, closed };
+}
+
+// The platoons of a row at a time: numbers of parts that touch, from the rear; [[1, 2], [3]].
+export function platoonsAt({ times, row }, time) {
+  const place = placeAt(times, time);
+  const found = [[1]];
+  row.closed.forEach((closed, i) => {
+    if (closed[place]) found[found.length - 1].push(i + 2);
+    else found.push([i + 2]);
+  });
+  return found;
+}
+
+// The last of the times that is not after one.
+function placeAt(times, time) {
+  const after = times.findIndex((one) => one > time);
+  return Math.max(0, (after < 0 ? times.length : after) - 1);
 }
 
 // The slope of values over times, between their neighbours.
@@ -90,6 +115,5 @@ export function between({ times }, values, time) {
 
 // What the part does at a time: its mode.
 export function modeAt({ times, modes }, time) {
-  const place = times.findIndex((one) => one > time);
-  return modes[Math.max(0, (place < 0 ? times.length : place) - 1)];
+  return modes[placeAt(times, time)];
 }

@@ -1,13 +1,15 @@
 // Curves of a motion over one cycle, coloured by what the part does. A line shows the moment: it is
 // dragged, or moved by the arrow keys.
 
-import { MODES, PARTS, cycleOf, modeAt } from "./course.js";
+import { MODES, PARTS, cycleOf } from "./course.js";
 import { drawn, fill } from "./elements.js";
 import { beside, capital, number, shown } from "./words.js";
 
 const PANEL = 78; // px
 const CURVE = 46; // px, of its height
 const OF_ROW = 2.5; // times as high: there is one
+const TITLE = 20; // px, above the bars of a row
+const BAR = 11; // px, for the bar of two neighbours
 const LEFT = 62; // px
 const RIGHT = 8; // px
 const LEAST = 280; // px
@@ -81,9 +83,12 @@ export class Panels {
     const panels = this.curves(course);
     this.width = Math.max(LEAST, this.svg.clientWidth);
     this.tall = course.row ? OF_ROW : 1;
-    const height = this.tall * PANEL * panels.length + 26;
+    const bars = course.row ? TITLE + BAR * course.row.closed.length : 0;
+    const curves = this.tall * PANEL * panels.length;
+    const height = curves + bars + 26;
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${height}`);
     const parts = panels.flatMap((panel, place) => this.panel(panel, place * PANEL));
+    if (bars) parts.push(...this.touching(course, curves));
     this.now = drawn("line", { y1: 16, y2: height - 20, class: "now" });
     this.knob = drawn("circle", { cy: height - 20, r: 6, class: "knob" });
     const told = `time over one cycle of ${number(1000 * cycleOf(course), 3)} ms`;
@@ -116,6 +121,24 @@ export class Panels {
     ];
   }
 
+  // While which neighbours of a row touch, a line of bars for each two.
+  touching({ times, row }, above) {
+    const bars = row.closed.flatMap((closed, i) => {
+      const y = above + TITLE + BAR * (i + 0.5);
+      const made = [drawn("text", { x: LEFT - 6, y: y + 4, "text-anchor": "end" }, `${i + 1}, ${i + 2}`)];
+      let from = null;
+      closed.forEach((isClosed, k) => {
+        if (isClosed) from ??= k;
+        const isEnd = from !== null && (!isClosed || k === closed.length - 1);
+        if (!isEnd) return;
+        made.push(drawn("line", { x1: this.across(times[from]), x2: this.across(times[k]), y1: y, y2: y, class: "touching" }));
+        from = null;
+      });
+      return made;
+    });
+    return [drawn("text", { x: LEFT, y: above + TITLE - 6, class: "label" }, "Neighbours that touch"), ...bars];
+  }
+
   line({ values, modes, stroke: own }, up) {
     const { times } = this.course;
     const at = (k) => `${this.across(times[k]).toFixed(1)},${up(values[k]).toFixed(1)}`;
@@ -146,9 +169,8 @@ export class Panels {
   }
 
   // The same for screen readers, which do not want to hear of each frame.
-  tell() {
-    const [, text] = MODES[modeAt(this.course, this.time + this.course.times[0])] ?? MODES.unknown;
+  tell(text) {
     this.svg.setAttribute("aria-valuenow", String(Math.round((100 * this.time) / cycleOf(this.course))));
-    this.svg.setAttribute("aria-valuetext", `${number(1000 * this.time, 3)} ms, the part ${text}`);
+    this.svg.setAttribute("aria-valuetext", `${number(1000 * this.time, 3)} ms, ${text.slice(0, 1).toLowerCase()}${text.slice(1)}`);
   }
 }

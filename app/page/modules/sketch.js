@@ -1,7 +1,7 @@
 // A part on its track as a sketch: from the side with slope and vibration, along the track where it
 // leans, and from above in a bowl. Movements are enlarged alike, the part is not to scale.
 
-import { PARTS, between } from "./course.js";
+import { PARTS, between, platoonsAt } from "./course.js";
 import { number } from "./words.js";
 
 const REACH = 0.17; // of the height: the largest movement
@@ -46,6 +46,7 @@ function stateOf(course, time, turns) {
     trackAlong: here(course.trackAlong),
     trackNormal: here(course.trackNormal),
     parts: row ? row.positions.map((values) => travel(values)) : null,
+    platoons: row ? platoonsAt(course, time) : null,
   };
 }
 
@@ -92,16 +93,24 @@ function drawFloor(context, half, floor, shift) {
   context.stroke();
 }
 
-// The parts of a row: gaps between them are enlarged as movements are, so that what touches touches.
-function drawRow(context, { positions, length }, { parts, trackAlong }, { scale, floor, size, width }) {
+// The parts of a row, by number from the rear: gaps between them are enlarged as movements are, so that
+// what touches touches; a bar joins it.
+function drawRow(context, { positions, length }, { parts, trackAlong, platoons }, { scale, floor, size, width }) {
   const wide = Math.min(size, (0.7 * width) / positions.length);
   let left = -width / 2 + MARGIN;
   const room = width - positions.length * wide - 2 * MARGIN;
   left += wrapped((parts[0] + trackAlong) * scale, Math.max(40, room / 3));
+  const fronts = new Set(platoons.flatMap((platoon) => platoon.slice(1)));
+  context.textAlign = "center";
   parts.forEach((position, i) => {
+    const before = left + wide / 2;
     if (i) left += wide + Math.min(2 * wide, Math.max(0, position - parts[i - 1] - length) * scale);
     context.fillStyle = PARTS[i % PARTS.length];
     context.fillRect(left, floor - size, wide - 1, size);
+    context.fillStyle = context.strokeStyle;
+    const middle = left + wide / 2;
+    context.fillText(String(i + 1), middle, floor - size - 10);
+    if (fronts.has(i + 1)) context.fillRect(before, floor - size - 6, middle - before, 3);
   });
 }
 

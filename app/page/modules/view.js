@@ -168,8 +168,10 @@ export function usual(parameter) {
   return [Math.max(lower, 0.2 * typical), Math.min(upper, 2 * typical)].sort((a, b) => a - b);
 }
 
-// A sentence about a value outside of what is usual, else "".
+// A sentence about a value outside of what is usual, else "". What a parameter is by itself is no cause
+// for a warning.
 export function unusual(parameter, value) {
+  if (value === parameter.default) return "";
   const [low, high] = usual(parameter);
   if (value >= low && value <= high) return "";
   return `Outside the usual ${withUnit(low, parameter.unit)} to ${withUnit(high, parameter.unit)}.`;
