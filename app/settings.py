@@ -131,7 +131,8 @@ class Settings(BaseSettings):
     max_job_seconds: float = Field(
         default=86_400.0,
         gt=0,
-        description="Longest run of a job, while workers work on it; what is done by then is kept.",
+        description="Longest run of a job, while workers that have loaded their code work on it; "
+        "what is done by then is kept.",
     )
     grace_seconds: float = Field(
         default=5.0,

@@ -41,14 +41,15 @@ class Cluster:
     Attributes
     ----------
     begun : callable
-        Is told the key of each call that a worker begins, and the worker's address.
+        Is told the key of each call that a worker begins, the worker's address, and whether it has
+        loaded its code: once when it takes the call up, once when it has.
     """
 
     def __init__(self, address: str | None, workers: int):
         self._address, self._workers = address, workers
         # A task of its own: who waits for it may be cancelled, and leaves nothing half made.
         self._start: asyncio.Task[_Made] | None = None
-        self.begun: Callable[[str, str], object] = lambda key, worker: None
+        self.begun: Callable[[str, str, bool], object] = lambda key, worker, is_loaded: None
 
     async def client(self) -> Client:
         """Return the connection; make it if there is none or it has been lost.
@@ -123,26 +124,31 @@ class Cluster:
                 await client.register_plugin(_polite())
             return client, made.pop_all()
 
-    def _heard(self, event: tuple[float, dict[str, str]]) -> None:
+    def _heard(self, event: tuple[float, dict[str, Any]]) -> None:
         told = event[1]
-        self.begun(told["key"], told["worker"])
+        self.begun(told["key"], told["worker"], told["is_loaded"])
 
 
 def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
     """Return what calls a function of this program by its name, wherever it is sent.
 
     It is sent with all it holds, tells that it begins, and finds the rest by the name `vibrafeed`:
-    schedulers and workers may have other packages called `app` and `core`.
+    schedulers and workers may have other packages called `app` and `core`. The first call of a
+    worker loads the code, which takes seconds on a busy machine; that it is there is told, too.
     """
     module = function.__module__.removeprefix("vibrafeed.")  # as the repository has it
     name, topic = function.__name__, BEGUN
 
-    def call(*arguments: Any) -> _T:
+    def tell(is_loaded: bool) -> None:
         with suppress(ValueError):  # it is called elsewhere than on a worker
             worker = get_worker()
             told = {"key": worker.get_current_task(), "worker": worker.address}
-            worker.log_event(topic, told)
+            worker.log_event(topic, {**told, "is_loaded": is_loaded})
+
+    def call(*arguments: Any) -> _T:
+        tell(is_loaded=False)
         home = import_module("vibrafeed._packages").load(module)
+        tell(is_loaded=True)
         called: _T = getattr(home, name)(*arguments)
         return called
 

@@ -35,11 +35,15 @@ class WorkersDieError(VibrafeedError):
 
 @dataclass(eq=False)
 class _Call:
-    """A call on its way: the cluster's future, its end, and which worker has it once it begins."""
+    """A call on its way: the cluster's future, its end, and which worker has it once it begins.
+
+    It has `begun` once a worker has taken it up, and is `loaded` once that one has its code.
+    """
 
     future: Any
     result: asyncio.Task[float]
     begun: asyncio.Future[None]
+    loaded: asyncio.Future[None]
     worker: str = ""
 
 
@@ -92,7 +96,7 @@ class Executor:
         seconds : float
             How long it is expected to take.
         began : callable
-            Is awaited once a worker has begun.
+            Is awaited once a worker has begun, and has loaded its code.
         function, arguments
             The function, by its name in its module, and what it takes.
 
@@ -145,25 +149,27 @@ class Executor:
     async def _submitted(self, function: Callable[..., float], arguments: Any) -> _Call:
         client = await self._client()
         future = client.submit(by_name(function), *arguments, pure=False)
-        begun = asyncio.get_running_loop().create_future()
-        call = _Call(future, asyncio.create_task(_result_of(future)), begun)
+        loop = asyncio.get_running_loop()
+        begun, loaded = loop.create_future(), loop.create_future()
+        call = _Call(future, asyncio.create_task(_result_of(future)), begun, loaded)
         self._calls[future.key] = call
         return call
 
-    def _heard(self, key: str, worker: str) -> None:
-        """Note which worker has begun with which call."""
+    def _heard(self, key: str, worker: str, is_loaded: bool) -> None:
+        """Note which worker has begun with which call, or has loaded its code."""
         call = self._calls.get(key)
         if call is not None:
             call.worker = worker  # another one, if the first has died
-            if not call.begun.done():
-                call.begun.set_result(None)
+            event = call.loaded if is_loaded else call.begun
+            if not event.done():
+                event.set_result(None)
 
     async def _followed(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
         announced = False
         while True:
             events: set[asyncio.Future[Any]] = {call.result}
             if not announced:
-                events.add(call.begun)
+                events.add(call.loaded)
             done, _ = await asyncio.wait(
                 events, timeout=LOOK_AT_WORKERS, return_when=asyncio.FIRST_COMPLETED
             )

@@ -15,6 +15,7 @@ from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
 from app.web.execution import ACCURACY, Execution, read_execution
 from core.dataset.document import to_document
+from core.errors import StoppedError
 from core.intake import prepare_content, read_json
 from core.intake.forms import FORMS, to_curl
 from core.kinds import is_whole, tabulate
@@ -32,6 +33,8 @@ def converted(body: bytes, to: str, base: str) -> str:
 def executed(name: str, body: bytes, settings: Settings, most_cells: int | None) -> bytes | None:
     """Return the reply to a short study, as JSON; None if it is to become a job.
 
+    That is what is thought to take long, and what has not ended within `max_execution_seconds`.
+
     Parameters
     ----------
     name : str
@@ -48,15 +51,25 @@ def executed(name: str, body: bytes, settings: Settings, most_cells: int | None)
     if not _is_short(prepared, settings):
         return None
     watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
-    table = tabulate(prepared, watch)
+    try:
+        table = tabulate(prepared, watch)
+    except StoppedError:
+        return None
+    if not is_whole(table):
+        return None
     content: dict[str, Any] = {
-        "complete": is_whole(table),
+        "complete": True,
         "cells": prepared.cells,
         **to_document(table),
     }
     if asked.as_document:
         content = {"dataset": {"value": content, "mediaType": "application/json"}}
     return orjson.dumps(content, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def check_study(name: str, body: bytes, settings: Settings) -> None:
+    """Raise if what a body asks for cannot be carried out."""
+    read_study(name, body, settings)
 
 
 def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:

@@ -19,7 +19,7 @@ from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, Job
 from app.settings import Settings
 from app.web.accept import preferred
-from app.web.calculations import executed, read_study
+from app.web.calculations import check_study, executed, read_study
 from app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
 from app.web.documents import (
     CONFORMANCE,
@@ -39,6 +39,7 @@ from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
 from app.web.shares import calculated, place_of
+from core.errors import StoppedError
 
 router = APIRouter(tags=["processes"])
 
@@ -134,13 +135,22 @@ async def _reply_or_job(
     wishes = preferences(request.headers.getlist("prefer"))
     async with place_of(request, len(body)):
         if name != ACCURACY and not wishes.respond_async:
-            seconds = settings.max_execution_seconds + settings.grace_seconds
-            content = await calculated(
-                request, executed, name, body, settings, who.cells, seconds=seconds
-            )
+            content = await _dataset_in_time(request, name, body, settings, who)
             if content is not None:
                 return Response(content, media_type=JSON)
         return await run_in_threadpool(_post, name, body, settings, admission, who)
+
+
+async def _dataset_in_time(
+    request: Request, name: str, body: bytes, settings: Settings, who: Key
+) -> bytes | None:
+    """Return the dataset of a study as JSON; None if it takes longer than one request may."""
+    seconds = settings.max_execution_seconds + settings.grace_seconds
+    try:
+        return await calculated(request, executed, name, body, settings, who.cells, seconds=seconds)
+    except StoppedError:  # its process was ended, perhaps before the study was read
+        await calculated(request, check_study, name, body, settings, seconds=settings.grace_seconds)
+        return None
 
 
 def _post(name: str, body: bytes, settings: Settings, admission: Admission, who: Key) -> Job:
@@ -204,7 +214,7 @@ for _name, _process in PROCESSES.items():
         summary=_process.title,
         description=f"{_process.description}\n\nThe body is the study itself, or an execute "
         "request with the study under `inputs.study`. A short study is replied to with its "
-        "dataset. A long one becomes a job: 201 with its status and `Location`, or 200 with its "
+        "dataset. One that is long, or turns out so, becomes a job: 201 with its status and `Location`, or 200 with its "
         "results if `Prefer: wait` was long enough.",
         response_model=dict[str, Any],
         responses={

@@ -16,6 +16,55 @@ async def nothing() -> None:
     pass
 
 
+class _Given(asyncio.Future):
+    """A call as Dask's client gives it back."""
+
+    key = "the call"
+
+
+class _Loading:
+    """A cluster with one worker, which loads its code as slowly as the test says."""
+
+    def __init__(self) -> None:
+        self.begun = lambda key, worker, is_loaded: None
+        self.given: _Given | None = None
+
+    async def client(self) -> _Loading:
+        return self
+
+    async def workers(self) -> int:
+        return 1
+
+    def submit(self, call: object, *arguments: object, pure: bool) -> _Given:
+        self.given = _Given()
+        return self.given
+
+
+def test_a_call_has_begun_once_its_worker_has_loaded_its_code():
+    async def scene() -> None:
+        cluster, began = _Loading(), []
+        executor = Executor(cluster, FairQueue(1000.0), grace=60)
+
+        async def begin() -> None:
+            began.append(True)
+
+        call = asyncio.create_task(executor.run("one", 1.0, begin, os.getpid))
+        while cluster.given is None or not executor._calls:
+            await asyncio.sleep(0)
+        cluster.begun("the call", "a worker", False)
+        for _ in range(10):
+            await asyncio.sleep(0)
+        assert not began  # its time limit does not run yet
+        cluster.begun("the call", "a worker", True)
+        while not began:
+            await asyncio.sleep(0)
+        cluster.given.set_result(1.0)
+        assert await call == 1.0
+        await executor.close()
+
+    asyncio.run(scene())
+
+
 def test_what_does_not_stop_is_killed_and_others_are_not_to_blame():
     async def scene() -> None:
         cluster, fair_queue = Cluster(None, 1), FairQueue(1000.0)

@@ -15,6 +15,8 @@ from fastapi.testclient import TestClient
 
 from app.main import create_app
 from app.settings import Settings
+from app.web.calculations import check_study
+from app.web.routes import processes
 from core.intake import parse_study
 from core.kinds import run_study
 from core.scenes import SCENES
@@ -332,12 +334,24 @@ class TestSimulation:
             assert reply["type"].endswith("limit")
             assert "4" in reply["detail"]
 
-    def test_what_is_finished_in_time_is_replied(self, settings):
-        hurried = settings.model_copy(update={"max_execution_seconds": 1e-9})
+    @pytest.mark.parametrize("grace", [300, 1e-9], ids=["stops", "is ended"])
+    def test_what_takes_longer_than_a_request_goes_on_as_a_job(self, settings, grace, monkeypatch):
+        hurried = settings.model_copy(
+            update={"max_execution_seconds": 1e-9, "grace_seconds": grace}
+        )
+        if grace < 1:  # what is left to read a study is the grace, too
+            patience = processes.calculated
+
+            async def patient(request, function, *arguments, seconds):
+                seconds = 300 if function is check_study else seconds
+                return await patience(request, function, *arguments, seconds=seconds)
+
+            monkeypatch.setattr(processes, "calculated", patient)
         with local_client(create_app(hurried)) as client:
-            document = client.post(self.PATH, json=SIMULATION).json()
-        assert document["complete"] is False
-        assert document["variables"]["motion_status"]["data"][0][0] == 0
+            reply = client.post(self.PATH, json=SIMULATION)
+            assert reply.status_code == 201, reply.text
+            assert reply.headers["location"].endswith(f"/jobs/{reply.json()['jobID']}")
+            assert problem(client.post(self.PATH, json={**SIMULATION, "outputs": ["x"]}))["errors"]
 
     def test_many_at_a_time(self, client):
         with ThreadPoolExecutor(8) as pool:
