@@ -28,6 +28,7 @@ from app.jobs.writer import Writer
 from app.settings import Settings
 from app.web import calculations, guard, openapi, problems
 from app.web.compress import Compress
+from app.web.made_once import MadeOnce
 from app.web.metrics import Metrics, watch_jobs
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
@@ -103,6 +104,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.keys = keys
     app.state.shares = Shares()
     app.state.process_pool = process_pool
+    app.state.made_once = MadeOnce()
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.warmth = Warmth()  # started where the service is served

@@ -6,12 +6,12 @@ address of the service.
 
 from __future__ import annotations
 
-import functools
 import time
 from datetime import UTC, datetime
 from pathlib import PurePath
 from typing import Any, Literal
 
+import orjson
 from pydantic import BaseModel, Field
 
 import core
@@ -157,15 +157,15 @@ def process_list(base: str) -> dict[str, Any]:
     }
 
 
-def description(name: str, process: Process, base: str) -> dict[str, Any]:
-    """Return a process with the schemas of what it takes and gives."""
+def description(name: str, process: Process, base: str, schema: bytes) -> dict[str, Any]:
+    """Return a process with the schemas of what it takes, which is JSON already, and gives."""
     return {
         **summary(name, process, base),
         "inputs": {
             "study": {
                 "title": "The study",
                 "description": "A study, as in a file of the command line.",
-                "schema": _schema_of(process.study),
+                "schema": orjson.Fragment(schema),
             }
         },
         "outputs": {
@@ -181,12 +181,6 @@ def description(name: str, process: Process, base: str) -> dict[str, Any]:
             }
         },
     }
-
-
-@functools.cache
-def _schema_of(study: type[BaseModel]) -> dict[str, Any]:
-    """Return the schema of a model of studies, which takes half a second to make."""
-    return study.model_json_schema()
 
 
 def status_info(

@@ -45,6 +45,13 @@ def not_modified(request: Request, etag: str, cache: str) -> Response | None:
     return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})
 
 
+def document_reply(request: Request, content: bytes, etag: str) -> Response:
+    """Return a document in JSON that may change with the version, or 304 if the client has it."""
+    there = not_modified(request, etag, ASK_AGAIN)
+    headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
+    return there or Response(content, media_type="application/json", headers=headers)
+
+
 def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
     """Return content that its address determines, for a client to keep."""
     headers = {"ETag": etag, "Cache-Control": FOR_EVER}

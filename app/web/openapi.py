@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import threading
 from functools import cache
 from typing import Any
 
@@ -14,8 +12,8 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from app.web.downloads import ASK_AGAIN, etag_of, not_modified
 from app.web.execution import PROCESSES, AnyStudy
+from app.web.made_once import made_once
 from app.web.replies import ProblemDocument, component, execution_name
 from app.web.sharing import Sharing
 
@@ -33,23 +31,18 @@ def install(app: FastAPI) -> None:
     FastAPI would make it in the event loop, and write its megabyte anew for everybody who asks.
     """
     plain = app.openapi
-    texts: dict[tuple[str, bool], bytes] = {}
-    lock = threading.Lock()
     routes = app.router.routes
     routes[:] = [route for route in routes if getattr(route, "path", "") != PATH]
 
     @app.api_route(PATH, methods=["GET", "HEAD"], include_in_schema=False)
-    def document(request: Request) -> Response:
+    async def document(request: Request) -> Response:
         root, needs_key = request.scope.get("root_path", ""), request.app.state.keys.are_needed
-        with lock:
-            if (root, needs_key) not in texts:
-                servers = {"servers": [{"url": root}]} if root else {}
-                texts[root, needs_key] = orjson.dumps(app.openapi() | servers)
-            content = texts[root, needs_key]
-        etag = etag_of(hashlib.sha256(content).hexdigest())
-        headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
-        there = not_modified(request, etag, ASK_AGAIN)
-        return there or Response(content, media_type="application/json", headers=headers)
+
+        def make() -> bytes:
+            servers = {"servers": [{"url": root}]} if root else {}
+            return orjson.dumps(app.openapi() | servers)
+
+        return await made_once(request, (PATH, root, needs_key), make)
 
     def openapi() -> dict[str, Any]:
         is_new = app.openapi_schema is None

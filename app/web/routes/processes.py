@@ -8,8 +8,9 @@ import sqlite3
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
+import orjson
 from fastapi import APIRouter, Path, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
@@ -33,6 +34,7 @@ from app.web.documents import (
     status_info,
 )
 from app.web.execution import ACCURACY, PROCESSES, Process
+from app.web.made_once import MadeOnce
 from app.web.outcomes import results_reply
 from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
@@ -96,11 +98,17 @@ def list_processes(base: BaseOf) -> Response:
     response_model=ProcessDescription,
     responses=problems(s404="No such process", s422="The identifier is malformed"),
 )
-def describe_process(process: Annotated[str, Path(max_length=100)], base: BaseOf) -> Response:
+async def describe_process(
+    request: Request, process: Annotated[str, Path(max_length=100)], base: BaseOf
+) -> Response:
     """Return a process with the schemas of what it takes and gives."""
     if process not in PROCESSES:
         raise _missing(process)
-    return json_reply(description(process, PROCESSES[process], base))
+    study = PROCESSES[process].study
+    made = cast(MadeOnce, request.app.state.made_once)
+    # Kept without its links: they hold the name by which the client has called the service.
+    schema, _ = await made(("/processes", process), lambda: orjson.dumps(study.model_json_schema()))
+    return json_reply(description(process, PROCESSES[process], base, schema))
 
 
 async def execute(
@@ -214,8 +222,8 @@ for _name, _process in PROCESSES.items():
         summary=_process.title,
         description=f"{_process.description}\n\nThe body is the study itself, or an execute "
         "request with the study under `inputs.study`. A short study is replied to with its "
-        "dataset. One that is long, or turns out so, becomes a job: 201 with its status and `Location`, or 200 with its "
-        "results if `Prefer: wait` was long enough.",
+        "dataset. One that is long, or turns out so, becomes a job: 201 with its status and "
+        "`Location`, or 200 with its results if `Prefer: wait` was long enough.",
         response_model=dict[str, Any],
         responses={
             201: {

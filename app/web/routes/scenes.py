@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Annotated, Any
+from typing import Annotated
 
 import orjson
 from fastapi import APIRouter, Path, Query, Request
@@ -11,7 +10,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel
 
 from app.jobs.errors import NotFoundError
-from app.web.downloads import ASK_AGAIN, etag_of, not_modified
+from app.web.made_once import made_once
 from app.web.replies import OBJECT, json_reply, kept, problems
 from core.catalogue import describe, describe_all
 from core.scenes import SCENES
@@ -40,10 +39,14 @@ def list_scenes() -> Response:
 @router.get(
     "/scenes/{name}",
     summary="Describe a scene",
-    response_model=dict[str, Any],
-    responses=problems(s404="No such scene", s422="No such variant or method"),
+    response_model=None,
+    responses={
+        **kept("The scene", {"application/json": OBJECT}),
+        **problems(s404="No such scene", s422="No such variant or method"),
+    },
 )
-def describe_scene(
+async def describe_scene(
+    request: Request,
     name: Annotated[str, Path(max_length=100)],
     variant: Annotated[
         str | None, Query(max_length=100, description="The scene's default if left out.")
@@ -55,7 +58,11 @@ def describe_scene(
     """Return parameters, outputs, units, equations, regimes and validity of a scene."""
     if name not in SCENES:
         raise NotFoundError(f"There is no scene '{name}'. GET /scenes lists them.")
-    return json_reply(describe(name, variant, method=method))
+    return await made_once(
+        request,
+        ("/scenes", name, variant, method),
+        lambda: orjson.dumps(describe(name, variant, method=method)),
+    )
 
 
 @router.get(
@@ -64,21 +71,6 @@ def describe_scene(
     response_model=None,
     responses=kept("The schema", {"application/json": OBJECT}),
 )
-def schema(request: Request) -> Response:
+async def schema(request: Request) -> Response:
     """Return the JSON Schema of a study, as `vibrafeed schema` prints it."""
-    content, etag = _schema()
-    there = not_modified(request, etag, ASK_AGAIN)
-    if there is not None:
-        return there
-    return Response(
-        content,
-        media_type="application/json",
-        headers={"ETag": etag, "Cache-Control": ASK_AGAIN},
-    )
-
-
-@cache
-def _schema() -> tuple[bytes, str]:
-    """Return the schema as it is sent, and its ETag; it is made once."""
-    content = orjson.dumps(study_schema())
-    return content, etag_of(content.decode())
+    return await made_once(request, "/schema", lambda: orjson.dumps(study_schema()))

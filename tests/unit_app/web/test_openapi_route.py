@@ -6,7 +6,6 @@ import pytest
 
 from app.main import create_app
 from app.settings import Settings
-from app.web import documents
 from app.web.execution import PROCESSES
 from local_client import local_client
 
@@ -27,13 +26,25 @@ def test_the_document_comes_from_memory_with_an_etag(tmp_path, root, monkeypatch
     assert head.headers["etag"] == first.headers["etag"]
 
 
-def test_a_process_is_described_from_memory(tmp_path):
-    documents._schema_of.cache_clear()
-    client = local_client(create_app(Settings(data_directory=tmp_path)))
-    first, again = (client.get("/processes/sweep").content for _ in range(2))
-    assert first == again
-    counts = documents._schema_of.cache_info()
-    assert (counts.misses, counts.hits) == (1, 1)
-    assert PROCESSES["sweep"].study.model_json_schema() == documents._schema_of(
-        PROCESSES["sweep"].study
-    )
+@pytest.mark.parametrize(
+    ("path", "maker"),
+    [
+        ("/processes/sweep", "app.web.routes.processes.orjson"),
+        ("/scenes/rectangle-on-plane?variant=thesis", "app.web.routes.scenes.describe"),
+        ("/scenes/rectangle-on-plane?method=events", "app.web.routes.scenes.describe"),
+    ],
+)
+def test_what_is_described_comes_from_memory(tmp_path, path, maker, monkeypatch):
+    with local_client(create_app(Settings(data_directory=tmp_path))) as client:
+        first = client.get(path)
+        assert first.status_code == 200
+        monkeypatch.setattr(maker, None)  # it is not made again
+        assert client.get(path).content == first.content
+
+
+def test_a_description_has_the_schema_of_its_studies(tmp_path):
+    with local_client(create_app(Settings(data_directory=tmp_path))) as client:
+        told = client.get("/processes/sweep").json()
+    schema = told["inputs"]["study"]["schema"]
+    assert schema == PROCESSES["sweep"].study.model_json_schema()
+    assert told["links"][0]["href"].endswith("/processes/sweep")

@@ -1,0 +1,66 @@
+"""Documents that are made once and kept, each by whoever asks for it first.
+
+Some take seconds of the interpreter. Were each thread to make one, or to wait for one that another
+makes, there would be no thread left for anybody else.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections.abc import Callable, Hashable
+from typing import cast
+
+from fastapi import Request
+from fastapi.responses import Response
+
+from app.web.downloads import document_reply, etag_of
+
+
+class MadeOnce:
+    """Makes documents in a thread, one at a time; who asks meanwhile waits without one."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Hashable, tuple[bytes, str]] = {}
+        self._making: dict[Hashable, asyncio.Task[tuple[bytes, str]]] = {}
+        self._one = asyncio.Lock()
+
+    async def __call__(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
+        """Return a document by its name, and its ETag; what could not be made is made anew.
+
+        Raises
+        ------
+        Exception
+            What `make` raises.
+        """
+        if name in self._kept:
+            return self._kept[name]
+        making = self._making.get(name)
+        if making is None:
+            making = self._making[name] = asyncio.create_task(self._make(name, make))
+            making.add_done_callback(_seen)
+        return await asyncio.shield(making)  # another may wait for it when this client has left
+
+    async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
+        try:
+            async with self._one:
+                content = await asyncio.to_thread(make)
+        finally:
+            del self._making[name]
+        made = self._kept[name] = content, etag_of(hashlib.sha256(content).hexdigest())
+        return made
+
+
+def _seen(making: asyncio.Task[tuple[bytes, str]]) -> None:
+    """Look at how it ended, even if all who asked have left."""
+    if not making.cancelled():
+        making.exception()
+
+
+async def made_once(request: Request, name: Hashable, make: Callable[[], bytes]) -> Response:
+    """Return a document in JSON, by its name; `make` makes it if nobody has asked before.
+
+    Names have to be few: what a client may choose freely is none.
+    """
+    content, etag = await cast(MadeOnce, request.app.state.made_once)(name, make)
+    return document_reply(request, content, etag)
