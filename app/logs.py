@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -15,6 +16,11 @@ from typing import TextIO
 
 import structlog
 from structlog.typing import EventDict, WrappedLogger
+
+logger = logging.getLogger("vibrafeed.requests")
+
+NO_HTTP = "Invalid HTTP request received."  # as uvicorn says it
+MAX_REFUSALS = 20  # lines of it a second
 
 # What the request line tells beside itself. One dict a request, shared by its copied contexts, so
 # that what a thread of the pool binds is seen by the event loop too.
@@ -36,6 +42,49 @@ def bind(**fields: object) -> None:
     current = _request.get()
     if current is not None:
         current.update(fields)
+
+
+class Sparing:
+    """Lets through so many lines a second, and tells how many it did not.
+
+    A crowd that comes and goes would fill the disk with them.
+
+    Parameters
+    ----------
+    most : int
+        Lines a second.
+    untold : str
+        What the others told of.
+    """
+
+    def __init__(self, most: int, untold: str):
+        self._most, self._untold_of = most, untold
+        self._second, self._lines, self._untold = 0, 0, 0
+
+    def has_room(self) -> bool:
+        """True if one more line may be written in this second."""
+        now = int(time.monotonic())
+        if now != self._second:
+            if self._untold:
+                logger.warning(self._untold_of, extra={"requests": self._untold})
+            self._second, self._lines, self._untold = now, 0, 0
+        self._lines += 1
+        self._untold += self._lines > self._most
+        return self._lines <= self._most
+
+
+class _FewRefusals(logging.Filter):
+    """Lets through few of uvicorn's lines on what is no HTTP, which costs nothing to send."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lines = Sparing(MAX_REFUSALS, "requests that are no HTTP are not counted")
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        return record.msg != NO_HTTP or self._lines.has_room()
+
+
+_few_refusals = _FewRefusals()
 
 
 def configure(stream: TextIO | None = None) -> None:
@@ -65,9 +114,10 @@ def configure(stream: TextIO | None = None) -> None:
     # Libraries tell of their doings at will, addresses among it; these two are known.
     root.setLevel(logging.WARNING)
     for name in ("vibrafeed", "uvicorn", "uvicorn.error"):
-        logger = logging.getLogger(name)
-        logger.handlers, logger.propagate = [], True
-        logger.setLevel(logging.INFO)
+        known = logging.getLogger(name)
+        known.handlers, known.propagate = [], True
+        known.setLevel(logging.INFO)
+    logging.getLogger("uvicorn.error").addFilter(_few_refusals)
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:

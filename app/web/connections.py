@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import heapq
+import re
 import resource
 from typing import Any
 
@@ -19,7 +20,8 @@ HEAD_SECONDS = 10.0  # for the head of a request, and before its body has to kee
 BODY_RATE = 10_000.0  # bytes/s of a body, at least
 SEND_SECONDS = 20.0  # for a piece of a reply (`app.web.outgoing.PIECE`) to leave
 
-MAX_HEAD = 16_384  # bytes of the head of a request: each of its lines takes its time
+MAX_HEAD = 16_384  # bytes of the head of a request
+MAX_LINES = 100  # of a head: each is parsed, and searched by every layer; browsers send some twenty
 # Of a body in chunks: each takes as long as 10 kB of a body at one piece.
 FREE_CHUNKS, LEAST_CHUNK = 500, 16  # chunks of any size, and bytes on average of those beyond
 FREE_BYTES = 64_000  # that may have come beside twice the body: sizes and extensions of chunks
@@ -29,6 +31,8 @@ SPARE = 64  # connections beyond the requests that may be under way
 CUT_AT_ONCE = 32  # looking for whom to cut takes time, and is done for several
 # Files beside those of connections and of downloads: ledger, workers, connections that are closing.
 OTHER_FILES = 256 + 2 * ACCEPTED_AT_ONCE
+
+_END_OF_HEAD = re.compile(rb"\n\r?\n")
 
 
 def raise_open_files() -> int:
@@ -46,7 +50,11 @@ def most_requests(open_files: int) -> int:
 
 
 class ThriftyParser(h11.Connection):
-    """h11's, which refuses a body whose chunks or their extensions cost more than they hold."""
+    """h11's, which refuses what costs more than it holds.
+
+    That is a head of many lines, before it is parsed: h11 limits only heads that have not come
+    whole. And it is a body in small chunks, or with long extensions of them.
+    """
 
     def __init__(self) -> None:
         super().__init__(h11.SERVER, MAX_HEAD)
@@ -65,8 +73,10 @@ class ThriftyParser(h11.Connection):
         Raises
         ------
         h11.RemoteProtocolError
-            If it is no HTTP, or a body in crumbs.
+            If it is no HTTP, too long a head, or a body in crumbs.
         """
+        if self.their_state is h11.IDLE:
+            self._check_head()
         event = super().next_event()
         if isinstance(event, h11.Request):
             self._chunks = self._body = self._raw = 0
@@ -76,6 +86,14 @@ class ThriftyParser(h11.Connection):
             if self._is_padded or self._chunks > FREE_CHUNKS + self._body // LEAST_CHUNK:
                 raise h11.RemoteProtocolError("The body comes in crumbs.")
         return event
+
+    def _check_head(self) -> None:
+        """Raise if the head of the next request is too long, or has too many lines."""
+        waiting, _ = self.trailing_data
+        end = _END_OF_HEAD.search(waiting, 0, MAX_HEAD)
+        head = waiting[: end.start() if end else MAX_HEAD]
+        if head.count(b"\n") > MAX_LINES or (end is None and len(waiting) > MAX_HEAD):
+            raise h11.RemoteProtocolError("The head is too long.", error_status_hint=431)
 
 
 class Connection(H11Protocol):

@@ -34,7 +34,10 @@ class Observe:
     def __init__(self, app: ASGIApp, metrics: Metrics, traces: Traces | None = None):
         self.app = app
         self.metrics, self.traces = metrics, traces
-        self._left = _Sparing(MAX_LEFT_LINES)
+        self._left = logs.Sparing(
+            MAX_LEFT_LINES,
+            "requests of clients that left before they were answered are not counted",
+        )
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; write its line when its reply has ended."""
@@ -89,29 +92,6 @@ class Observe:
                     line["cut_short"] = True
                 if status != CLIENT_LEFT or self._left.has_room():
                     logger.info("request", extra={**line, **fields})
-
-
-class _Sparing:
-    """Lets through so many lines a second, and tells how many it did not.
-
-    A crowd that comes and goes would fill the disk with them.
-    """
-
-    def __init__(self, most: int):
-        self._most = most
-        self._second, self._lines, self._untold = 0, 0, 0
-
-    def has_room(self) -> bool:
-        """True if one more line may be written in this second."""
-        now = int(time.monotonic())
-        if now != self._second:
-            if self._untold:
-                message = "requests of clients that left before they were answered are not counted"
-                logger.warning(message, extra={"requests": self._untold})
-            self._second, self._lines, self._untold = now, 0, 0
-        self._lines += 1
-        self._untold += self._lines > self._most
-        return self._lines <= self._most
 
 
 def route_of(scope: Scope) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import io
 import json
 import logging
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,6 +17,7 @@ from fastapi import Request
 from fastapi.responses import StreamingResponse
 from fastapi.testclient import TestClient
 from starlette.requests import ClientDisconnect
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from app import logs
 from app.main import create_app
@@ -186,8 +187,7 @@ def test_a_crowd_that_goes_does_not_fill_the_log(client, lines, monkeypatch):
         raise ClientDisconnect
 
     now = 0.0
-    clock = SimpleNamespace(monotonic=lambda: now, perf_counter=time.perf_counter)
-    monkeypatch.setattr(observe, "time", clock)
+    monkeypatch.setattr(logs, "time", SimpleNamespace(monotonic=lambda: now))
     client.app.add_api_route("/left", left)
 
     def come_and_go(times: int) -> None:
@@ -202,6 +202,21 @@ def test_a_crowd_that_goes_does_not_fill_the_log(client, lines, monkeypatch):
     *_, told, line = lines()
     assert (told["level"], told["requests"]) == ("warning", 5)
     assert line["status"] == 499
+
+
+def test_what_is_no_http_does_not_fill_the_log(lines, monkeypatch):
+    now = 1e6
+    monkeypatch.setattr(logs, "time", SimpleNamespace(monotonic=lambda: now))
+    for _ in range(logs.MAX_REFUSALS + 5):
+        logging.getLogger("uvicorn.error").warning(logs.NO_HTTP)
+    assert len(lines()) == logs.MAX_REFUSALS
+    now += 1
+    logging.getLogger("uvicorn.error").warning(logs.NO_HTTP)
+    assert lines()[-2]["requests"] == 5
+
+
+def test_the_words_of_uvicorn_for_what_is_no_http_are_known():
+    assert f'"{logs.NO_HTTP}"' in inspect.getsource(H11Protocol.handle_events)
 
 
 def test_lines_of_uvicorn_look_alike(lines):

@@ -124,6 +124,23 @@ def test_a_body_has_its_rate(connect):
     assert is_cut(connect, steady, HEAD_SECONDS + 11)
 
 
+@pytest.mark.parametrize("line", [b"a:", b"a:" + bytes([120]) * 1_000])
+def test_a_head_of_many_lines_is_refused_before_it_is_parsed(connect, line, monkeypatch):
+    one = connect()
+    monkeypatch.setattr(connections.h11.Connection, "next_event", None)
+    one.data_received(b"GET / HTTP/1.1\r\n" + (line + b"\r\n") * 15_000 + b"\r\n")
+    assert b"400 Bad Request" in one.transport.sent
+    assert one.transport.is_closing()
+
+
+def test_an_honest_head_is_read(connect):
+    one = connect()
+    fields = b"".join(b"x-%d: %s\r\n" % (n, b"y" * 100) for n in range(90))
+    one.data_received(HEAD[:-2] + fields + b"\r\n" + bytes(60_000) * 8)
+    assert not one.transport.is_closing()
+    assert len(one.cycle.body) == 480_000
+
+
 CHUNKED = HEAD[: HEAD.index(b"Content")] + b"Transfer-Encoding: chunked\r\n\r\n"
 
 
