@@ -18,6 +18,9 @@ from core.motion.kernels.planar.flow import (
     velocity_after,
 )
 
+HEIGHT_PIECES = 8  # of a bound of the height: it is some per cent above the height then
+ROUNDINGS = 1e-12  # relative, that a bound of the height is above what rounding may add to one
+
 
 @compiled
 def sizes(drive: SineDrive) -> tuple[float, float]:
@@ -196,12 +199,42 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight, z at `top_at`, or `known` if that is larger.
 
-    z <= (n + s) span^2/8, since z'' >= -(n + s) and both ends are on the floor.
+    z <= (n + s) span^2/8, since z'' >= -(n + s) and both ends are on the floor; and z <=
+    `height_bound`. A top is looked for only where both are above what is known.
     """
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
+    if height_bound(drive, w, tau, known) <= known:
+        return known
     at = top_at(drive, w, tau, span)
     return max(known, distance_after(w, drive.s, drive.gn, tau, at))
+
+
+@compiled
+def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
+    """Return what no height of a flight exceeds; no closer than needs be to be below `known`.
+
+    With r = w + s cos(tau) and x = D - r/n
+
+        z = r^2/(2 n) + s sin(tau) - n x^2/2 - s sin(tau + r/n + x).
+
+    The last term is at most s, and s cos(d - |x|) where the sine's trough is d <= pi away at x = 0.
+    That rises with |x| up to d and -n x^2/2 falls: on each of some pieces the end of the one and
+    the start of the other.
+    """
+    s, gn = drive.s, drive.gn
+    speed = w + s * math.cos(tau)
+    summit = speed * speed / (2 * gn) + s * math.sin(tau)
+    summit += ROUNDINGS * (summit + 3 * s)
+    if summit + s <= known:
+        return summit + s
+    trough = abs((tau + speed / gn + 1.5 * math.pi) % TURN - math.pi)
+    width = trough / HEIGHT_PIECES
+    most = -s
+    for piece in range(HEIGHT_PIECES):
+        near = width * piece
+        most = max(most, s * math.cos(trough - near - width) - gn * near * near / 2)
+    return summit + most
 
 
 @compiled
