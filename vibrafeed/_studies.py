@@ -1346,7 +1346,9 @@ def simulate(
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
     tolerance : float, optional
-        Largest error of a periodic state, as a share of the drive.
+        Largest error of a periodic state, as a share of the drive. From 0.001 on events in the
+        plane follow an aperiodic motion only until the error of its mean velocity is that share of
+        it.
     max_periods : int, optional
         Largest number of drive periods that one point is followed for.
     steps_per_period : int, optional
@@ -3506,7 +3508,9 @@ def calibrate(
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
     tolerance : float, optional
-        Largest error of a periodic state, as a share of the drive.
+        Largest error of a periodic state, as a share of the drive. From 0.001 on events in the
+        plane follow an aperiodic motion only until the error of its mean velocity is that share of
+        it.
     max_periods : int, optional
         Largest number of drive periods that one point is followed for.
     steps_per_period : int, optional

@@ -78,7 +78,9 @@ class MotionSettings(Frozen):
     # Near 100 roundings of a state nothing is told apart any more, and integrators give up.
     tolerance: float | None = Field(
         None,
-        description="Largest error of a periodic state, as a share of the drive.",
+        description="Largest error of a periodic state, as a share of the drive. From 0.001 on "
+        "events in the plane follow an aperiodic motion only until the error of its mean velocity "
+        "is that share of it.",
         ge=1e-13,
         le=1,
     )

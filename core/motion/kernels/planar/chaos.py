@@ -107,6 +107,36 @@ def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
     return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
 
 
+@compiled
+def flight(
+    drive: Drive, e: Restitution, u: float, w: float, tau: float, span: float
+) -> tuple[float, float, float, float, bool]:
+    """Return what a flight and its landing do: landing speed, rebound, slip, distance, and a stay.
+
+    By `fly` and `rise` over the span, `rebound`, `slowed`; the last tells whether the part `rests`.
+    """
+    speed = max(0.0, -rise(drive, w, tau, span)[0])
+    up = rebound(e, speed)[0]
+    u, distance = fly(drive, u, tau, span)
+    stays = rests(drive, (tau + span) % TURN, up, e, SETTLED_ROUGHLY)
+    return speed, up, slowed(u, drive.mu_k, speed, 0.0 if stays else up), distance, stays
+
+
+@compiled
+def first_flight(
+    run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
+) -> tuple[float, float, float, float, bool]:
+    """Return slip, rebound, phase, time and whether it lay, where a run from rest first flies.
+
+    Each run starts from another phase; a part that the floor holds there stays up to lift-off.
+    """
+    tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
+    if load(drive, tau) > 0.0:
+        u, tau, span = stay(drive, tau, 0.0, sums, no_log)
+        return u, jolted(run, drive.gn), tau, span, True
+    return 0.0, 0.0, tau, 0.0, False
+
+
 @borrowing
 def stay(
     drive: Drive, tau: float, u: float, sums: Floats, no_log: Floats
@@ -166,15 +196,13 @@ def long_run(
     total, began, impacts, fastest, highest = 0.0, math.inf, 0, 0.0, 0.0
     settling_hops = int(hops * SETTLING)
     sums[:], travel[:] = 0.0, 0.0
-    u, w, complete = 0.0, 0.0, 0
+    complete = 0
     u_began, slips_down = 0.0, mu_k * gn < abs(gs)
     count, look_at, jolt = 0, FIRST_LOOK, run
     dropped, rest_at, rest_time = 0.0, math.nan, 0.0
     least, most = math.inf, -math.inf
-    tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
-    if load(drive, tau) > 0.0:
-        u, tau, total = stay(drive, tau, u, sums, no_log)
-        w = jolted(jolt, gn)
+    u, w, tau, total, lay = first_flight(run, phase, drive, sums, no_log)
+    if lay:
         rest_at, rest_time = sums[DISTANCE], total
     for hop in range(hops + patience):
         if raised(stop):
@@ -191,21 +219,17 @@ def long_run(
         span = landing(drive, w, tau)
         if span < 0:
             break
-        speed = max(0.0, -rise(drive, w, tau, span)[0])
-        up = rebound(e, speed)[0]
+        speed, up, slip, distance, stays = flight(drive, e, u, w, tau, span)
         write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
         count += 1
         since, covered = total - began, sums[DISTANCE]
         if began < math.inf:
             highest = hop_height(drive, w, tau, span, highest)
-        u, distance = fly(drive, u, tau, span)
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
         impacts, fastest = impacts + 1, max(fastest, speed)
         total += span
-        tau, w = (tau + span) % TURN, up
-        stays = rests(drive, tau, w, e, SETTLED_ROUGHLY)
-        u = slowed(u, mu_k, speed, 0.0 if stays else w)
+        tau, u, w = (tau + span) % TURN, slip, up
         if stays:
             u, tau, span = stay(drive, tau, after_hops(drive, tau, u, w), sums, no_log)
             jolt += MAX_STARTS

@@ -30,6 +30,13 @@ from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
+CLOSE = 1e-9
+"""Largest error of the slip at which a cycle repeats, whatever the tolerance.
+
+That error is read off the slope of the map there, which may change on the way to where it repeats:
+where a hundredth was asked for, a mean was off by up to 29 times what was said. The last steps of
+Newton's iteration cost next to nothing.
+"""
 MAX_RUBBING = 8.0
 """Friction adds up over no more than so many times the share of the period in which a part slides,
 times its largest: what is huge acts for as short a time."""
@@ -119,7 +126,15 @@ def repeating(
         keep_speed(drive, phase, rows, count, periods, sums)
     else:
         u, error, cycles, status = settle(
-            rows, count, u, drive, cell.tolerance, int(cell.max_periods), sums, log, stop
+            rows,
+            count,
+            u,
+            drive,
+            min(cell.tolerance, CLOSE),
+            int(cell.max_periods),
+            sums,
+            log,
+            stop,
         )
         if cycles == 0:
             return status, 0.0

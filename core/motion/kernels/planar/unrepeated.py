@@ -21,8 +21,9 @@ from core.motion.kernels.planar.growth import LAST_DIGIT
 from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle
-from core.motion.kernels.planar.solve import turn_round
+from core.motion.kernels.planar.solve import UNREPEATED, turn_round
 from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.within import LEAST_TOLERANCE, means_within
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 
@@ -68,7 +69,11 @@ def average_cells(
         cell = cell_of(row)
         drive, phase, way = drive_of(cell, row, waves)
         result[:] = math.nan
-        found = from_phases(cell, phase, drive, rows, sums, result, stop)
+        found = UNREPEATED
+        if cell.tolerance >= LEAST_TOLERANCE:
+            found = means_within(cell, phase, drive, rows, sums, result, stop)
+        if found == UNREPEATED:
+            found = from_phases(cell, phase, drive, rows, sums, result, stop)
         if found == STATUS.aperiodic:
             reach_way(drive, phase, cell, rows, sums, result, stop)
         if not math.isnan(result[COLUMN.velocity]):

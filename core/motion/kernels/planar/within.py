@@ -1,0 +1,241 @@
+"""Means of a motion that rounding decides, as exact as a study asks for and no more.
+
+The runs of `chaos` are followed side by side, and the longer, the less is known of the mean: they
+stop as soon as its error is within the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.cells import Cell
+from core.motion.kernels.planar.chaos import (
+    HOPS_PER_PERIOD,
+    MAX_STARTS,
+    PHASES,
+    QUARTERS,
+    SEARCHES,
+    batch_error,
+    first_flight,
+    flight,
+    jolted,
+    share_out,
+    stay,
+)
+from core.motion.kernels.planar.cycle import (
+    FIRST_LOOK,
+    LONGEST_CYCLE,
+    find_cycle,
+    write_segment,
+)
+from core.motion.kernels.planar.drive import Drive, hop_height, landing, rounded, sizes
+from core.motion.kernels.planar.flow import TURN, kept
+from core.motion.kernels.planar.rebound import Restitution, impulse
+from core.motion.kernels.planar.slide import after_hops
+from core.motion.kernels.planar.solve import UNREPEATED
+from core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, SUMS, TIMES
+from core.motion.kernels.results import COLUMN
+from core.motion.kernels.statuses import MODE, MODES, STATUS
+
+LEAST_TOLERANCE = 1e-3  # a coarser one ends a motion that does not repeat early
+APART = 1e6
+"""Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
+
+Those of `chaos` agree up to there in eight digits, and take tens of periods to lose them: so early
+their scatter tells nothing of the error.
+"""
+FIRST_STAGE = 2.0  # periods of a run up to the first mark; two marks on they are twice as many
+DROPPED = 4  # marks before the last, up to which nothing is counted: a quarter of a run
+FIRST_ASKED = 7  # mark: runs of 23 periods, of which 17 count, and no fewer tell an error
+SHARE = 0.8
+"""Of the error at 99 %: that at 95 %, and something for being asked again and again."""
+ROOM = MAX_SEGMENTS // PHASES  # of a run's hops since the part was at rest
+
+Run = namedtuple("Run", "phase slip rebound time hops look jolt upheld impacts fastest highest")
+"""Columns of a run on its way: what it goes on from, and what it has seen.
+
+`hops` since the last rest, of which `look` is when a cycle is looked for next; `upheld` is the last
+time at which it did not slip downhill.
+"""
+
+RUN = Run(*range(len(Run._fields)))
+TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
+"""Columns of a mark, behind those of the sums: time, impacts and slip of a run so far."""
+
+
+@compiled
+def start(number: int, phase: float, drive: Drive, sums: Floats, run: Floats) -> None:
+    """Fill a run with its start, by `first_flight`."""
+    sums[:], run[:] = 0.0, 0.0
+    no_log = np.empty((0, len(PIECE)))
+    u, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
+    w *= APART
+    run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time] = tau, u, w, time
+    run[RUN.look], run[RUN.jolt] = FIRST_LOOK, number
+
+
+@compiled
+def follow_on(
+    run: Floats, until: float, searches: bool, drive: Drive, e: Restitution, travel: Floats,
+    rows: Floats, sums: Floats, stop: Stop,
+) -> bool:  # fmt: skip
+    """Follow a run on up to a time; False where it nears a cycle, or is not to be followed.
+
+    `travel` gets the distance of each period, `sums` is as in `contact`. A cycle is looked for, if
+    at all, in the `rows` of the hops since the last rest.
+    """
+    no_log = np.empty((0, len(PIECE)))
+    tau, u, w, time = run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time]
+    count, look_at, jolt = int(run[RUN.hops]), int(run[RUN.look]), int(run[RUN.jolt])
+    most = run[RUN.impacts] + HOPS_PER_PERIOD * (until - time) / TURN + FIRST_LOOK
+    while time < until:
+        span = landing(drive, w, tau)
+        if span < 0 or run[RUN.impacts] > most or raised(stop):
+            return False
+        speed, up, slip, distance, stays = flight(drive, e, u, w, tau, span)
+        write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
+        run[RUN.highest] = hop_height(drive, w, tau, span, run[RUN.highest])
+        run[RUN.fastest] = max(run[RUN.fastest], speed)
+        run[RUN.impacts] += 1
+        began, covered = time, sums[DISTANCE]
+        sums[DISTANCE] += distance
+        sums[TIMES + MODE.flight] += span
+        count += 1
+        tau, u, w, time = (tau + span) % TURN, slip, up, time + span
+        if stays:
+            u, tau, span = stay(drive, tau, after_hops(drive, tau, u, w), sums, no_log)
+            jolt += MAX_STARTS
+            w, time = jolted(jolt, drive.gn), time + span
+            count, look_at = 0, FIRST_LOOK
+        elif count >= look_at and searches:
+            look_at = count + count // 2
+            if find_cycle(drive, e, rows, count, tau, w)[0]:
+                return False
+        if count >= ROOM - LONGEST_CYCLE - 2:
+            count, look_at = 0, FIRST_LOOK
+        share_out(travel, began, time, sums[DISTANCE] - covered)
+        if u * drive.gs >= 0:
+            run[RUN.upheld] = time
+    run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time] = tau, u, w, time
+    run[RUN.hops], run[RUN.look], run[RUN.jolt] = count, look_at, jolt
+    return True
+
+
+@compiled
+def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
+    """True if a run has slipped downhill at all landings since a mark, and is faster now.
+
+    As `ran_away` of `chaos`.
+    """
+    gs = drive.gs
+    faster = abs(run[RUN.slip]) > abs(mark[SLIP]) and run[RUN.upheld] <= mark[TIME]
+    held = TIMES + (MODE.forward if gs > 0 else MODE.backward), TIMES + MODE.stick
+    uphill = sums[held[0]] - mark[held[0]] + sums[held[1]] - mark[held[1]]
+    return drive.mu_k * drive.gn < abs(gs) and faster and uphill == 0
+
+
+@compiled
+def end_of(mark: int, most: int) -> int:
+    """Return the periods of a run up to a mark, 2 x 2^(k/2), `most` at most."""
+    return min(most, round(FIRST_STAGE * 2.0 ** (0.5 * mark)))
+
+
+@compiled
+def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
+    """Return by how much means may be off as runs end anywhere in what they nearly repeat.
+
+    The mean over the runs of max |x_p - v T|/((end - begin) T), x_p the distance of a period.
+    """
+    total = 0.0
+    for number in range(travel.shape[0]):
+        most = 0.0
+        for period in range(begin, end):
+            most = max(most, abs(travel[number, period] - velocity * TURN))
+        total += most
+    return total / (travel.shape[0] * (end - begin) * TURN)
+
+
+@compiled
+def means_within(
+    cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
+) -> int:
+    """Fill the result of a motion that rounding decides, to a tolerance of its mean velocity.
+
+    The runs end where e <= tol |v|, or after `max_periods`. e is 0.8 of the `batch_error` of their
+    quarters and their `cut_error`. Between two looks a run grows by a factor of sqrt(2); its first
+    quarter is not counted, which is at least the c/(2 pi mu n) periods in which friction stops a
+    part as fast as the drive. Returns the status; `UNREPEATED`, with nothing filled, where a run
+    nears a cycle, runs away or is too short.
+    """
+    drive = rounded(drive)
+    e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
+    most = int(cell.max_periods) // PHASES
+    if most < end_of(FIRST_ASKED, most + 1):
+        return UNREPEATED
+    runs, all_sums = np.empty((PHASES, len(RUN))), np.empty((PHASES, SUMS))
+    travel, marks = np.zeros((PHASES, most)), np.zeros((PHASES, DROPPED + 1, MARK))
+    quarters = np.empty((PHASES, QUARTERS))
+    for number in range(PHASES):
+        start(number, phase, drive, all_sums[number], runs[number])
+    settled = sizes(drive)[0] / max(1e-300, drive.mu_k * drive.gn * TURN)
+    mark, periods, error = 0, 0, math.inf
+    while periods < most:
+        periods, begin = end_of(mark, most), end_of(mark - DROPPED, most)
+        for number in range(PHASES):
+            room = rows[number * ROOM : (number + 1) * ROOM]
+            run, own = runs[number], marks[number, mark % (DROPPED + 1)]
+            if not follow_on(
+                run, periods * TURN, number < SEARCHES, drive, e, travel[number], room,
+                all_sums[number], stop,
+            ):  # fmt: skip
+                return UNREPEATED
+            for column in range(SUMS):
+                own[column] = all_sums[number, column]
+            own[TIME], own[IMPACTS], own[SLIP] = run[RUN.time], run[RUN.impacts], run[RUN.slip]
+        mark += 1
+        if mark <= FIRST_ASKED:
+            continue
+        size = (periods - begin) // QUARTERS
+        for number in range(PHASES):
+            for quarter in range(QUARTERS):
+                first = periods - (QUARTERS - quarter) * size
+                covered = travel[number, first : first + size].sum()
+                quarters[number, quarter] = covered / (size * TURN)
+        velocity = quarters.mean()
+        error = SHARE * batch_error(quarters) + cut_error(travel, begin, periods, velocity)
+        if begin >= settled and error <= cell.tolerance * abs(velocity):
+            break
+    first = mark % (DROPPED + 1)
+    return fill(runs, marks[:, first], all_sums, quarters, error, drive, result)
+
+
+@compiled
+def fill(
+    runs: Floats, marks: Floats, all_sums: Floats, quarters: Floats, error: float, drive: Drive,
+    result: Floats,
+) -> int:  # fmt: skip
+    """Fill a result with the means of runs since a mark of each; return the status."""
+    for number in range(PHASES):
+        if runs_off(runs[number], marks[number], all_sums[number], drive):
+            return UNREPEATED
+    result[:] = 0.0
+    velocities = np.empty(PHASES)
+    for number in range(PHASES):
+        run, mark = runs[number], marks[number]
+        time = run[RUN.time] - mark[TIME]
+        for mode in range(MODES):
+            spent = all_sums[number, TIMES + mode] - mark[TIMES + mode]
+            result[COLUMN.stick + mode] += spent / (time * PHASES)
+        result[COLUMN.impacts] += (run[RUN.impacts] - mark[IMPACTS]) * TURN / (time * PHASES)
+        result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], run[RUN.fastest])
+        result[COLUMN.hop_height] = max(result[COLUMN.hop_height], run[RUN.highest])
+        velocities[number] = quarters[number].mean()
+    result[COLUMN.velocity] = quarters.mean()
+    result[COLUMN.error] = error
+    result[COLUMN.spread] = velocities.std() * math.sqrt(PHASES / (PHASES - 1.0))
+    return STATUS.aperiodic

@@ -1,0 +1,95 @@
+"""A tolerance from 0.001 on ends motion that does not repeat early; its stated error holds.
+
+`python -m benchmarks.aperiodic_means` prints what that saves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.honest_estimates import Groups, random_groups
+from benchmarks.motions import planar_motion
+from core.motion.result import STATUS, Motion
+from tests.helpers import night
+
+SEED = 47
+CELLS = 1_700  # random, of which a fifth do not repeat
+LONG = night.count(8_000, 64_000, "VIBRAFEED_LONG_PERIODS")
+CHAOTIC, PERIODIC = STATUS["aperiodic"], STATUS["periodic"]
+
+
+def followed(groups: Groups, tolerance: float, max_periods: float = 1000.0) -> Motion:
+    return planar_motion(**groups, tolerance=tolerance, max_periods=max_periods)
+
+
+def some(groups: Groups, where: np.ndarray) -> Groups:
+    return {name: values[where] for name, values in groups.items()}
+
+
+@pytest.fixture(scope="module")
+def chaotic() -> tuple[Groups, Motion]:
+    """Random cells that do not repeat, and their means over long runs."""
+    groups = random_groups(CELLS, SEED)
+    groups = some(groups, followed(groups, 0.1).status == CHAOTIC)
+    return groups, followed(groups, 1e-12, LONG)
+
+
+@pytest.mark.parametrize("tolerance", [0.01, 0.03, 0.1])
+def test_the_stated_error_is_seldom_exceeded(
+    chaotic: tuple[Groups, Motion], tolerance: float
+) -> None:
+    groups, long = chaotic
+    found = followed(groups, tolerance)
+    judged = (found.status == CHAOTIC) & (long.status == CHAOTIC)
+    off = np.abs(found.velocity - long.velocity)
+    assert judged.sum() > 270
+    assert np.mean(off[judged] > found.error[judged]) <= 0.05
+    within = judged & (found.error <= tolerance * np.abs(found.velocity))
+    assert within.sum() >= (0.05 if tolerance < 0.1 else 0.5) * judged.sum()
+    assert np.mean(off[within] > found.error[within]) <= 0.08  # a few cells at the least tolerance
+    shares = found.stick + found.forward + found.backward + found.flight
+    np.testing.assert_allclose(shares[judged], 1.0, atol=1e-12)
+    assert np.median(np.abs(found.flight - long.flight)[judged]) < 0.03
+
+
+def test_a_mean_that_is_known_well_enough_ends_its_runs(
+    chaotic: tuple[Groups, Motion],
+) -> None:
+    """What is not asked for is not computed: the landings that are seen are fewer."""
+    groups, _ = chaotic
+    coarse, fine = followed(groups, 0.1), followed(groups, 1e-3)
+    both = (coarse.status == CHAOTIC) & (fine.status == CHAOTIC)
+    assert np.all(coarse.hop_height[both] <= fine.hop_height[both])
+    assert np.mean(coarse.error[both] > 1.5 * fine.error[both]) > 0.25
+
+
+def test_a_finer_tolerance_changes_no_mean(chaotic: tuple[Groups, Motion]) -> None:
+    groups, _ = chaotic
+    few = some(groups, np.arange(20))
+    found, known = followed(few, 9e-4), followed(few, 1e-12)
+    np.testing.assert_array_equal(found.velocity, known.velocity)
+    np.testing.assert_array_equal(found.status, known.status)
+
+
+def test_motion_that_repeats_is_no_further_off_than_said() -> None:
+    """Up to 29 times what was said, where the slip's error was read off a slope that changes."""
+    groups = random_groups(2_000, 31)
+    groups = some(groups, followed(groups, 0.1).status == PERIODIC)
+    exact = followed(groups, 1e-12)
+    for tolerance in (0.1, 0.03, 0.01, 1e-3, 1e-6):
+        found = followed(groups, tolerance)
+        both = (found.status == PERIODIC) & (exact.status == PERIODIC)
+        assert np.mean(both) > 0.99
+        off = np.abs(found.velocity - exact.velocity)
+        assert np.all(off[both] <= (found.error + exact.error)[both])
+        np.testing.assert_allclose(found.hop_height[both], exact.hop_height[both], rtol=1e-9)
+
+
+def test_few_periods_and_no_repeats_are_as_without_a_tolerance() -> None:
+    """Runs too short to tell an error stop where they did; a part that runs away has no mean."""
+    groups = some(random_groups(400, 5), np.arange(400))
+    known, found = followed(groups, 1e-12, 50.0), followed(groups, 0.1, 50.0)
+    np.testing.assert_array_equal(found.status, known.status)
+    repeats = known.status != PERIODIC
+    np.testing.assert_array_equal(found.velocity[repeats], known.velocity[repeats])
