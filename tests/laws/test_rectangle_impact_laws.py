@@ -103,7 +103,9 @@ class TestRectangles:
         # the gap as placed: rounding of the positions
         assert np.all(np.abs(at["gap"]) <= 1e-14 * at["rectangle_contact"].size)
         if law != "frictionless":
-            assert min(where(at, "impact_stick").sum(), where(at, "impact_slip").sum()) > IMPACTS // 5
+            assert (
+                min(where(at, "impact_stick").sum(), where(at, "impact_slip").sum()) > IMPACTS // 5
+            )
 
     def test_momentum_is_kept(self, law):
         at = of_rectangles(law)
