@@ -28,7 +28,7 @@ from night import count
 
 CELLS = count(16, 17_000)
 """Of each of the six families: 10^5 by night."""
-pytestmark = pytest.mark.timeout(400 + CELLS // 2)  # a cell takes some 30 ms of a processor
+pytestmark = pytest.mark.timeout(1800 + CELLS // 2)  # a cell takes some 30 ms of a processor
 MOST, PERIODS = 1000, 3000
 """Periods that the method may follow a part for, and those of its course."""
 ODDS, CHANCE = 1e-3, 0.05

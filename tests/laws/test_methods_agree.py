@@ -17,7 +17,7 @@ from night import count
 
 CELLS = count(day=4, night=1000)
 """Of each scene and drive: some forty in all by day."""
-pytestmark = pytest.mark.timeout(300 + 10 * CELLS)
+pytestmark = pytest.mark.timeout(1800 + 10 * CELLS)
 METHODS = ("events", "reference", "time-stepping")
 SCENES = ("rectangle-on-plane", "rectangle-on-track", "cylinder-on-plane")
 SELDOM = {False: 1e-3, True: 1e-2}

@@ -11,8 +11,6 @@ from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from app.jobs import work
 from app.jobs.admission import Admission
 from app.jobs.dispatcher import MAX_TORN
@@ -289,7 +287,6 @@ def test_what_another_server_has_finished_is_no_failure(tmp_path):
     assert carried_out(tmp_path, Workers(write_result=late)).state == "successful"
 
 
-@pytest.mark.timeout(60)
 def test_a_runner_stops_though_it_is_woken_at_that_moment(tmp_path):
     """A wake that meets the stop must not swallow it: the server would never end."""
 

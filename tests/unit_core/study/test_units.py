@@ -8,7 +8,7 @@ from core.quantities import QUANTITIES
 from core.study.units import UnitError, read_number
 
 
-@pytest.mark.timeout(20)
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize(
     "unit",
     [
