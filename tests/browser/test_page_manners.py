@@ -127,7 +127,7 @@ def test_a_service_that_starts_again_is_waited_for(page, service, browser):
     looking = browser.new_page()
     entered(looking, service, lines)  # so few cells are short also for a service that is busy
     shown(looking)
-    expect(page.locator("#jobs li button")).to_have_text("Cancel")
+    expect(page.locator("#jobs li button").first).to_have_text("Cancel")
     service.kill()
     looking.locator("#value-friction").fill("0.6")
     looking.keyboard.press("Tab")

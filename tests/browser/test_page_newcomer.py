@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import pytest
@@ -88,6 +89,37 @@ def test_a_question_asked_before_the_scenes_are_known_is_answered_then(
     asked.continue_()
     expect(page.locator("#part .answer strong")).to_contain_text("Hops 0.149")
     expect(page.locator("#question-hop")).to_have_attribute("aria-current", "true")
+
+
+def test_a_row_moves_in_its_lane_and_tells_which_parts_touch(page: Page, address: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{address}/#question=rows")
+    said = page.locator("#detail .said")
+    expect(said).to_contain_text("Parts 1 to 4 touch. Mean speed 22.34")
+    expect(page.locator("#detail .legend li")).to_have_count(4)
+    assert page.locator("#detail .touching").count() > 3  # they meet again
+    panels = page.locator("#detail .panels")
+    panels.press("End")
+    expect(said).not_to_contain_text("1 to 4")
+    expect(panels).to_have_attribute("aria-valuetext", re.compile("ms, (no )?parts .*touch$"))
+
+
+TARGETS = """() => [...document.querySelectorAll("button, select, input, summary, footer a")]
+  .map((one) => (one.type === "checkbox" ? one.parentElement : one))
+  .map((one) => ({ box: one.getBoundingClientRect(), html: one.outerHTML.slice(0, 90) }))
+  .filter(({ box }) => box.width && (box.width < 44 || box.height < 44))
+  .map(({ box, html }) => `${box.width} x ${box.height}: ${html}`)"""
+
+
+def test_on_a_phone_each_target_takes_a_finger(page: Page, address: str) -> None:
+    """44 px is what WCAG 2.5.5 and phones' makers ask for."""
+    page.set_viewport_size({"width": 390, "height": 844})
+    for question in ("speed", "drive", "measured", "waves", "rows"):
+        page.goto(f"{address}/#question={question}")
+        expect(page.locator(f"#choose-question option[value={question}]:checked")).to_have_count(1)
+        expect(page.locator("#progress")).to_contain_text("Shown after")
+        expect(page.locator("#away button").first).to_be_visible()
+        assert page.evaluate(TARGETS) == []
 
 
 def tabbed(page: Page, to: str, most: int = 60) -> None:

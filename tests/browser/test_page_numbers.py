@@ -157,6 +157,26 @@ def test_a_job_begun_before_a_reload_is_followed_to_its_end(page: Page, address:
     expect(line.get_by_role("button", name="NetCDF")).to_be_visible()
 
 
+def test_a_job_is_a_design_that_is_shown_again(page: Page, address: str) -> None:
+    opened(page, address)
+    typed(page, FRICTION, "0.35")
+    before = page.url
+    with page.expect_download():
+        page.locator("#away").get_by_role("button", name="NetCDF").click()
+    line = page.locator("#jobs li").filter(has_text="Motion: conveying velocity over amplitude")
+    expect(line.first).to_contain_text("The results are ready.")
+    told = re.compile("friction coefficient 0.35")
+    expect(line.first.locator("strong")).to_have_attribute("title", told)
+    typed(page, FRICTION, "0.4")
+    expect(page).not_to_have_url(before)
+    line.first.get_by_role("button", name="Show").click()
+    expect(page).to_have_url(before)
+    settled(page)
+    expect(page.locator(FRICTION)).to_have_value("0.35")
+    page.reload()  # it is kept with its job
+    expect(line.first.get_by_role("button", name="Show")).to_be_visible()
+
+
 def test_an_exact_point_is_typed_and_answered_in_one_line(page: Page, address: str) -> None:
     """2 pi 50 Hz, 0.35 mm, 25 degrees: throw number (A w^2/g) sin(beta) = 1.489."""
     opened(page, address)

@@ -14,15 +14,16 @@ export function busy(isBusy) {
 }
 
 export class Computing {
-  // `view()` is the one that is shown now, `isOpen()` whether no other is being opened.
-  constructor({ view, isOpen, source, picture, controls, notice, jobs }) {
+  // `view()` is the one that is shown now, `isOpen()` whether no other is being opened; `note(job,
+  // view)` hears how the job of a view stands.
+  constructor({ view, isOpen, source, picture, controls, notice, note }) {
     this.view = view;
     this.isOpen = isOpen;
     this.source = source;
     this.picture = picture;
     this.controls = controls;
     this.notice = notice;
-    this.jobs = jobs;
+    this.note = note;
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
   }
@@ -71,7 +72,7 @@ export class Computing {
       },
     };
     const tell = (job) => {
-      this.jobs.note(job);
+      this.note(job, view);
       if (signal.aborted) return;
       reveal();
       const more = job.secondsLeft ? `, ${duration(job.secondsLeft)} left` : "";

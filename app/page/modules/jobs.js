@@ -8,11 +8,21 @@ import { duration } from "./words.js";
 const STORE = "vibrafeed-jobs";
 const MOST = 20;
 const ACTIVE = new Set(["accepted", "running"]);
+const PROCESSES = {
+  simulate: "Motion",
+  sweep: "Closed forms",
+  optimise: "Best drive",
+  calibrate: "Calibration",
+  sensitivity: "What matters",
+  accuracy: "Error against run time",
+};
 const LOOK = 2000; // ms between two looks at jobs that were begun before this page was
 
 export class Jobs {
-  constructor(host) {
+  // `onshow(link)` hears that the view of a job is to be opened.
+  constructor(host, onshow) {
     this.host = host;
+    this.onshow = onshow;
     this.jobs = new Map();
     try {
       for (const job of JSON.parse(sessionStorage.getItem(STORE) ?? "[]")) {
@@ -42,11 +52,12 @@ export class Jobs {
     }
   }
 
-  // Note how a job stands now.
-  note(job) {
+  // Note how a job stands now, and for which view {title, told, link} it was begun.
+  note(job, view = null) {
     const { jobID, processID, status, message, progress, secondsLeft } = job;
+    const { of = view, begun = Date.now() } = this.jobs.get(jobID) ?? {}; // the first view that asked
     this.jobs.delete(jobID);
-    this.jobs.set(jobID, { jobID, processID, status, message, progress, secondsLeft });
+    this.jobs.set(jobID, { jobID, processID, status, message, progress, secondsLeft, of, begun });
     while (this.jobs.size > MOST) this.jobs.delete(this.jobs.keys().next().value);
     sessionStorage.setItem(STORE, JSON.stringify([...this.jobs.values()]));
     this.draw();
@@ -67,14 +78,24 @@ export class Jobs {
     return element(
       "li",
       {},
-      `${job.processID}: ${told} `,
+      ...this.name(job),
+      ` ${told} `,
       ACTIVE.has(job.status)
         ? element("button", { type: "button", onclick: () => this.cancel(job) }, "Cancel")
         : null,
+      job.of?.link ? element("button", { type: "button", onclick: () => this.onshow(job.of.link) }, "Show") : null,
       job.status === "successful"
         ? element("button", { type: "button", onclick: () => this.take(job) }, "NetCDF")
         : null,
     );
+  }
+
+  // What it computes, and since when.
+  name({ processID, of, begun }) {
+    const at = begun ? `, ${new Date(begun).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" })}` : "";
+    const text = PROCESSES[processID] ?? processID;
+    if (!of) return [`${text}${at}:`];
+    return [element("strong", { title: of.told }, `${text}: ${of.title}`), `${at}.`];
   }
 
   async cancel(job) {

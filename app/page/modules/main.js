@@ -26,7 +26,7 @@ import { isSet, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
 import { fromLink, frozen, toLink } from "./view.js";
 import { Waves } from "./waves.js";
-import { learn, valuesTold } from "./words.js";
+import { learn, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
@@ -36,7 +36,10 @@ class Page {
     this.source = new Source();
     this.notice = new Notice(byId("notice"));
     this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
-    this.jobs = new Jobs(byId("jobs"));
+    this.jobs = new Jobs(byId("jobs"), (link) => {
+      location.hash = link;
+      byId("headline").focus();
+    });
     this.controls = new Controls(byId("controls"), (patch, how) => this.setView(patch, how));
     this.picture = new Picture({
       onpick: (point) => this.setView({ point }),
@@ -62,7 +65,8 @@ class Page {
     const { source, picture, controls, notice, jobs } = this;
     const view = () => this.view;
     const isOpen = () => this.opened === this.turn;
-    this.computing = new Computing({ view, isOpen, source, picture, controls, notice, jobs });
+    const note = (job, ofView) => jobs.note(job, this.told(ofView));
+    this.computing = new Computing({ view, isOpen, source, picture, controls, notice, note });
     this.isReady = false; // the service has said what scenes there are
     this.asked = null; // a question that was chosen before
     this.turn = 0; // of views that were opened: the last one counts
@@ -78,7 +82,7 @@ class Page {
     const [friction] = await Promise.all([this.catalogue.ask("/friction"), this.catalogue.load()]);
     this.controls.frictions = friction.pairs;
     const study = () => this.source.study(this.view);
-    const tell = (job) => this.jobs.note(job);
+    const tell = (job) => this.jobs.note(job, this.told(this.view));
     const extra = byId("extra");
     this.optimum = new Optimum(byId("optimum"), {
       first: extra,
@@ -148,6 +152,16 @@ class Page {
     const figures = await this.catalogue.figures();
     const chosen = figure ?? figures.find(({ name }) => name === "fig-5-1") ?? figures[0];
     await this.open(viewOf(chosen), { complaints, isStep });
+  }
+
+  // A view in the list of jobs: what it shows, its values, and the link that opens it.
+  told(view) {
+    const axes = [view.x, view.y].filter(Boolean).map(({ name }) => words(name));
+    return {
+      title: `${words(view.output)} over ${axes.join(" and ")}`,
+      told: valuesTold(view, this.seen),
+      link: toLink(view),
+    };
   }
 
   // The one way in which a view changes: the address, the fields, the picture and the motion follow.

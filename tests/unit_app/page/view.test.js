@@ -50,6 +50,12 @@ test("names that every object has are names like others", () => {
   assert.deepEqual(Object.keys(wanted.values), ["__proto__", "constructor"]);
 });
 
+test("a value that a parameter has by itself is not unusual", () => {
+  const restitution = { name: "restitution", unit: "1", default: 0, usual: [0.1, 1] };
+  assert.equal(unusual(restitution, 0), "");
+  assert.match(unusual(restitution, 0.05), /Outside the usual/);
+});
+
 test("what is usual lies within the bounds, in order", () => {
   for (const parameter of [
     { unit: "degree", lower: -90, upper: 30 },
