@@ -177,6 +177,24 @@ def test_a_job_is_a_design_that_is_shown_again(page: Page, address: str) -> None
     expect(line.first.get_by_role("button", name="Show")).to_be_visible()
 
 
+def test_the_same_design_is_told_by_its_amplitude_or_from_peak_to_peak(
+    page: Page, address: str
+) -> None:
+    opened(page, address)
+    speed = page.locator("#part .answer strong")
+    expect(speed).to_have_text("49.92\u00a0mm/s")
+    expect(page.locator("#here-x")).to_have_value("0.5")
+    page.locator("#choose-amplitude").select_option("stroke")
+    expect(page.locator("#here-x")).to_have_value("1")
+    expect(speed).to_have_text("49.92\u00a0mm/s")
+    expect(page.locator("#part .more")).to_contain_text("from peak to peak")
+    settled(page)
+    assert "x=peak_to_peak" in page.url
+    assert "amplitude" not in page.url
+    page.go_back()
+    expect(page.locator("#here-x")).to_have_value("0.5")
+
+
 def test_an_exact_point_is_typed_and_answered_in_one_line(page: Page, address: str) -> None:
     """2 pi 50 Hz, 0.35 mm, 25 degrees: throw number (A w^2/g) sin(beta) = 1.489."""
     opened(page, address)

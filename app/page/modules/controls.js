@@ -6,6 +6,7 @@ import { grouped } from "./groups.js";
 import { knob } from "./knob.js";
 import { capital, label, sentence, shown, words } from "./words.js";
 import { pictured } from "./opening.js";
+import { STROKE, hasChoice, restated } from "./stroke.js";
 import { furtherParameters, shownParameters, typical, unusual, usual } from "./view.js";
 
 const KINDS_OF_FRICTION = {
@@ -47,6 +48,7 @@ export class Controls {
         "fieldset",
         {},
         element("legend", {}, "Part, track and drive"),
+        this.stroke(),
         ...parameters
           .filter(({ name }) => name !== view.x.name && name !== view.y?.name)
           .map((parameter) => this.field(parameter)),
@@ -112,6 +114,20 @@ export class Controls {
         view.output,
         (name) => this.change({ output: name }),
       ),
+    );
+  }
+
+  // Half of the stroke, as the theory has it, or the whole of it, as a shop measures it.
+  stroke() {
+    if (!hasChoice(this.view, this.scene)) return null;
+    return this.select(
+      "Amplitude",
+      [
+        ["", "From the middle to a peak"],
+        [STROKE, "From peak to peak"],
+      ],
+      this.view.set ?? "",
+      (set) => this.change(restated(this.view, set || null)),
     );
   }
 

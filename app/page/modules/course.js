@@ -47,6 +47,7 @@ export function courseOf(dataset) {
     platoons: values("platoons") ?? null,
     feedRate: values("feed_rate") ?? null,
     amplitude: values("amplitude") ?? null,
+    stroke: values("peak_to_peak") ?? null,
     regime: nameOf(all.regime),
   };
 }

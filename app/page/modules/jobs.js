@@ -57,10 +57,19 @@ export class Jobs {
     const { jobID, processID, status, message, progress, secondsLeft } = job;
     const { of = view, begun = Date.now() } = this.jobs.get(jobID) ?? {}; // the first view that asked
     this.jobs.delete(jobID);
+    if (status === "successful") this.forget({ processID, of });
     this.jobs.set(jobID, { jobID, processID, status, message, progress, secondsLeft, of, begun });
     while (this.jobs.size > MOST) this.jobs.delete(this.jobs.keys().next().value);
     sessionStorage.setItem(STORE, JSON.stringify([...this.jobs.values()]));
     this.draw();
+  }
+
+  // Results of the same view that another of its jobs has more of now.
+  forget({ processID, of }) {
+    for (const [jobID, one] of this.jobs) {
+      const isSame = of && one.processID === processID && one.of?.link === of.link;
+      if (isSame && one.status === "successful") this.jobs.delete(jobID);
+    }
   }
 
   draw() {
@@ -78,8 +87,8 @@ export class Jobs {
     return element(
       "li",
       {},
-      ...this.name(job),
-      ` ${told} `,
+      element("span", {}, ...this.name(job), ` ${told}`),
+      " ",
       ACTIVE.has(job.status)
         ? element("button", { type: "button", onclick: () => this.cancel(job) }, "Cancel")
         : null,

@@ -24,6 +24,7 @@ import { LETTERS, Pins } from "./pins.js";
 import { QUESTIONS, begun } from "./questions.js";
 import { isSet, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
+import { STROKE, takesBoth } from "./stroke.js";
 import { fromLink, frozen, toLink } from "./view.js";
 import { Waves } from "./waves.js";
 import { learn, valuesTold, words } from "./words.js";
@@ -175,8 +176,12 @@ class Page {
     if (!isSame || names(view) !== names(before)) {
       const isOfAxes = ["x", "y"].every((place) => view[place]?.name === before[place]?.name);
       const isOther = ["kind", "scene", "output"].some((name) => name in patch);
-      if ("kind" in patch || "scene" in patch) view.set = view.runs = view.recording = null;
+      if ("kind" in patch || "scene" in patch) {
+        view.set = before.set === STROKE ? STROKE : null;
+        view.runs = view.recording = null;
+      }
       const best = view.best && { ...view.best, isFound: false };
+      if (patch.point) return this.open({ ...view, best }, { isSwitching: true, isStep: true });
       const point = isOfAxes && !isOther && !patch.y && !patch.x ? view.point : null;
       return this.open({ ...view, best, point }, { isSwitching: true, isStep: true });
     }
@@ -215,7 +220,8 @@ class Page {
       complaints.push("A recording is not kept in a link: choose its file again.");
       wanted = { ...wanted, set: "ellipse", x: undefined, y: undefined };
     }
-    if (wanted.set && (wanted.kind === "sweep" || !isSet(wanted.set))) wanted = { ...wanted, set: null };
+    const takes = (set) => isSet(set) && (set === STROKE ? takesBoth(scene) : wanted.kind !== "sweep");
+    if (wanted.set && !takes(wanted.set)) wanted = { ...wanted, set: null };
     scene = withSet(scene, wanted.set);
     learn(scene);
     const made = complete(wanted, scene);

@@ -9,7 +9,7 @@ const PANEL = 78; // px
 const CURVE = 46; // px, of its height
 const OF_ROW = 2.5; // times as high: there is one
 const TITLE = 20; // px, above the bars of a row
-const BAR = 11; // px, for the bar of two neighbours
+const BAR = 14; // px, for the bar of two neighbours
 const LEFT = 62; // px
 const RIGHT = 8; // px
 const LEAST = 280; // px
@@ -64,7 +64,7 @@ export class Panels {
   curves({ along, height, wall, partVelocity, trackVelocity, modes, row, unit }) {
     if (row) {
       const lines = row.ahead.map((values, i) => ({ values, stroke: PARTS[i % PARTS.length] }));
-      return [{ name: "each part, ahead of the mean travel of the last", unit: "m", lines }];
+      return [{ name: "each part, ahead of the rear's mean travel", unit: "m", lines }];
     }
     const found = [
       { name: "position on the track", unit, lines: [{ values: along, modes }] },

@@ -89,11 +89,12 @@ export class PartHere {
 
   // How high it hops, how far from lift-off it is, and what a row does.
   lines(course, more) {
-    const { throwNumber, amplitude, platoons } = course;
+    const { throwNumber, amplitude, stroke, platoons } = course;
     const hop = this.hop(course);
     if (hop && !more.length) more.push(`hops ${withUnit(hop, "m", 3)} high`);
     if (throwNumber > 0) {
-      const lifts = amplitude ? ` (lifts off at ${withUnit(amplitude / throwNumber, "m", 3)} of amplitude)` : "";
+      const [size, text] = stroke ? [stroke, "from peak to peak"] : [amplitude, "of amplitude"];
+      const lifts = size ? ` (lifts off at ${withUnit(size / throwNumber, "m", 3)} ${text})` : "";
       more.push(`throw number ${number(throwNumber, 3)}${lifts}`);
     }
     if (platoons) more.push(`${number(platoons)} ${platoons === 1 ? "platoon" : "platoons"}`);
@@ -101,8 +102,8 @@ export class PartHere {
   }
 
   // How high the part hops; 0 where that is nothing but rounding.
-  hop({ height, hopHeight, amplitude }) {
+  hop({ height, hopHeight, amplitude, stroke }) {
     const most = hopHeight ?? Math.max(...height);
-    return most > HOP * Math.max(...height.map(Math.abs), amplitude ?? 0) ? most : 0;
+    return most > HOP * Math.max(...height.map(Math.abs), amplitude ?? stroke ?? 0) ? most : 0;
   }
 }

@@ -10,6 +10,11 @@ const OF_SINE = ["amplitude", "peak_to_peak", "alpha", "beta"];
 
 // By name: a title, what it stands for, its parameters with what they begin as, and the axes.
 export const SETS = {
+  stroke: {
+    title: "A sine, by its stroke from peak to peak",
+    instead: ["amplitude", "peak_to_peak"],
+    parameters: { peak_to_peak: { ...LENGTH, label: "Peak-to-peak stroke", begin: 0.001, usual: [0.0002, 0.002] } },
+  },
   ellipse: {
     title: "An ellipse: along and off the floor, out of phase",
     instead: OF_SINE,
