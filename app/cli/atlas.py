@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli import console
-from app.cli.existing import REMOVE, REPLACE
+from app.cli.existing import REMOVE
 from app.cli.options import FAILED
-from app.cli.studies import interruption, refuse
+from app.cli.studies import REPLACE, interruption, refuse
 from core.atlas.build import RESOLUTIONS, build
 from core.dataset.group import write_zarr
 from core.dataset.netcdf import write_netcdf

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.studies import refuse
+from app.cli.studies import REPLACE, refuse
 from core.dataset.formats import read_result
 from core.errors import Problem
 from core.kinds import is_whole
@@ -16,7 +16,6 @@ from core.sweep.targets import attributes_there, is_complete, is_zarr
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
 
-REPLACE = "Add --force to replace it, or give another name with -o"
 REMOVE = "Remove it, or give another name"
 
 
@@ -47,13 +46,6 @@ def complete_already(
     if wrong:
         refuse(wrong)
     return complete
-
-
-def refuse_existing(source: str, target: str, *, force: bool) -> None:
-    """Exit if what is made of `source` would replace something; a Zarr group never is."""
-    if not force and "://" not in target and Path(target).is_file():
-        problem = Problem("output", f"{target} is there already", REPLACE)
-        refuse({Path(source): [problem]})
 
 
 def refuse_others(

@@ -11,9 +11,8 @@ from typing import Annotated
 import typer
 
 from app.cli import console
-from app.cli.existing import refuse_existing
 from app.cli.options import FAILED, WRONG_INPUT
-from app.cli.studies import refuse
+from app.cli.studies import refuse, refuse_existing
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
 from app.cli.units import units_asked
 from core.dataset.formats import read_result, suffix_of

@@ -11,9 +11,8 @@ import numpy as np
 import typer
 
 from app.cli import console
-from app.cli.existing import refuse_existing
 from app.cli.options import FAILED, Json, Units
-from app.cli.studies import refuse
+from app.cli.studies import refuse, refuse_existing
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
 from app.cli.units import number, units_asked
 from core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows

@@ -8,9 +8,8 @@ from typing import Annotated
 import typer
 
 from app.cli import console
-from app.cli.existing import refuse_existing
 from app.cli.options import FAILED
-from app.cli.studies import refuse
+from app.cli.studies import refuse, refuse_existing
 from core.errors import Problem
 from core.extras import installing
 from core.plots.pictures import PICTURES

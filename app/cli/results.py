@@ -17,9 +17,9 @@ from app.cli.uncertain import is_short, is_uncertain, show_design
 from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
 from core.intake import parse_json
-from core.kinds import STATUSES, is_whole, not_verified, share_left_out
+from core.kinds import is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import QUANTITIES, REGIMES, STATUSES
 from core.quantities.optimum import OF_THE_SEARCH
 from core.study.distributions import nominal
 from core.study.optimise_study import OptimiseStudy, Pareto

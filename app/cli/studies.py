@@ -31,6 +31,8 @@ PYTHONS_TURN = 0.5
 SHOW_CURSOR = "\x1b[?25h"
 """What a terminal shows its cursor by, which a progress bar hides."""
 
+REPLACE = "Add --force to replace it, or give another name with -o"
+
 STANDARD = Path("-")
 """Standard input where a study is read, standard output where a result is written."""
 
@@ -174,3 +176,10 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(before)
         os.close(writer)
+
+
+def refuse_existing(source: str, target: str, *, force: bool) -> None:
+    """Exit if what is made of `source` would replace something; a Zarr group never is."""
+    if not force and "://" not in target and Path(target).is_file():
+        problem = Problem("output", f"{target} is there already", REPLACE)
+        refuse({Path(source): [problem]})

@@ -9,6 +9,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
 
@@ -112,8 +113,6 @@ class Executor:
         slot = await self._fair_queue.take(share, seconds)
         kept = False
         try:
-            from distributed import KilledWorker
-
             while True:
                 call = await self._submitted(function, arguments)
                 try:

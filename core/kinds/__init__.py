@@ -10,7 +10,6 @@ from core.lazy import Exported, lazily
 
 if TYPE_CHECKING:
     from core.kinds.results import (
-        STATUSES,
         is_whole,
         not_verified,
         prepare,
@@ -24,7 +23,6 @@ else:
         __name__,
         {
             "results": (
-                "STATUSES",
                 "is_whole",
                 "not_verified",
                 "prepare",
@@ -37,7 +35,6 @@ else:
 
 __all__ = [
     "KINDS",
-    "STATUSES",
     "is_whole",
     "not_verified",
     "prepare",

@@ -11,17 +11,12 @@ from core.kinds import KINDS
 from core.plan.pieces import carry_out
 from core.plan.prepared import Prepared
 from core.plan.sample import FAILED, LEFT_OUT
-from core.quantities import FLAGS
+from core.quantities import STATUSES
 from core.study.grid_study import Study
 from core.watch import Watch
 
 if TYPE_CHECKING:
     import xarray
-
-STATUSES = {
-    name: flags["not_computed"].value for name, flags in FLAGS.items() if "not_computed" in flags
-}
-"""Variables that tell of each cell whether it was computed, and their value where it was not."""
 
 
 def prepare(study: Study) -> Prepared:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
+from core.plots.pictures import is_calibration
 from core.plots.problem import PlotError
 from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, scaled, shown_in, with_unit
@@ -27,11 +28,6 @@ PALE, DEEP = 0.2, 0.5  # of the colour of a curve, for areas of 95 and of 68 %
 MAX_TICKS = 5
 MAX_NUMBERED = 40  # runs of which each has its number
 SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
-
-
-def is_calibration(dataset: xarray.Dataset) -> bool:
-    """True if a dataset is the result of a calibration."""
-    return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:

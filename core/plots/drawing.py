@@ -8,9 +8,8 @@ from dataclasses import replace
 import xarray
 from matplotlib.figure import Figure
 
-from core.plots import calibration
 from core.plots.options import Options
-from core.plots.pictures import NAMES, PICTURES
+from core.plots.pictures import NAMES, PICTURES, is_calibration
 from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
@@ -97,6 +96,6 @@ def draw(
     if kind is None:
         named = (replace(options, kind=name, is_natural=True) for name in PICTURES)
         options = next(one for one in named if PICTURES[str(one.kind)].fits(dataset, one))
-    elif calibration.is_calibration(dataset):
-        return calibration.draw(dataset, options)  # who says what else there is
+    elif is_calibration(dataset):  # its module says what else there is
+        return PICTURES["posterior"].draw(dataset, options)
     return PICTURES[str(options.kind)].draw(dataset, options)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from core.dataset.files import whole
 from core.plots.drawing import draw
 from core.plots.fixed import read_fixed
-from core.plots.movie import MOVING, animate
+from core.plots.pictures import MOVING
 from core.plots.problem import PlotError
 
 DPI = 150
@@ -88,6 +88,9 @@ def _animate_file(
     look: Mapping[str, Any],
 ) -> None:
     """Write the animation of a file's course."""
+    # Here, since it loads what draws bodies, and the whole of motion.
+    from core.plots.movie import animate
+
     if len(files) > 1:
         raise PlotError("dataset", "an animation shows one file", "Give one")
     if kind not in (None, "animation", "trajectory"):

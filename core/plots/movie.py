@@ -18,12 +18,12 @@ from core.plots.animation import Frame, draw_frames
 from core.plots.film import FRAMES_PER_SECOND, read_film
 from core.plots.lane import draw_lane
 from core.plots.options import Options
+from core.plots.pictures import MOVING
 from core.plots.positions import FIRST
 from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
 
-MOVING = (".gif", ".mp4")
 DOTS = {".gif": 100, ".mp4": 150}  # an inch
 COLOURS = 32  # of a GIF; text stays smooth
 SAMPLED = 8  # frames from which they are taken

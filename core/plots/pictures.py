@@ -1,12 +1,14 @@
 """Every picture: its name, what it shows, and the module that draws it.
 
 A module of a picture has two functions: ``fits(dataset, options)``, whether it is the picture that
-is drawn where none is named, and ``draw(dataset, options)``. It is loaded when it is needed; this
+is drawn where none is named, and ``draw(dataset, options)``. It is loaded when it is needed: a
+module is asked whether its picture fits where a look at the dataset does not tell otherwise. This
 table loads nothing, so that the command line can tell of pictures at no cost.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -16,6 +18,45 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from core.plots.options import Options
+
+
+def is_calibration(dataset: xarray.Dataset) -> bool:
+    """True of the result of a calibration."""
+    return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
+
+
+def _has_uncertain_parameters(dataset: xarray.Dataset) -> bool:
+    return "uncertain_parameters" in dataset.attrs
+
+
+def _is_front(dataset: xarray.Dataset) -> bool:
+    return "knee" in dataset
+
+
+def _is_row(dataset: xarray.Dataset) -> bool:
+    return dataset.attrs.get("scene") == "row-on-plane"
+
+
+def _is_motion(dataset: xarray.Dataset) -> bool:
+    """True of a motion over a cycle, and of one part in time, which may be followed over one."""
+    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_one(dataset))
+
+
+def _is_optimum(dataset: xarray.Dataset) -> bool:
+    return "optimum_status" in dataset
+
+
+def _is_one(dataset: xarray.Dataset) -> bool:
+    return all(values.size == 1 for values in dataset.data_vars.values())
+
+
+def _any(dataset: xarray.Dataset) -> bool:
+    return True
+
+
+def _none(dataset: xarray.Dataset) -> bool:
+    """False: it is drawn where it is asked for."""
+    return False
 
 
 @dataclass(frozen=True)
@@ -30,15 +71,20 @@ class Picture:
         What it shows, in a few words.
     home : str
         The module of this package that draws it.
+    may_fit : callable
+        False of a dataset that it does not fit, whatever is asked for; tells so without the module.
     """
 
     name: str
     says: str
     home: str
+    may_fit: Callable[[xarray.Dataset], bool] = _any
 
     def fits(self, dataset: xarray.Dataset, options: Options) -> bool:
         """True where this is what the dataset is drawn as, if nothing is named."""
-        return bool(import_module(f"{__package__}.{self.home}").fits(dataset, options))
+        return self.may_fit(dataset) and bool(
+            import_module(f"{__package__}.{self.home}").fits(dataset, options)
+        )
 
     def draw(self, dataset: xarray.Dataset, options: Options) -> Figure:
         """Return the picture; raise `PlotError` if the dataset does not hold what it needs."""
@@ -49,29 +95,64 @@ class Picture:
 PICTURES = {
     picture.name: picture
     for picture in (
-        Picture("posterior", "what a calibration knows of its unknowns", "calibration"),
-        Picture("speeds", "measured and computed speeds of a calibration", "calibration"),
-        Picture("residuals", "what a calibration leaves unexplained, run by run", "calibration"),
-        Picture("distribution", "how an output with uncertain parameters spreads", "uncertain"),
-        Picture("indices", "shares of the variance, by parameter", "uncertain"),
-        Picture("effects", "effects of parameters after Morris", "uncertain"),
-        Picture("tornado", "what each tolerance does by itself", "uncertain"),
-        Picture("front", "a trade-off of two outputs", "front"),
-        Picture("positions", "where the parts of a row are over time", "positions"),
-        Picture("trajectory", "the motion of one part", "motion"),
-        Picture("animation", "the same, moving; a GIF or MP4 file", "movie"),
-        Picture("landscape", "the objective of an optimisation over its variables", "landscape"),
-        Picture("profiles", "the objective along each variable by itself", "profiles"),
-        Picture("values", "the values of one design; of an impact, what hits what", "values"),
+        Picture(
+            "posterior", "what a calibration knows of its unknowns", "calibration", is_calibration
+        ),
+        Picture(
+            "speeds", "measured and computed speeds of a calibration", "calibration", is_calibration
+        ),
+        Picture(
+            "residuals",
+            "what a calibration leaves unexplained, run by run",
+            "calibration",
+            is_calibration,
+        ),
+        Picture(
+            "distribution",
+            "how an output with uncertain parameters spreads",
+            "uncertain",
+            _has_uncertain_parameters,
+        ),
+        Picture(
+            "indices",
+            "shares of the variance, by parameter",
+            "uncertain",
+            _has_uncertain_parameters,
+        ),
+        Picture(
+            "effects", "effects of parameters after Morris", "uncertain", _has_uncertain_parameters
+        ),
+        Picture(
+            "tornado", "what each tolerance does by itself", "uncertain", _has_uncertain_parameters
+        ),
+        Picture("front", "a trade-off of two outputs", "front", _is_front),
+        Picture("positions", "where the parts of a row are over time", "positions", _is_row),
+        Picture("trajectory", "the motion of one part", "motion", _is_motion),
+        Picture("animation", "the same, moving; a GIF or MP4 file", "movie", _none),
+        Picture(
+            "landscape",
+            "the objective of an optimisation over its variables",
+            "landscape",
+            _is_optimum,
+        ),
+        Picture("profiles", "the objective along each variable by itself", "profiles", _is_optimum),
+        Picture(
+            "values", "the values of one design; of an impact, what hits what", "values", _is_one
+        ),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
         Picture("map", "regimes, or an output whose numbers stand for words", "regime_map"),
         Picture("contour", "an output over two parameters, in colours", "contour"),
         Picture("levels", "an output over two parameters, as lines of equal value", "levels"),
         Picture("surface", "an output over two parameters, in relief", "surface"),
-        Picture("thresholds", "an output over one parameter, with its thresholds", "thresholds"),
-        Picture("parallel", "all designs, a line each through all parameters", "parallel"),
+        Picture(
+            "thresholds", "an output over one parameter, with its thresholds", "thresholds", _none
+        ),
+        Picture("parallel", "all designs, a line each through all parameters", "parallel", _none),
     )
 }
 """By name. The first that fits a dataset is drawn where none is named."""
+
+MOVING = (".gif", ".mp4")
+"""Endings of files that move."""
 
 NAMES = tuple(PICTURES)

@@ -15,7 +15,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase, SubFigure
 
-from core.kinds.results import STATUSES
 from core.plots.bodies import draw_bodies, is_pair, read_bodies, views
 from core.plots.categories import looks_of_categories
 from core.plots.heading import finish, source_of
@@ -25,6 +24,7 @@ from core.plots.regimes import PLAIN, Look, looks_of
 from core.plots.selection import ANY_REGIME, Selection, natural, select
 from core.plots.style import Style
 from core.plots.text import long_name
+from core.quantities import STATUSES
 
 NO_REGIMES = "no regimes"
 NOT_DESCRIBED = "the closed forms do not describe a part there"

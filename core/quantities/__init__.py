@@ -41,6 +41,7 @@ __all__ = [
     "OPTIMUM_STATUSES",
     "QUANTITIES",
     "REGIMES",
+    "STATUSES",
     "Flag",
     "Quantity",
 ]
@@ -68,3 +69,8 @@ FLAGS: dict[str, Mapping[str, Flag]] = {
     name: quantity.flags for name, quantity in QUANTITIES.items() if quantity.flags is not None
 }
 """The states of each quantity that is a flag."""
+
+STATUSES = {
+    name: flags["not_computed"].value for name, flags in FLAGS.items() if "not_computed" in flags
+}
+"""Variables that tell of each cell whether it was computed, and their value where it was not."""

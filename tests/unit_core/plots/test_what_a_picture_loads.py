@@ -1,0 +1,53 @@
+"""A picture loads the module that draws it, and none of the others."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from core.plots.bodies import convex_hull
+
+CODE = """
+import sys
+import numpy as np
+import xarray
+from core.plots import draw
+values = np.arange(144.0).reshape(12, 12)
+dataset = xarray.Dataset(
+    {
+        "throw_number": (("amplitude", "beta"), values, {"units": "1", "long_name": "Throw"}),
+        "regime": ((), 0, {"flag_values": [0], "flag_meanings": "rest"}),
+    },
+    coords={"beta": np.arange(12.0), "amplitude": np.arange(12.0)},
+    attrs={"scene": "rectangle-on-plane"},
+)
+draw(dataset)
+print(*sys.modules)
+"""
+
+
+def test_a_contour_loads_no_other_picture_and_no_study():
+    loaded = subprocess.run(
+        [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert "core.plots.contour" in loaded
+    others = ("calibration", "uncertain", "front", "positions", "motion", "movie", "landscape")
+    assert not {f"core.plots.{name}" for name in others} & set(loaded)
+    assert not {"core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
+
+
+@pytest.mark.parametrize("count", [3, 4, 5, 96])
+def test_a_convex_hull_is_that_of_qhull(count):
+    points = np.random.default_rng(count).normal(size=(count, 2))
+    found, expected = convex_hull(points), points[ConvexHull(points).vertices]
+    first = int(np.argmin(expected[:, 0]))
+    np.testing.assert_array_equal(found, np.roll(expected, -first, axis=0))
+
+
+def test_points_on_a_line_have_two_corners():
+    points = np.array([[0.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 0.0]])
+    np.testing.assert_array_equal(convex_hull(points), [[0.0, 0.0], [2.0, 2.0]])
