@@ -238,8 +238,8 @@ def plot(
         middle one if left out.
     kind : str, optional
         The name of a picture: posterior, speeds, residuals, distribution, indices, effects,
-        tornado, front, trajectory, animation, landscape, profiles, values, line, map, contour,
-        levels, surface, thresholds or parallel; the first that fits if left out.
+        tornado, front, positions, trajectory, animation, landscape, profiles, values, line, map,
+        contour, levels, surface, thresholds or parallel; the first that fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional

@@ -16,6 +16,40 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 OUTSIDE = 5  # misplaced parameters that are named
+LONGEST = 60  # characters of a value that a message repeats
+
+_TEXT = "a text", "Write a text in quotes"
+_NUMBER = "a number", "Write a plain number"
+_WHOLE = "a whole number", "Write a whole number"
+_SWITCH = "true or false", "Write true or false"
+_LIST = "a list", "Write a list in brackets"
+_TABLE = "a table of keys and values", "Write a table, in JSON an object"
+KINDS_OF_VALUES = {
+    "string_type": _TEXT,
+    "float_type": _NUMBER,
+    "float_parsing": _NUMBER,
+    "finite_number": ("a finite number", "Write a plain number"),
+    "int_type": _WHOLE,
+    "int_parsing": _WHOLE,
+    "int_from_float": _WHOLE,
+    "bool_type": _SWITCH,
+    "bool_parsing": _SWITCH,
+    "tuple_type": _LIST,
+    "list_type": _LIST,
+    "dict_type": _TABLE,
+    "mapping_type": _TABLE,
+    "model_type": _TABLE,
+    "model_attributes_type": _TABLE,
+}
+"""What a value has to be, and how to write it, by pydantic's names of its errors."""
+
+BOUNDS = {
+    "greater_than_equal": ("ge", "at least"),
+    "greater_than": ("gt", "more than"),
+    "less_than_equal": ("le", "at most"),
+    "less_than": ("lt", "less than"),
+}
+"""The key of a bound that a value breaks, and its words."""
 
 
 def problems_of(
@@ -41,7 +75,7 @@ def problems_of(
     within : str
         The section that it was that pydantic looked at, if not a whole study.
     """
-    faults = error.errors(include_url=False, include_input=False)
+    faults = error.errors(include_url=False)
     outside = [] if within else [str(fault["loc"][0]) for fault in faults if _is_outside(fault)]
     suggest = Suggestions()
     problems = []
@@ -112,4 +146,49 @@ def _problem(
     if error["type"] == "missing":
         name = str(path[-1])[:60] if path else ""
         return Problem(key, "it is missing", f"Add {name}")
-    return Problem(key, error["msg"].removesuffix("."), "Fix the value or its type")
+    message, fix = _wrong_value(error["type"], error.get("input"), context)
+    return Problem(key, message or error["msg"].removesuffix("."), fix)
+
+
+def _wrong_value(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
+    """Return what is wrong with a value, by pydantic's name of the error, and what would be right.
+
+    The message is empty where pydantic has to say it.
+    """
+    said = shown(value)
+    if kind in KINDS_OF_VALUES:
+        noun, fix = KINDS_OF_VALUES[kind]
+        return f"{said} is not {noun}", fix
+    if kind in BOUNDS:
+        key, words = BOUNDS[kind]
+        bound = context[key]
+        beyond = "small" if words.startswith(("at least", "more")) else "large"
+        return f"{said} is too {beyond}", f"Write {words} {bound:.15g}"
+    if kind == "too_short":
+        least = context["min_length"]
+        return "it has too few entries", f"Give at least {least}"
+    if kind == "too_long":
+        most = context["max_length"]
+        return f"it has more than {most:,} entries", f"Give at most {most:,}"
+    if kind == "string_too_long":
+        most = context["max_length"]
+        return f"it has more than {most:,} characters", "Shorten it"
+    if kind in ("literal_error", "enum"):
+        return f"{said} is not among its values", f"Write {context['expected']}"
+    return "", "Fix the value or its type"
+
+
+def shown(value: object) -> str:
+    """Return a value as a message names it: what is long, by its kind."""
+    if isinstance(value, bool):
+        return str(value).lower()  # as TOML and JSON have it
+    if value is None:
+        return "null"
+    if isinstance(value, Mapping):
+        return "a table" if value else "an empty table"
+    if isinstance(value, list | tuple):
+        return "a list" if value else "an empty list"
+    if isinstance(value, str):
+        return repr(value if len(value) <= LONGEST else f"{value[:LONGEST]}...")
+    text = str(value)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."

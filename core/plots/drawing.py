@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -78,9 +79,14 @@ def draw(
     >>> dataset = run_study(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """
-    datasets = [dataset] if isinstance(dataset, xarray.Dataset) else list(dataset)
+    datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
     if not datasets:
         raise PlotError("dataset", "there is none", "Give one or more")
+    for one in datasets:
+        if not isinstance(one, xarray.Dataset):
+            message = f"{reprlib.repr(one)} is not a dataset"
+            fix = "Give what `sweep` or `simulate` returned, or the path of a file"
+            raise PlotError("dataset", message, fix)
     dataset = datasets[0]
     options = Options(
         kind, variable, axes, at or {}, nearest, title, Style(dark=dark, small=small),

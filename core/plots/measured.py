@@ -91,7 +91,7 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
         panel.set_ylabel(f"{axis.capitalize()} (m/s²)")
         last.plot(times, residual[some], ".", color=colour, markersize=style.width(3.0), alpha=0.35)
     last.axhline(0.0, color=style.ink, linewidth=0.8)
-    last.set_ylabel("Left over (m/s²)")
+    last.set_ylabel("Residual (m/s²)")
     last.set_xlabel("Time in the period (ms)")
     last.set_xlim(0.0, 1e3 / fit.frequency)
 

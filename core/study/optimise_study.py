@@ -33,7 +33,9 @@ class Weighted(_TwoOutputs):
     """The largest of the output less `weight` times the other's absolute value."""
 
     kind: Literal["weighted"] = "weighted"
-    weight: float = Field(1.0, description="Weight of the other output.", ge=0, allow_inf_nan=False)
+    weight: float = Field(
+        1.0, description="Weight of the other output.", strict=True, ge=0, allow_inf_nan=False
+    )
 
 
 class Limited(_TwoOutputs):
@@ -136,6 +138,7 @@ class OptimiseStudy(DrivenStudy):
     quantile: float | None = Field(
         None,
         description="The share of the parts below which the value of the output is to be best.",
+        strict=True,
         gt=0,
         lt=1,
     )

@@ -81,6 +81,7 @@ class MotionSettings(Frozen):
         description="Largest error of a periodic state, as a share of the drive. From 0.001 on "
         "events in the plane follow an aperiodic motion only until the error of its mean velocity "
         "is that share of it.",
+        strict=True,
         ge=1e-13,
         le=1,
     )
@@ -103,11 +104,16 @@ class MotionSettings(Frozen):
     slip_speed: float | None = Field(
         None,
         description="Speed below which regularised friction gives way, in g/w.",
+        strict=True,
         ge=1e-12,
         le=1,
     )
     contact_stiffness: float | None = Field(
-        None, description="Stiffness of the regularised floor, over m w^2.", ge=100, le=1e16
+        None,
+        description="Stiffness of the regularised floor, over m w^2.",
+        strict=True,
+        ge=100,
+        le=1e16,
     )
 
     def settings(self) -> dict[str, float]:

@@ -199,5 +199,7 @@ def _how_to_write(name: str, quantity: Quantity) -> str:
 
 
 def _shown(raw: object) -> str:
+    if isinstance(raw, bool):
+        return str(raw).lower()  # as TOML and JSON have it
     text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -70,7 +70,7 @@ def test_a_picture_says_what_was_fitted(fit, tmp_path):
     figure.savefig(tmp_path / "fit.png")
     labels = [axes.get_ylabel() for axes in figure.axes]
     assert labels == [
-        "Along (m/s²)", "Across (m/s²)", "Normal (m/s²)", "Left over (m/s²)", "Amplitude (m/s²)",
+        "Along (m/s²)", "Across (m/s²)", "Normal (m/s²)", "Residual (m/s²)", "Amplitude (m/s²)",
         "Normal (µm)",
     ]  # fmt: skip
     assert figure.axes[0].get_title(loc="left").splitlines() == [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 
@@ -9,7 +10,10 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+import vibrafeed
 from core.plots.bodies import convex_hull
+from core.plots.pictures import NAMES
+from core.plots.problem import PlotError
 
 CODE = """
 import sys
@@ -51,3 +55,14 @@ def test_a_convex_hull_is_that_of_qhull(count):
 def test_points_on_a_line_have_two_corners():
     points = np.array([[0.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 0.0]])
     np.testing.assert_array_equal(convex_hull(points), [[0.0, 0.0], [2.0, 2.0]])
+
+
+@pytest.mark.parametrize("given", [3, None, [3], {"a": 1}, True], ids=repr)
+def test_what_is_no_dataset_is_told(given):
+    with pytest.raises(PlotError, match=r"is not a dataset\. Give what"):
+        vibrafeed.plot(given)
+
+
+def test_the_pictures_that_python_tells_of_are_all_there_are():
+    (words,) = re.findall(r"The name of a picture: (.*?);", vibrafeed.plot.__doc__, re.DOTALL)
+    assert re.split(r",\s+|\s+or\s+", words) == list(NAMES)
