@@ -135,14 +135,17 @@ class BoxLanes:
         for name, at in zip(self.order.outer, np.indices(outer), strict=True):
             starts += at * places.strides.get(name, 0)
             numbers += (at + tile[name][0]) * self.numbers.get(name, 0)
-        first = self.order.inner[0]
         turn = self.order.piece // self.order.period
-        numbers += tile[first][0] * self.numbers.get(first, 0)
+        along = 0  # without inner axes a row is one cell, and has no next piece
+        if self.order.inner:
+            first = self.order.inner[0]
+            along = self.numbers.get(first, 0)
+            numbers += tile[first][0] * along
         kernels.gather(
             np.ascontiguousarray(rows).reshape(starts.size, -1),
             starts.reshape(-1), numbers.reshape(-1), self.order.piece,
             0 if self.order.gathers else self.order.piece,
-            turn * self.numbers.get(first, 0),
+            turn * along,
             *(lanes[kind] for kind in EMPTY),
         )  # fmt: skip
 
