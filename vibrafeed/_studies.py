@@ -1124,6 +1124,7 @@ def simulate(
     steps_per_period: int | None = None,
     slip_speed: float | None = None,
     contact_stiffness: float | None = None,
+    reduce: Mapping[str, Any] | None = None,
     verify: int | None = None,
     units: str | Sequence[str] | None = None,
     title: str | None = None,
@@ -1357,6 +1358,8 @@ def simulate(
         Speed below which regularised friction gives way, in g/w.
     contact_stiffness : float, optional
         Stiffness of the regularised floor, over m w^2.
+    reduce : mapping, optional
+        Statistics over some axes instead of all cells: docs/reduce.md.
     verify : int, optional
         Number of random cells to evaluate again, with 50 digits or by another method; the result
         states the worst of them.
@@ -3945,6 +3948,7 @@ def drive_error(
     steps_per_period: int | None = None,
     slip_speed: float | None = None,
     contact_stiffness: float | None = None,
+    reduce: Mapping[str, Any] | None = None,
     verify: int | None = None,
     units: str | Sequence[str] | None = None,
     title: str | None = None,

@@ -20,7 +20,6 @@ FEWEST_SECONDS = 10.0
 """What a task of a scheduler takes at least: less is not worth its telling."""
 MAX_TASKS = 10_000
 """More are too many for one scheduler."""
-REDUCED_CELLS = 500_000_000  # of a part of a job: a second or two
 
 
 def compute_part(study: str, where: str, count: int, part: int) -> bytes:
@@ -76,7 +75,7 @@ def count_of(prepared: Prepared) -> int:
     most = min(prepared.boxes, MAX_PARTS)
     if prepared.part_of == SHARDS:
         return most
-    return max(1, min(prepared.cells // REDUCED_CELLS, most))
+    return max(1, min(prepared.cells // prepared.part_cells, most))
 
 
 def write_result(store: Store, key: str, process: str, parts: Parts, seconds: float) -> None:

@@ -64,7 +64,7 @@ def drive_error(
         With every problem of the study; if it has more than one cell, or nothing of the fit.
     """
     outputs = tuple(dict.fromkeys((VELOCITY, *study.outputs)))
-    prepared = prepare(study.model_copy(update={"outputs": outputs}))
+    prepared = prepare(study.model_copy(update={"outputs": outputs, "reduce": None}))
     values, fitted = study.values(), fit.parameters()
     names = [name for name in fitted if _is_from(values.get(name), fitted[name])]
     _check(prepared, names, draws)

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from core.motion.prepare import choose_system, prepare
+from core.motion.prepare import choose_system
+from core.motion.reduced import prepare
 from core.motion.run import compute, label
 from core.motion.systems import SYSTEMS
 from core.plan.kind import Kind

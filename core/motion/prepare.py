@@ -30,6 +30,7 @@ from core.plan.prepared import (
 )
 from core.plan.price import pace
 from core.quantities import QUANTITIES
+from core.reduce.checks import problems_of, problems_of_names
 from core.scenes import Scene
 from core.study.simulate_study import MAX_PERIODS, SimulateStudy
 from core.study.values import Fixed
@@ -183,10 +184,12 @@ def prepare(study: SimulateStudy) -> Simulation:
         fix = f"Choose among {', '.join(CONTACTS)}"
         raise StudyError([Problem("drive", f"{scene.name} supports only the plain sine", fix)])
     settings = study.settings()
-    asked = tuple(dict.fromkeys((*study.outputs, *never_left_out(scene, method))))
+    more = never_left_out(scene, method) if study.reduce is None else ()
+    asked = tuple(dict.fromkeys((*study.outputs, *more)))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     problems = [*_wrong_settings(study, scene, method), *_wrong_course(study, scene, method)]
+    problems += _wrong_reduction(study)
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
@@ -195,6 +198,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     if shape is not None and not set(shape.inputs) & set(grid.axes):
         problems += what_is_open(shape, grid.si())
     problems += _too_many_steps(study, methods_of(scene.name)[method], grid)
+    problems += problems_of(study.reduce, plan, grid) if study.reduce is not None else []
     if problems:
         raise StudyError(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
@@ -267,6 +271,20 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
         fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
         message = f"the method {method} of {scene.name} gives means only"
         problems.append(Problem("trajectory", message, fix))
+    return problems
+
+
+def _wrong_reduction(study: SimulateStudy) -> list[Problem]:
+    """Return what is wrong with what a study asks for in place of its cells, if it does."""
+    if study.reduce is None:
+        return []
+    problems = problems_of_names(study.reduce, study.outputs, study.values())
+    for key, message in (
+        ("sensitivities", "derivatives are given with all cells; the study has reduce too"),
+        ("trajectory", "it shows one point; the study has reduce too"),
+    ):
+        if getattr(study, key):
+            problems.append(Problem(key, message, "Leave out one of the two"))
     return problems
 
 

@@ -18,6 +18,7 @@ from core.motion.course import COURSE_FLAGS, TrajectoryRequest, TrajectoryValues
 from core.motion.derivatives import derivatives_at
 from core.motion.groups import Contacts
 from core.motion.prepare import Simulation
+from core.motion.reduced import ReducedSimulation
 from core.motion.systems import CONTACTS
 from core.motion.verify import accuracy, verified
 from core.plan.derived import cells_of
@@ -32,7 +33,12 @@ TIME = "cycle_time"
 
 
 def compute(prepared: Simulation, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a prepared simulation, and the course if there is one."""
+    """Return outputs and `regime` of a prepared simulation, and the course if there is one.
+
+    Of one that is reduced, its answers.
+    """
+    if isinstance(prepared, ReducedSimulation):
+        return prepared.compute(watch)
     known = _evaluate(prepared, watch)
     plan = prepared.plan
     arrays = {name: _squeezed(prepared, name, known[name]) for name in plan.outputs}
@@ -49,6 +55,8 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
 
 def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a simulation, labelled; `watch` may stop verifying it."""
+    if isinstance(prepared, ReducedSimulation):
+        return prepared.label(computed, watch)
     plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
     for name, states in FLAGS.items():

@@ -17,7 +17,7 @@ from core.motion.systems import methods_of
 from core.plan.equations import run_equations
 from core.plan.grid import from_si
 from core.plan.plan import Plan, plan_scene, scene_parameters
-from core.plan.sample import sample_of
+from core.plan.sample import Sample, sample_of
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.watch import Watch
@@ -265,18 +265,33 @@ def verified(
     """
     if prepared.study.verify is None:
         return {}
-    plan = prepared.plan
     sample = sample_of(prepared, arrays, ("motion_status", STATUS["not_computed"]))
+    return verified_at(prepared, sample, arrays, watch)
+
+
+def verified_at(
+    prepared: Simulation,
+    sample: Sample,
+    arrays: Mapping[str, NDArray[np.generic]] | None,
+    watch: Watch,
+) -> dict[str, str | int]:
+    """Return what verifying some cells found; where `arrays` are not kept, they are followed anew.
+
+    Otherwise as `verified`.
+    """
+    plan = prepared.plan
     other = other_method(plan, prepared.grid)
     assert other is not None  # the study would have been refused
     against = f"the method {other.name}"
     if not sample.count or watch.stopped():
         return sample.told(against)
     cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
-    got = {
-        name: np.asarray(from_si(name, sample.at(arrays[name], prepared.dims[name])))
-        for name in plan.outputs
-    }
+    if arrays is None:
+        known = run_equations(plan, cells, replace(watch, progress=None))
+        at = {name: np.broadcast_to(known[name], sample.count) for name in plan.outputs}
+    else:
+        at = {name: sample.at(arrays[name], prepared.dims[name]) for name in plan.outputs}
+    got = {name: np.asarray(from_si(name, values)) for name, values in at.items()}
     found = compare(plan, cells, got, other.name, watch)
     left = sum(found.silent.values())
     more: dict[str, str | int] = {NOT_JUDGED: left} if left else {}

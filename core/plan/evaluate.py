@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.blocks import Progress, Results, evaluate_in_blocks
+from core.plan.equations import regimes, run_equations
 from core.plan.grid import Grid
 from core.plan.loops.fused import Fused, groups_of
 from core.plan.loops.trace import traced
 from core.plan.plan import Plan
+from core.watch import Watch
 
 FEW_CELLS = 16_384
 """What numpy computes in a millisecond needs no loop."""
@@ -65,6 +67,22 @@ def evaluate(
     else:
         fused.run(results, threads, progress)
     return results
+
+
+def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> None:
+    """Fill the outputs of a plan and `regime`, as `evaluate` does, of equations that take long.
+
+    They share out their cells by themselves, and ask the watch; what it stops is not complete.
+    """
+    depends = plan.depends_on(grid.axes)
+    given = grid.si()
+    known = run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
+    for name, array in into.items():
+        values = regimes(plan, known) if name == "regime" else np.asarray(known[name])
+        if values.ndim:
+            axes = enumerate(grid.axes)
+            values = values.squeeze(tuple(at for at, axis in axes if axis not in depends[name]))
+        array[...] = values
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:

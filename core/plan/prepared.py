@@ -39,6 +39,8 @@ class Prepared:
 
     part_of: ClassVar[str] = ""
     """What a part of it is one of: `SHARDS`, or `ANSWERS`; empty if it has no parts."""
+    part_cells: ClassVar[int] = 500_000_000
+    """Cells of a part of a job that holds answers: a second or two."""
     can_stop: ClassVar[bool] = True
     """Whether computing it can be stopped between two cells."""
     keeps_some: ClassVar[bool] = True

@@ -1,4 +1,4 @@
-"""Statistics over some axes of a grid of closed forms, box by box, without storing the grid."""
+"""Statistics over some axes of a grid, of closed forms or motion, box by box; nothing is stored."""
 
 from __future__ import annotations
 

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.evaluate import evaluate, repays
+from core.errors import StoppedError
+from core.plan.evaluate import evaluate, evaluate_at_once, repays
 from core.plan.grid import Grid
-from core.plan.loops.lanes import LONGEST_AXIS, LaneOrder
+from core.plan.loops.lanes import LONGEST_AXIS, TILE_CELLS, LaneOrder
 from core.plan.loops.source import LONGEST_ROW
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES, REGIMES
@@ -23,10 +24,13 @@ from core.reduce.kernels import others
 from core.reduce.kernels.bits import MAGNITUDE
 from core.reduce.lanes import EMPTY, BoxLanes, Totals
 from core.reduce.loop import FieldLoop, field_loop
-from core.reduce.questions import EXACT_CELLS, ReducedField, valid_regimes
-from core.reduce.state import State
+from core.reduce.questions import EXACT_CELLS, ReducedField, takes_long, valid_regimes
+from core.reduce.state import STOPPED, State
 from core.study.reduction import Reduction, ShareCondition
+from core.watch import Watch
 
+LONG_TILE_CELLS = 1 << 13
+"""Most cells of a tile where each takes long: no box cuts a tile, and a box can be stopped."""
 COMPARED = {"<": 1, "==": 2, "<=": 3, ">": 4, "!=": 5, ">=": 6}
 Buffers = dict[str, NDArray[Any]]
 
@@ -74,7 +78,8 @@ class Boxes:
         if asked.quantiles and self.is_exact and field.outputs:
             cells = max(cells, seen)
         self._loop: FieldLoop | None = None
-        if max(shape, default=0) <= LONGEST_AXIS:
+        self._at_once = takes_long(field.plan)
+        if not self._at_once and max(shape, default=0) <= LONGEST_AXIS:
             self._loop = field_loop(field, grid, asked, self._valid, self.flags)
         self._order = self._loop.order if self._loop else stored_order(field, grid, asked)
         tile = len(field.dims) * (1,)
@@ -94,10 +99,18 @@ class Boxes:
         self._loop.prepare()
         return self._loop
 
-    def seen(self, box: Box) -> State:
-        """Return what the cells of a box tell."""
+    def seen(self, box: Box, watch: Watch | None = None) -> State:
+        """Return what the cells of a box tell.
+
+        Raises
+        ------
+        StoppedError
+            If `watch` stops cells that take long.
+        """
         loop = self._compiled
-        return self._seen_stored(box) if loop is None else self._seen_in_lanes(loop, box)
+        if loop is None:
+            return self._seen_stored(box, watch or Watch(threads=1))
+        return self._seen_in_lanes(loop, box)
 
     def _seen_in_lanes(self, loop: FieldLoop, box: Box) -> State:
         field, state = self.field, State()
@@ -127,11 +140,12 @@ class Boxes:
         lanes: BoxLanes = held["lanes"]
         return lanes
 
-    def _seen_stored(self, box: Box) -> State:
+    def _seen_stored(self, box: Box, watch: Watch) -> State:
         field, state = self.field, State()
         rows = Rows.of(tuple(stop - start for start, stop in box), self.cutting.goes)
         wider = self._wider(box)
-        values = self._evaluated(wider)
+        wide = self._evaluated(wider, watch)
+        values = self._narrowed(wide, wider, box)
         for name in field.outputs:
             state |= self._statistics(name, values, box)
             if self._asked.quantiles:
@@ -145,17 +159,28 @@ class Boxes:
             lengths = tuple(stop - start for start, stop in wider)
             rows = Rows.of(lengths, self.cutting.goes)
             for name in field.levels:
-                state |= self._crossings(name, values, rows, wider)
+                state |= self._crossings(name, wide, rows, wider)
         return state
 
     def _wider(self, box: Box) -> Box:
-        """Return a box with the cells before it along the axis of crossings."""
+        """Return a box with the cells before it along the axes of crossings."""
         return tuple(
-            (start - (dim == self.field.along and start > 0), stop)
+            (start - (dim in self.field.along and start > 0), stop)
             for dim, (start, stop) in zip(self.field.dims, box, strict=True)
         )
 
-    def _evaluated(self, box: Box) -> Buffers:
+    def _narrowed(self, wide: Buffers, wider: Box, box: Box) -> Buffers:
+        """Return the values of a box among those of the wider one."""
+        if wider == box:
+            return wide
+        lengths = [stop - start for start, stop in wider]
+        here = tuple(
+            slice(start - first, stop - first)
+            for (start, stop), (first, _) in zip(box, wider, strict=True)
+        )
+        return {name: array.reshape(lengths)[here].reshape(-1) for name, array in wide.items()}
+
+    def _evaluated(self, box: Box, watch: Watch) -> Buffers:
         """Return the outputs and the regimes of all cells of a box, in the units of files."""
         field = self.field
         ends = dict(zip(field.dims, box, strict=True))
@@ -165,7 +190,12 @@ class Boxes:
             name: self._buffer(name, tuple(piece.shape[dim] for dim in dims))
             for name, dims in self._dims.items()
         }
-        evaluate(field.plan, piece, into=into, threads=1)
+        if self._at_once:
+            evaluate_at_once(field.plan, piece, into, watch)
+            if watch.stopped():
+                raise StoppedError(STOPPED)
+        else:
+            evaluate(field.plan, piece, into=into, threads=1)
         whole: Buffers = {}
         for name, array in into.items():
             if name in QUANTITIES and QUANTITIES[name].is_angle:
@@ -308,4 +338,5 @@ def stored_order(field: ReducedField, grid: Grid, asked: Reduction) -> LaneOrder
     while count < over and period <= LONGEST_ROW:
         count, period = count + 1, period * grid.shape[dims[-1 - count]]
     split = len(dims) - count
-    return LaneOrder.of(dims[:split], dims[split:], grid.shape, asked.over)
+    most = LONG_TILE_CELLS if takes_long(field.plan) else TILE_CELLS
+    return LaneOrder.of(dims[:split], dims[split:], grid.shape, asked.over, most)

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from core.errors import Problem
 from core.plan.grid import Grid
 from core.plan.plan import Plan
+from core.quantities import FLAGS
 from core.study.reduction import Reduction
 from core.study.values import Fixed, Values
 from core.suggestions import Suggestions
@@ -25,6 +26,7 @@ def problems_of_names(
     problems += [
         _no_output(name, f"reduce.of.{k}", outputs, suggest) for k, name in enumerate(asked.of)
     ]
+    problems += _of_codes(asked, outputs)
     problems += _of_shares(asked, outputs, suggest)
     problems += _of_levels(asked, outputs, suggest)
     if not (asked.statistics or asked.quantiles or asked.regimes or asked.shares or asked.levels):
@@ -34,6 +36,18 @@ def problems_of_names(
         message = "neither statistics nor quantiles are asked for"
         problems.append(Problem("reduce.of", message, "Leave it out"))
     return [problem for problem in problems if problem is not None]
+
+
+def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
+    """Yield outputs that are codes, of which there is no largest."""
+    fix = "Ask for shares or regimes"
+    named = [(f"reduce.of.{k}", name) for k, name in enumerate(asked.of)]
+    named += [(f"reduce.levels.{key}.output", level.output) for key, level in asked.levels.items()]
+    for place, name in named:
+        if name in FLAGS:
+            yield Problem(place, f"{name} is a code, and no number", fix)
+    if (asked.statistics or asked.quantiles) and not asked.of and set(outputs) <= set(FLAGS):
+        yield Problem("reduce", "there are statistics of numbers only, and no output is one", fix)
 
 
 def _of_shares(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from core.plan.grid import Grid
 from core.plan.plan import Plan
-from core.quantities import REGIMES
+from core.quantities import FLAGS, REGIMES
 from core.study.reduction import LevelSet, Reduction, ShareCondition
 
 EVERY_REGIME = (1 << 63) - 1
@@ -32,9 +32,9 @@ class ReducedField:
     shares : mapping of str to tuple of Condition
         Conditions of each share.
     levels : mapping of str to LevelSet
-        Crossings; all along one axis, of which boxes hold one cell more.
-    along : str
-        That axis; empty if there are none.
+        Crossings; of what is computed fast all along one axis.
+    along : tuple of str
+        Those axes, of which boxes hold one cell more.
     """
 
     dims: tuple[str, ...]
@@ -43,20 +43,24 @@ class ReducedField:
     regimes: bool = False
     shares: dict[str, tuple[ShareCondition, ...]] = field(default_factory=dict)
     levels: dict[str, LevelSet] = field(default_factory=dict)
-    along: str = ""
+    along: tuple[str, ...] = ()
 
 
 def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, ...]:
-    """Return the fields of a reduction, each with all that is asked of it."""
-    fields: dict[tuple[tuple[str, ...], str], ReducedField] = {}
-    needed: dict[tuple[tuple[str, ...], str], set[str]] = {}
+    """Return the fields of a reduction, each with all that is asked of it.
+
+    Crossings have fields of their own, unless cells take long: those are computed once for all.
+    """
+    fields: dict[tuple[tuple[str, ...], tuple[str, ...]], ReducedField] = {}
+    needed: dict[tuple[tuple[str, ...], tuple[str, ...]], set[str]] = {}
+    at_once = takes_long(plan)
     depends = plan.depends_on(grid.axes)
     for names, question in _questions(plan, asked):
         if has_invalid(plan, asked) and names:
             names = {*names, "regime"}
         dims = grid.dims(frozenset().union(*(depends[name] for name in names)))
-        key = (dims, question.along)
-        known = fields.get(key, ReducedField(dims, plan, along=question.along))
+        key = (dims, () if at_once else question.along)
+        known = fields.get(key, ReducedField(dims, plan))
         needed[key] = needed.get(key, set()) | names
         fields[key] = replace(
             known,
@@ -64,8 +68,14 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
             regimes=known.regimes or question.regimes,
             shares={**known.shares, **question.shares},
             levels={**known.levels, **question.levels},
+            along=tuple(dict.fromkeys((*known.along, *question.along))),
         )
     return tuple(replace(known, plan=_pulled(plan, needed[key])) for key, known in fields.items())
+
+
+def takes_long(plan: Plan) -> bool:
+    """True if an equation of a plan takes long: it follows cells in time."""
+    return any(equation.takes_long for equation in plan.equations)
 
 
 def has_invalid(plan: Plan, asked: Reduction) -> bool:
@@ -81,9 +91,9 @@ def valid_regimes(plan: Plan, asked: Reduction) -> int:
 
 
 def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
-    """Return the outputs of which there are statistics and quantiles."""
+    """Return the outputs of which there are statistics and quantiles: those that are no codes."""
     wanted = asked.of or plan.outputs
-    return tuple(name for name in plan.outputs if name in wanted)
+    return tuple(name for name in plan.outputs if name in wanted and name not in FLAGS)
 
 
 def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
@@ -96,7 +106,7 @@ def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], Reduced
     for name, conditions in asked.shares.items():
         yield {one.name for one in conditions}, ReducedField((), plan, shares={name: conditions})
     for name, level in asked.levels.items():
-        yield {level.output}, ReducedField((), plan, levels={name: level}, along=level.along)
+        yield {level.output}, ReducedField((), plan, levels={name: level}, along=(level.along,))
 
 
 def _pulled(plan: Plan, names: Iterable[str]) -> Plan:

@@ -8,7 +8,7 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from core.errors import StoppedError
 from core.plan.grid import Grid
@@ -17,11 +17,10 @@ from core.reduce import cutting
 from core.reduce.boxes import Boxes
 from core.reduce.cutting import Box
 from core.reduce.questions import fields_of
-from core.reduce.state import State, merged
+from core.reduce.state import STOPPED, State, merged
 from core.study.reduction import Reduction
 from core.watch import Watch
 
-STOPPED = "it was stopped before all cells were evaluated, so there is no result"
 TRIED = 3
 """Boxes for each thread, from which the time of all is told, and how often they are tried."""
 FASTER = 0.7
@@ -129,7 +128,10 @@ class Units:
     def _seen(self, unit: ReductionBox, watch: Watch) -> State:
         if watch.stopped():
             raise StoppedError(STOPPED)
-        return self.boxes[unit.field].seen(unit.box)
+        # Boxes are shared out among threads; where there are few, so are the cells of each.
+        threads = max(1, (watch.threads or cores()) // len(self))
+        silent = replace(watch, progress=None, threads=threads)
+        return self.boxes[unit.field].seen(unit.box, silent)
 
     def seconds(self) -> float:
         """Return about what all boxes take, from a few of each field that are tried.

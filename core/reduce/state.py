@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from core.reduce.sums import added
 
+STOPPED = "it was stopped before all cells were evaluated, so there is no result"
+"""Of a reduction: what some of its cells tell is no answer."""
+
 State = dict[str, NDArray[Any]]
 """By name: what it is of, a full stop, and one of
 

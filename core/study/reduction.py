@@ -1,4 +1,4 @@
-"""What a sweep study asks for in place of its cells: `[reduce]`."""
+"""What a study of closed forms or of motion asks for in place of its cells: `[reduce]`."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ class LevelSet(_Part):
 
 
 class Reduction(_Part):
-    """Answers over some axes of a sweep, in place of its cells."""
+    """Answers over some axes of a grid, in place of its cells."""
 
     over: Annotated[tuple[_Known, ...], at_most(MAX_NAMES), _ordered(QUANTITIES)] = Field(
         description="The axes that go; all others stay.", min_length=1, max_length=MAX_NAMES

@@ -11,6 +11,7 @@ from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputNames
+from core.study.reduction import Reduction
 from core.study.sensitivities import Sensitivities
 
 MAX_SAMPLES = 100_000
@@ -144,4 +145,7 @@ class SimulateStudy(MotionSettings, _Asked):
         None,
         description="Also give the motion in time of the one point of the study: at this number of "
         "equal steps of its cycle, or at these times in seconds since the start of a period.",
+    )
+    reduce: Reduction | None = Field(
+        None, description="Statistics over some axes instead of all cells: docs/reduce.md."
     )

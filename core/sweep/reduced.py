@@ -1,271 +1,51 @@
-"""A sweep of which answers are told in place of its cells: states of all boxes, answers, labels."""
+"""A sweep of which answers are told in place of its cells."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from core import reduce
-from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table, TableVariable, quantity_attributes
-from core.errors import Problem
 from core.mechanics.arrays import Array
-from core.plan.labels import coordinates_of
-from core.plan.parts import ANSWERS, Parts
-from core.plan.pieces import Computed, price
-from core.plan.prepared import Prepared
-from core.plan.price import evaluation_seconds, in_words, pace
+from core.plan.price import evaluation_seconds, pace
 from core.plan.sample import Sample
 from core.plan.tiles import Tiled
-from core.reduce.state import State, merged
-from core.study.reduction import QUANTILE, Reduction
+from core.reduce.reduced import Reduced
+from core.study.reduction import Reduction
 from core.study.sweep_study import SweepStudy
-from core.sweep.answers import attributes_of_answer, unit_of
 from core.sweep.cells import attributes_of
 from core.sweep.plain import Sweep
 from core.sweep.verify import verified
 from core.watch import Watch
 
-if TYPE_CHECKING:
-    from core.reduce.run import Units
-
 SEEN_SECONDS = 0.5e-9
 """What it takes to see what a cell tells for an answer, beside evaluating it."""
 
 
-class ReducedSweep(Prepared):
-    """A sweep of which answers are told in place of its cells.
-
-    Its `cells` are those that are evaluated; what is stored is `stored`.
-    """
+class ReducedSweep(Reduced):
+    """A sweep of which answers are told in place of its cells."""
 
     study: SweepStudy
-    part_of: ClassVar[str] = ANSWERS
-    keeps_some: ClassVar[bool] = False
-
-    @property
-    def not_lazy(self) -> Problem | None:
-        """As in `Prepared`."""
-        return Problem("reduce", "what is reduced has no cells to read", "Leave it out")
 
     @property
     def asked(self) -> Reduction:
-        """What is asked."""
+        """As in `Reduced`."""
         assert self.study.reduce is not None
         return self.study.reduce
-
-    @cached_property
-    def work(self) -> Units:
-        """The boxes that it is carried out in."""
-        return reduce.run.Units(self.plan, self.grid, self.asked)
-
-    @cached_property
-    def dims(self) -> dict[str, tuple[str, ...]]:
-        """The dimensions of each answer."""
-        return reduce.answers.dims_of(self.work, self.asked)
-
-    @cached_property
-    def units(self) -> dict[str, str]:
-        """The unit of each answer."""
-        return {name: unit_of(name, self.asked, self.plan.outputs) for name in self.dims}
-
-    @property
-    def sizes(self) -> dict[str, int]:
-        """The length of each dimension of the answers."""
-        return {**self.grid.shape, QUANTILE: len(self.asked.quantiles)}
-
-    @property
-    def stored(self) -> int:
-        """Number of points of the grid of answers."""
-        return max(self._points.values())
-
-    @cached_property
-    def _points(self) -> dict[str, int]:
-        sizes = self.sizes
-        return {n: math.prod(sizes[dim] for dim in dims) for n, dims in self.dims.items()}
-
-    @property
-    def bytes(self) -> int:
-        """Bytes that the answers take, uncompressed."""
-        return 8 * sum(self._points.values())
-
-    @property
-    def computed_bytes(self) -> int:
-        """As in `Prepared`: those of the answers."""
-        return self.bytes
-
-    @property
-    def cut_axes(self) -> tuple[str, ...]:
-        """The axes that stay: cut along another one, a piece would have no answer."""
-        return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
 
     @cached_property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
         return evaluation_seconds(self.plan, self.grid) / self.cells + SEEN_SECONDS * pace()
 
-    def what_fits(self, share: float) -> str:
-        """As in `Prepared`."""
-        stays = ", ".join(self.cut_axes)
-        return f"It fits over more axes, or with fewer values of {stays}"
+    def attributes(self) -> dict[str, str]:
+        """As in `Reduced`."""
+        return attributes_of(self)
 
-    @property
-    def whole(self) -> Sweep:
-        """The sweep whose cells the answers are of."""
-        return Sweep(self.study, self.plan, self.grid)
-
-    def compute(self, watch: Watch) -> Computed:
-        """Return the answers, in the units of files.
-
-        Raises
-        ------
-        StoppedError
-            If `watch` stops it.
-        """
-        return self.joined(self.work.states(0, len(self.work), watch))
-
-    def joined(self, states: Iterable[tuple[int, int, State]]) -> Computed:
-        """Return the answers from what is known of all blocks."""
-        return Computed(reduce.answers.answers(self.work, self.grid, self.asked, states))
-
-    def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return the answers, labelled; `watch` may stop verifying."""
-        asked, plan = self.asked, self.plan
-        tiled = Tiled(self.whole)
+    def verified(self, watch: Watch) -> dict[str, str | int]:
+        """As in `Reduced`: the cells are evaluated each by itself."""
+        whole = Sweep(self.study, self.plan, self.grid)
+        tiled = Tiled(whole)
 
         def values_at(sample: Sample) -> dict[str, Array]:
             return tiled.at(sample.places, sample.count)
 
-        exact = {name: one.is_exact for one in self.work.boxes for name in one.field.outputs}
-        variables = {}
-        for name, values in computed.arrays.items():
-            is_exact = exact.get(name.removesuffix(f"_{QUANTILE}"), True)
-            attributes = attributes_of_answer(name, asked, plan.outputs, is_exact=is_exact)
-            variables[name] = TableVariable(self.dims[name], values, attributes)
-        return Table(
-            _coordinates(self),
-            variables,
-            {
-                **attributes_of(self),
-                "reduced": f"over {', '.join(asked.over)}: {_which(self)}",
-                **verified(self.whole, values_at, watch),
-            },
-        )
-
-    def parts(self, where: str, count: int) -> ReducedParts:
-        """As in `Prepared`: ranges of its boxes, of which records hold what they tell."""
-        return ReducedParts(self.study, self.cells, where, count, self.boxes, self)
-
-    @property
-    def boxes(self) -> int:
-        """As in `Prepared`."""
-        return len(self.work)
-
-    def seconds_in_parts(self) -> float:
-        """As in `Prepared`."""
-        return self.seconds_here * reduce.run.cores()
-
-    @property
-    def seconds_here(self) -> float:
-        """As in `Prepared`: with all cores, as a few boxes tell."""
-        return float(self.work.seconds())
-
-    @property
-    def size_in_words(self) -> str:
-        """As in `Prepared`."""
-        return (
-            f"{self.cells:,} cells reduced to {self.bytes // 8:,} values, {self.bytes:,} bytes; "
-            f"some {in_words(self.seconds_here)} here, by a few of {len(self.work):,} boxes"
-        )
-
-
-@dataclass(frozen=True)
-class ReducedParts(Parts):
-    """The parts of a reduced sweep on their way to a NetCDF file.
-
-    Attributes
-    ----------
-    sweep : ReducedSweep
-        The sweep.
-    """
-
-    sweep: ReducedSweep
-    scheme: ClassVar[str] = "tree of tiles"
-
-    def answers(self, watch: Watch | None = None) -> Table:
-        """As in `Parts`."""
-        watch, told = watch or Watch(), list[Mapping[str, Any]]()
-        self._check(watch)
-        computed = self.sweep.joined(self._states(told))
-        table = self.sweep.label(computed, watch)
-        return table.with_price(price(self.cells, sum(one["seconds"] for one in told)))
-
-    def _computed(
-        self, start: int, stop: int, watch: Watch
-    ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        arrays: State = {}
-        if stop > start:
-            for field, block, state in self.sweep.work.states(start, stop, watch):
-                arrays |= {f"{field}/{block}/{name}": values for name, values in state.items()}
-        return arrays, {}
-
-    def _joined(self, watch: Watch, history: str | None) -> Table:
-        table = self.answers(watch)
-        write_netcdf(table, Path(self.where), history=history)
-        return table
-
-    def _states(self, told: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
-        """Yield what all parts tell of each block, and collect their words."""
-        known: tuple[int, int] | None = None
-        state: State = {}
-        for record in self._records():
-            told.append(record.fields)
-            for place, found in _blocks(record.arrays).items():
-                if place == known:
-                    state = merged(state, found)
-                    continue
-                if known is not None:
-                    yield (*known, state)
-                known, state = place, found
-        if known is not None:
-            yield (*known, state)
-
-
-def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
-    """Return the states of a record, by field and block, in their order."""
-    found: dict[tuple[int, int], State] = {}
-    for name, values in arrays.items():
-        field, block, of = name.split("/", 2)
-        found.setdefault((int(field), int(block)), {})[of] = values
-    return dict(sorted(found.items()))
-
-
-def _coordinates(prepared: ReducedSweep) -> dict[str, TableVariable]:
-    """Return the axes that stay; one that went is its middle, and says from where to where.
-
-    Bounds would say it in CF's own words, but its checker knows none of a scalar.
-    """
-    asked, grid = prepared.asked, prepared.grid
-    found = coordinates_of(prepared.plan, grid)
-    for axis in asked.over:
-        ends = np.array(sorted((float(found[axis].values[0]), float(found[axis].values[-1]))))
-        attributes = {**quantity_attributes(axis), "reduced_range": ends}
-        found[axis] = TableVariable((), np.asarray(ends.mean()), attributes)
-    if asked.quantiles:
-        attributes = {"units": "1", "long_name": "Quantile"}
-        values = np.array(asked.quantiles)
-        found[QUANTILE] = TableVariable((QUANTILE,), values, attributes)
-    return found
-
-
-def _which(prepared: ReducedSweep) -> str:
-    if prepared.asked.cells == "all":
-        return "all cells with a value count"
-    return "cells count whose regime describes a real part and that have a value"
+        return {**verified(whole, values_at, watch)}

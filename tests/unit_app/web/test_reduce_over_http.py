@@ -76,6 +76,45 @@ def test_a_job_of_more_cells_than_may_be_stored(client: TestClient, tmp_path) ->
             assert found[name].values.tobytes() == want[name].values.tobytes()
 
 
+@pytest.mark.parametrize("aside", [False, True], ids=["at once", "as a job"])
+def test_motion_is_reduced_too(client: TestClient, tmp_path, aside: bool) -> None:
+    content = {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "outputs": ["conveying_velocity"],
+        "parameters": {
+            "frequency": [40, 50],
+            "amplitude": {"start": "0.1 mm", "stop": "0.5 mm", "num": 20},
+            "beta": {"start": 10, "stop": 45, "num": 10},
+            "friction": 0.3,
+        },
+        "reduce": {
+            "over": ["amplitude", "beta"],
+            "statistics": ["max", "argmax", "mean"],
+            "regimes": True,
+            "shares": {"hops": ["regime == hopping"]},
+        },
+    }
+    want = tabulate(prepare_content(content)).to_xarray()
+    reply = client.post(
+        "/processes/simulate/execution", json=content, headers=ASIDE if aside else {}
+    )
+    if not aside:
+        assert reply.status_code == 200, reply.text
+        for name in want.data_vars:
+            assert reply.json()["variables"][name]["data"] == want[name].values.tolist()
+        return
+    assert reply.status_code == 201, reply.text
+    assert ended(client, reply.headers["location"])["status"] == "successful"
+    links = client.get(f"{reply.headers['location']}/results").json()
+    href = next(one["href"] for one in _links(links) if "netcdf" in one.get("type", ""))
+    path = tmp_path / "result.nc"
+    path.write_bytes(client.get(href).content)
+    with xarray.open_dataset(path) as found:
+        for name in want.data_vars:
+            assert found[name].values.tobytes() == want[name].values.tobytes()
+
+
 def test_too_much_to_store_is_refused(client: TestClient) -> None:
     content = study(200)
     content["reduce"]["over"] = ["beta"]

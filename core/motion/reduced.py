@@ -1,0 +1,68 @@
+"""Motion of which answers are told in place of its cells."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from core.motion import prepare as whole
+from core.motion.prepare import Simulation
+from core.motion.verify import accuracy, verified_at
+from core.plan.labels import global_attributes
+from core.plan.sample import Sample, chosen_places
+from core.reduce.reduced import Reduced
+from core.study.reduction import Reduction
+from core.study.simulate_study import SimulateStudy
+from core.watch import Watch
+
+
+class ReducedSimulation(Reduced, Simulation):
+    """A study of motion of which answers are told in place of its cells."""
+
+    box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
+    part_cells: ClassVar[int] = 1 << 18
+
+    @property
+    def asked(self) -> Reduction:
+        """As in `Reduced`."""
+        assert self.study.reduce is not None
+        return self.study.reduce
+
+    @property
+    def seconds_here(self) -> float:
+        """As in `Prepared`: the price of its cells, among all cores."""
+        return self.seconds / self.cores
+
+    def seconds_in_parts(self) -> float:
+        """As in `Prepared`."""
+        return self.seconds
+
+    @property
+    def _by(self) -> str:
+        return ""
+
+    def attributes(self) -> dict[str, str]:
+        """As in `Reduced`."""
+        plan = self.plan
+        told = global_attributes(self, f"motion in time, method {plan.variant}")
+        return {**told, "accuracy": accuracy(plan)}
+
+    def verified(self, watch: Watch) -> dict[str, str | int]:
+        """As in `Reduced`: the cells are followed each by itself."""
+        if self.study.verify is None:
+            return {}
+        places, count = chosen_places(self)
+        return verified_at(self, Sample(self.grid, places, count, count), None, watch)
+
+
+def prepare(study: SimulateStudy) -> Simulation:
+    """Return the simulation of a study, or what is told in place of its cells.
+
+    Raises
+    ------
+    StudyError
+        As `core.motion.prepare.prepare`.
+    """
+    prepared = whole.prepare(study)
+    if study.reduce is None:
+        return prepared
+    return ReducedSimulation(prepared.study, prepared.plan, prepared.grid)
