@@ -163,18 +163,19 @@ def test_a_job_is_a_design_that_is_shown_again(page: Page, address: str) -> None
     before = page.url
     with page.expect_download():
         page.locator("#away").get_by_role("button", name="NetCDF").click()
-    line = page.locator("#jobs li").filter(has_text="Motion: conveying velocity over amplitude")
-    expect(line.first).to_contain_text("The results are ready.")
-    told = re.compile("friction coefficient 0.35")
-    expect(line.first.locator("strong")).to_have_attribute("title", told)
+    # On a busy machine the picture of another value is a job, too.
+    named = page.locator("strong[title*='friction coefficient 0.35']")
+    line = page.locator("#jobs li").filter(has=named).first
+    expect(line).to_contain_text("Motion: conveying velocity over amplitude")
+    expect(line).to_contain_text("The results are ready.")
     typed(page, FRICTION, "0.4")
     expect(page).not_to_have_url(before)
-    line.first.get_by_role("button", name="Show").click()
+    line.get_by_role("button", name="Show").click()
     expect(page).to_have_url(before)
     settled(page)
     expect(page.locator(FRICTION)).to_have_value("0.35")
     page.reload()  # it is kept with its job
-    expect(line.first.get_by_role("button", name="Show")).to_be_visible()
+    expect(line.get_by_role("button", name="Show")).to_be_visible()
 
 
 def test_the_same_design_is_told_by_its_amplitude_or_from_peak_to_peak(
