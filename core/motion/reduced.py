@@ -18,6 +18,7 @@ from core.watch import Watch
 class ReducedSimulation(Reduced, Simulation):
     """A study of motion of which answers are told in place of its cells."""
 
+    study: SimulateStudy
     box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
     part_cells: ClassVar[int] = 1 << 18
 
