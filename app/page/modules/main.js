@@ -90,7 +90,8 @@ class Page {
       beside: byId("beside"),
       onmark: (marks) => this.picture.mark(marks, "best"),
       onchoose: (at, how) => this.choose(at, how),
-      onwish: (best) => this.setView({ best }),
+      // A search that ends after its question was left has nothing to say.
+      onwish: (best) => this.view.question === "drive" && this.setView({ best }),
       steps: () => this.picture.steps(),
       persist: (task) => this.notice.persist(task),
       tell,
