@@ -62,7 +62,7 @@ class Workers:
         self.calls: list[str] = []
         self.restarted: list[str] = []
         self.nannies = True
-        self.begun: Callable[[str, str], object] = lambda key, worker: None
+        self.begun: Callable[[str, str, bool], object] = lambda key, worker, is_loaded: None
 
     async def client(self) -> Workers:
         return self
@@ -79,7 +79,8 @@ class Workers:
         if self.count == 0:
             return Future(None)
         future = Future(self.instead.get(name, function), arguments)
-        asyncio.get_running_loop().call_soon(self.begun, future.key, "worker")
+        for is_loaded in (False, True):
+            asyncio.get_running_loop().call_soon(self.begun, future.key, "worker", is_loaded)
         return future
 
     async def has_nanny(self, worker: str) -> bool:
