@@ -82,13 +82,15 @@ class Boxes:
         if not self._at_once and max(shape, default=0) <= LONGEST_AXIS:
             self._loop = field_loop(field, grid, asked, self._valid, self.flags)
         self._order = self._loop.order if self._loop else stored_order(field, grid, asked)
-        tile = len(field.dims) * (1,)
-        if field.outputs or self._loop:
-            tile = tuple(self._order.steps[dim] for dim in field.dims)
-        self.cutting = Cutting.of(shape, goes, cells, tile=tile)
+        self.cutting = Cutting.of(shape, goes, cells, tile=self._tile())
         self.cells_a_slot = seen
         self.times = math.prod(grid.shape[dim] for dim in asked.over if dim not in field.dims)
         self._threads = threading.local()
+
+    def _tile(self) -> tuple[int, ...]:
+        """Return the cells of each axis that are followed together; 1 where only regimes are."""
+        steps = self._order.steps if self.field.outputs or self._loop else {}
+        return tuple(steps.get(dim, 1) for dim in self.field.dims)
 
     @cached_property
     def _compiled(self) -> FieldLoop | None:

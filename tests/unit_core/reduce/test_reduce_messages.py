@@ -153,8 +153,8 @@ def test_all_mistakes_are_told_at_once() -> None:
 
 
 def test_other_kinds_have_no_reduction() -> None:
-    with pytest.raises(StudyError, match="'reduce' is not a key of kind 'simulate'"):
-        prepare_content({**STUDY, "kind": "simulate", "reduce": {"over": ["beta"], **MAX}})
+    with pytest.raises(StudyError, match="'reduce' is not a key of kind 'optimise'"):
+        prepare_content({**STUDY, "kind": "optimise", "reduce": {"over": ["beta"], **MAX}})
 
 
 def test_equal_reductions_have_one_key() -> None:

@@ -92,7 +92,7 @@ def test_numbers_of_numpy_stand_wherever_numbers_do():
         (range(10**12), "too long"),
         (np.array([]), "beta is an empty list"),
         (np.array([1.0, np.nan]), "nan is not a finite number"),
-        (np.array([True]), "True is not a number"),
+        (np.array([True]), "true is not a number"),
         (1j, "1j is not a number"),
     ],
     ids=str,

@@ -84,7 +84,7 @@ def test_radians_are_angles():
         ("friction", -0.1, ["-0.1", "at least 0"]),
         ("gravity", "9.8 g", ["'g'"]),
         ("radius", 0, ["greater than 0"]),
-        ("radius", True, ["True"]),
+        ("radius", True, ["true is not a number"]),
         ("radius", None, ["None"]),
         ("radius", float("inf"), ["finite"]),
         ("radius", float("nan"), ["finite"]),
