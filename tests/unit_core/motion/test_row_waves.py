@@ -163,14 +163,6 @@ def test_a_stop_takes_no_more_than_friction_gives():
     assert held > 0
 
 
-def test_a_row_that_hops_onto_a_fixed_stop_presses_with_all_its_friction():
-    # Every contact with the floor happens while the track runs forward, as above 1.705 of a sine.
-    wave = sines([1.0, 0.2], [2.2, 0.15])
-    found, name = followed(cell(0, 0, [0.2, 0.4], mass=[1.0, 2.0], wave=wave, stop=IN_SPACE))
-    assert name == "periodic"
-    assert found["stop_force"] == pytest.approx(1.0, rel=1e-9)
-
-
 def test_parts_never_overlap_and_gaps_are_those_of_their_places():
     random, phases = np.random.default_rng(9), np.linspace(0.0, 15 * TURN, 300)
     for _ in range(count(10, ROWS)):
@@ -178,14 +170,6 @@ def test_parts_never_overlap_and_gaps_are_those_of_their_places():
         places, gaps = path(cell(**row, e=random.choice([0.0, 0.5])), phases)
         assert gaps.min() >= -1e-12
         assert np.abs(gaps - row["gap"] - np.diff(places, axis=1)).max() < 1e-11
-
-
-def test_blocks_are_in_the_order_of_friction():
-    """Parts that slide forward and touch: those behind are no rougher; else they part."""
-    wave = sines([0.7, 0.35], [0.1], along_cosines=[0.0, 0.2])
-    together, _ = followed(cell(0, 0, [0.25, 0.4], wave=wave))
-    apart, _ = followed(cell(0, 0, [0.4, 0.25], wave=wave))
-    assert {together["platoons"], apart["platoons"]} == {1, 2}
 
 
 def mirrored(wave):
