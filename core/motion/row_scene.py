@@ -97,10 +97,10 @@ def _given_by(parts: NumberedParts) -> tuple[Equation, ...]:
     )
 
 
-def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
+def choose_row(system: Scene, method: str, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
     """Return the system of the row that the names of a study's parameters tell of.
 
-    The second is what is wrong with them, and with the drive of a row.
+    The second is what is wrong with them, and with the drive of a row by this method.
     """
     parts, problems = numbered(names), contradictions(names)
     known = {
@@ -125,7 +125,7 @@ def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Probl
     return system, [*problems, *wrong]
 
 
-def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
+def of_unit(unit: ChosenUnit | None, method: str, names: tuple[str, ...]) -> list[Problem]:
     """Return why a drive unit cannot move the row that the names of parameters tell of."""
     if unit is None:
         return []
