@@ -84,9 +84,9 @@ def test_parts_of_one_friction_move_as_one_part_of_the_plane():
         "amplitude_along_1": "0.2 mm", "amplitude_along_2": "0.06 mm",
         "phase_along_2": [0, 1, 2, 3, 4, 5], "amplitude_normal_1": "0.05 mm",
         "amplitude_normal_3": "0.02 mm", "phase_normal_1": "-60 deg", "frequency": 50,
-        "drive_factor": [0.4, 0.7, 1.0],
+        "drive_factor": [0.4, 1.0, 1.6],
     }  # fmt: skip
-    outputs = ["conveying_velocity", "flight_fraction", "period_multiple"]
+    outputs = ["conveying_velocity", "flight_fraction"]
     one = vibrafeed.simulate(
         scene="rectangle-on-plane", friction_static=0.4, friction_kinetic=0.3, outputs=outputs,
         **axes,
@@ -99,17 +99,13 @@ def test_parts_of_one_friction_move_as_one_part_of_the_plane():
         outputs=outputs, **axes,
     )  # fmt: skip
     alike = vibrafeed.simulate(scene="row-on-plane", parts=3, friction=0.3, outputs=outputs, **axes)
-    repeats = (row.period_multiple.values > 0) & (alike.period_multiple.values > 0)
-    assert repeats.sum() > 9
-    for name in outputs[:2]:
-        assert row[name].values[repeats] == pytest.approx(alike[name].values[repeats], abs=1e-9)
+    for name in outputs:
+        assert row[name].values == pytest.approx(alike[name].values, abs=1e-10)
     equal = vibrafeed.simulate(
         scene="row-on-plane", parts=3, friction_static=0.4, friction_kinetic=0.3, outputs=outputs,
         **axes,
     )  # fmt: skip
-    assert np.array_equal(
-        equal.conveying_velocity.values, one.conveying_velocity.values, equal_nan=True
-    )
+    assert (equal.conveying_velocity.values == one.conveying_velocity.values).all()
     assert (row.flight_fraction.values > 0.0).any()
     assert (row.flight_fraction.values == 0.0).any()
 
@@ -141,6 +137,7 @@ def test_time_stepping_comes_nearer_with_its_step(stop):
         exact, _ = followed(of_row)
         apart = [abs(followed(of_row, steps)[0]["velocity"] - exact["velocity"])
                  for steps in (200, 3200)]  # fmt: skip
+        assert apart[1] < 5e-3
         seen.append(apart)
     coarse, fine = np.mean(seen, axis=0)
     assert fine < 0.15 * coarse  # of first order it is a sixteenth
@@ -149,18 +146,26 @@ def test_time_stepping_comes_nearer_with_its_step(stop):
 # --- laws
 
 
-def test_a_stop_takes_no_more_than_friction_gives():
-    """Of a row that repeats |F + M g sin(gamma)| <= sum mu m g cos(gamma) (theory 17.6)."""
+def test_a_row_on_a_level_track_keeps_the_momentum_that_friction_gives():
+    """Of a row that repeats the stop takes what friction gives: |F| <= sum mu m (theory 17.6)."""
     random, held = np.random.default_rng(5), 0
     for _ in range(count(12, ROWS)):
         row = random_row(random, normal=0.3)
         found, name = followed(cell(**row, stop=IN_SPACE))
-        if name != "periodic":
+        if name != "periodic" or found["flight"] > 0.0:
             continue
         held += found["stop_contact"] > 0.0
-        limit = row["friction"] @ row["mass"] * row["gn"]
+        limit = row["kinetic"] @ row["mass"] * row["gn"]
         assert abs(found["stop_force"] + row["mass"].sum() * row["gs"]) <= limit * (1 + 1e-9)
-    assert held > 0
+    assert held > 2
+
+
+def test_a_row_that_hops_onto_a_fixed_stop_presses_with_all_its_friction():
+    # Every contact with the floor happens while the track runs forward, as above 1.705 of a sine.
+    wave = sines([1.0, 0.2], [2.2, 0.15])
+    found, name = followed(cell(0, 0, [0.2, 0.4], mass=[1.0, 2.0], wave=wave, stop=IN_SPACE))
+    assert name == "periodic"
+    assert found["stop_force"] == pytest.approx(1.0, rel=1e-9)
 
 
 def test_parts_never_overlap_and_gaps_are_those_of_their_places():
@@ -170,6 +175,14 @@ def test_parts_never_overlap_and_gaps_are_those_of_their_places():
         places, gaps = path(cell(**row, e=random.choice([0.0, 0.5])), phases)
         assert gaps.min() >= -1e-12
         assert np.abs(gaps - row["gap"] - np.diff(places, axis=1)).max() < 1e-11
+
+
+def test_blocks_are_in_the_order_of_friction():
+    """Parts that slide forward and touch: those behind are no rougher; alone they'd be slower."""
+    wave = sines([0.7, 0.35], [0.1], along_cosines=[0.0, 0.2])
+    together, _ = followed(cell(0, 0, [0.25, 0.4], wave=wave))
+    apart, _ = followed(cell(0, 0, [0.4, 0.25], wave=wave))
+    assert {together["platoons"], apart["platoons"]} == {1, 2}
 
 
 def mirrored(wave):
@@ -201,23 +214,24 @@ def test_parts_in_the_air_keep_their_momentum():
     for _ in range(count(8, ROWS)):
         row = random_row(random, normal=1.5)
         phases = np.linspace(3 * TURN, 5 * TURN, 800)
-        # In the air, all at once, they go on at one velocity without the push and the slope.
+        # Parts of no friction beside the row: on the floor or not, the push alone moves them.
         centre = path(cell(**row), phases)[0] @ row["mass"] / row["mass"].sum()
-        free = centre + waves.place(row["wave"], 0, phases) + row["gs"] * phases**2 / 2
+        free = centre - waves.place(row["wave"], 0, phases) * -1 + row["gs"] * phases**2 / 2
         bends = np.abs(np.diff(free, 2))
-        found, _ = followed(cell(**row, most=5))
+        found, _ = followed(cell(**{**row, "wave": row["wave"]}, most=5))
         flights += (bends < 1e-10).mean() > 0.05 and found["flight"] > 0.0
-    assert flights > 0
+    assert flights > 3
 
 
-def test_parts_that_rebound_from_each_other_lose_energy_and_have_an_answer():
+def test_collisions_gain_no_energy_and_parts_that_rebound_end():
     random = np.random.default_rng(12)
-    for _ in range(count(8, ROWS)):
-        row = random_row(random, normal=random.choice([0.3, 1.2]))
-        found, name = followed(cell(**row, e=random.uniform(0.2, 0.8), most=40))
-        assert name in ("periodic", "aperiodic", "at_rest")
-        assert found["impact"] >= 0.0
-        assert np.isfinite(found["velocity"])
+    for stop in STOPS:
+        for _ in range(count(4, ROWS)):
+            row = random_row(random, normal=random.choice([0.3, 1.2]))
+            found, name = followed(cell(**row, stop=stop, e=random.uniform(0.2, 0.8), most=40))
+            assert name in ("periodic", "aperiodic", "at_rest")
+            assert found["impact"] >= 0.0
+            assert np.isfinite(found["velocity"])
 
 
 def test_a_wave_may_lift_parts_off_as_it_begins():
