@@ -34,8 +34,7 @@ SHOWN = 10
 """Periods from the start that a trajectory of steps shows: parts meet and part within some."""
 
 EVENT_SECONDS = 4e-7
-"""Of one event of one part on one core; a period has some two of each part, and collisions. Under
-2, 3 and 10 harmonics a row of 10 parts takes 1.9, 2.1 and 5.1 times as long as under a sine."""
+"""Of one event of one part on one core; a period has some two of each part, and collisions."""
 FOLLOWED = 0.5
 """Of the periods that a study allows: most rows of unequal parts never repeat."""
 
@@ -378,8 +377,7 @@ def _price(cells: Priced) -> Price:
         assert callable(of_one)
         return of_one(cells)
     count = np.asarray(row.number, dtype=float)
-    waved = 1.5 + 0.35 * cells.orders if cells.orders else 1.0
-    period = EVENT_SECONDS * count * (4.0 + count) * waved
+    period = EVENT_SECONDS * count * (4.0 + count)
     most = cells.setting("max_periods") * period
     return Price(FOLLOWED * most, 5.0 * most)
 

@@ -56,9 +56,7 @@ their gap would have swung by is of the order of its square."""
 
 
 @borrowing
-def refreshed(
-    row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
-) -> None:
+def refreshed(row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event) -> None:
     """Let parts start that are pushed, open idle contacts, and set all flows, after an event."""
     forced = event.part if event.kind == START else -1
     pull = drive.gs - level
@@ -102,7 +100,9 @@ def next_event(
 
 
 @borrowing
-def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
+def _on_floor(
+    row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event
+) -> Event:
     """Return the earlier of an event and the first stop or start.
 
     A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), mu as `least_friction`.
@@ -129,9 +129,7 @@ def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event:
 
 
 @borrowing
-def _released(
-    row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
-) -> Event:
+def _released(row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event) -> Event:
     """Return the earlier of an event and the first release of a block by the stop.
 
     In flight a stop of the track lets go where the push turns back; on the floor one in space where
@@ -214,7 +212,9 @@ def happened(
 
 
 @borrowing
-def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
+def _bounces_end(
+    row: Row, drive: Driven, contact: int, tau: float, restitution: float
+) -> bool:
     """True where two parts that strike are pressed together, and would bounce next to no time.
 
     Bounces under the relative acceleration -a last 2 e v/(a (1 - e)) in all (theory 13.5).

@@ -148,9 +148,9 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
         if row.closed[i] == 0:
             drag = row.drag[i + 1] - row.drag[i]
             apart = row.speed[i + 1] - row.speed[i]
-            result[i] += span * (row.gap[i] + span * (apart / 2.0 - drag * span / 6.0)) + gap_swept(
-                row, drive, i, by
-            )
+            result[i] += span * (
+                row.gap[i] + span * (apart / 2.0 - drag * span / 6.0)
+            ) + gap_swept(row, drive, i, by)
 
 
 @compiled

@@ -73,7 +73,9 @@ def first_rise(
 
 
 @_by_drive(sine.set_flow, wave.set_flow)
-def set_flow(row: Row, drive: Driven, body: int, moves: bool, friction: float, drag: float) -> None:
+def set_flow(
+    row: Row, drive: Driven, body: int, moves: bool, friction: float, drag: float
+) -> None:
     """Set what drives a body: at rest nothing, else the pushes along + mode mu normal - k.
 
     `friction` is mode mu, 0 in the air and of a stop, `drag` is k.

@@ -6,7 +6,7 @@ import math
 from collections import namedtuple
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import flow, phase_to, swings
+from core.motion.kernels.planar.flow import TURN, flow, phase_to, swings
 from core.motion.kernels.rows.roots import first_beyond, first_contact, first_stop, flight_time
 from core.motion.kernels.rows.tables import Drive, Row
 
