@@ -318,3 +318,18 @@ def test_what_a_row_does_to_its_unit_is_known_of_equal_parts_only(more, place):
     with pytest.raises(StudyError) as caught:
         prepare_content({"kind": "simulate", "scene": "row-on-plane", "parameters": parameters})
     assert place in [one.place for one in caught.value.problems]
+
+
+def test_a_row_that_rebounds_without_end_has_a_path_up_to_there():
+    """Bounces between a stop and what is pressed against it: the path went on for minutes."""
+    row = cell(
+        0.9090195874257787, 1.2464918370262843,
+        [0.22689499, 0.10105312, 0.39522929, 0.39978567, 0.47877092],
+        mass=[0.63656798, 1.64532758, 1.10911728, 0.51974389, 1.40755867], gap=[0.0, 0.3, 0.0, 0.0],
+        stop=IN_SPACE, e=0.5,
+    )  # fmt: skip
+    places, gaps = np.empty((20, 5)), np.empty((20, 5))
+    path_of_row(row, np.linspace(0.0, 6.0 * TURN, 20), places, gaps)
+    assert np.isfinite(places[0]).all()
+    assert np.isnan(places[-1]).all()
+    assert np.isnan(gaps[-1]).all()

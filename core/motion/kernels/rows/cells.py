@@ -293,19 +293,23 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Write places and gaps of the parts of a row at phases from its start on, in order.
 
-    The gap to a stop, if there is one, is the last.
+    The gap to a stop, if there is one, is the last. Where a period has more than `MAX_EVENTS`, what
+    comes after has no value.
     """
     drive, row = drive_of(cell), row_of(cell)
     air, event = ON_FLOOR, NO_EVENT
-    tau, step, turn, at = 0.0, 0, 0, 0
-    while at < phases.size:
+    tau, step, turn, at, events = 0.0, 0, 0, 0, 0
+    places[:], gaps[:] = math.nan, math.nan
+    while at < phases.size and events <= MAX_EVENTS:
         refreshed(row, drive, drive.levels[step], tau, air.landing < math.inf, event)
         until = min(drive.ends[step], max(tau, phases[at] - turn * TURN))
         event = next_event(row, drive, drive.levels[step], tau, until - tau, air.landing)
         move(row, tau, event.span)
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
-        if event.kind == 0:
+        if event.kind != 0:
+            events += 1
+        else:
             tau = until
             if phases[at] - turn * TURN <= tau:
                 places[at, :], gaps[at, :] = row.place, row.gap
@@ -313,5 +317,5 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
             if tau == drive.ends[step]:
                 step += 1
                 if step == drive.ends.size:
-                    tau, step, turn = 0.0, 0, turn + 1
+                    tau, step, turn, events = 0.0, 0, turn + 1, 0
         air, _, _ = happened(row, drive, event, tau, air, cell[4])
