@@ -332,7 +332,7 @@ class TestProblems:
             tolerance=2, steps=9, parameters={"friction": None, "mass": "3 g", "betta": 3},
         )  # fmt: skip
         assert "Did you mean 'steps_per_period'" in found["steps"]
-        assert "less than or equal to 1" in found["tolerance"]
+        assert "2 is too large. Write at most 1" in found["tolerance"]
         assert "Did you mean 'beta'" in found["parameters.betta"]
         assert "Did you mean 'events'" in found["method"]
         assert "Did you mean 'conveying_velocity'" in found["outputs"]
