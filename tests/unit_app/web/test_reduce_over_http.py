@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -50,6 +51,17 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
         yield client
 
 
+def file_of(client: TestClient, reply: Any, folder: Path) -> Path:
+    """Return the NetCDF file of the job that a reply tells of, once it is successful."""
+    assert reply.status_code == 201, reply.text
+    assert ended(client, reply.headers["location"])["status"] == "successful"
+    links = client.get(f"{reply.headers['location']}/results").json()
+    href = next(one["href"] for one in _links(links) if "netcdf" in one.get("type", ""))
+    path = folder / "result.nc"
+    path.write_bytes(client.get(href).content)
+    return path
+
+
 def test_a_short_one_is_replied_to_at_once(client: TestClient) -> None:
     reply = client.post(PATH, json=study(10))
     assert reply.status_code == 200
@@ -63,12 +75,7 @@ def test_a_short_one_is_replied_to_at_once(client: TestClient) -> None:
 
 def test_a_job_of_more_cells_than_may_be_stored(client: TestClient, tmp_path) -> None:
     reply = client.post(PATH, json=study(30_000), headers=ASIDE)
-    assert reply.status_code == 201, reply.text
-    assert ended(client, reply.headers["location"])["status"] == "successful"
-    links = client.get(f"{reply.headers['location']}/results").json()
-    href = next(one["href"] for one in _links(links) if "netcdf" in one.get("type", ""))
-    path = tmp_path / "result.nc"
-    path.write_bytes(client.get(href).content)
+    path = file_of(client, reply, tmp_path)
     want = tabulate(prepare_content(study(30_000))).to_xarray()
     with xarray.open_dataset(path) as found:
         for name in want.data_vars:
@@ -104,12 +111,7 @@ def test_motion_is_reduced_too(client: TestClient, tmp_path, aside: bool) -> Non
         for name in want.data_vars:
             assert reply.json()["variables"][name]["data"] == want[name].values.tolist()
         return
-    assert reply.status_code == 201, reply.text
-    assert ended(client, reply.headers["location"])["status"] == "successful"
-    links = client.get(f"{reply.headers['location']}/results").json()
-    href = next(one["href"] for one in _links(links) if "netcdf" in one.get("type", ""))
-    path = tmp_path / "result.nc"
-    path.write_bytes(client.get(href).content)
+    path = file_of(client, reply, tmp_path)
     with xarray.open_dataset(path) as found:
         for name in want.data_vars:
             assert found[name].values.tobytes() == want[name].values.tobytes()

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from boxes import assert_same_bits
 from core.errors import StoppedError, StudyError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.quantities import FLAGS, REGIMES
-from core.reduce.answers import answers
-from core.reduce.run import Units
 from core.watch import Watch
 
 AXES: dict[str, Any] = {
@@ -91,14 +90,7 @@ def same(found: Any, want: Any) -> None:
 @pytest.mark.parametrize("over", [tuple(AXES), ("amplitude", "beta"), ("beta",), ("friction",)])
 def test_no_bit_depends_on_boxes_or_threads(over: tuple[str, ...]) -> None:
     prepared = reduced(over)
-    want: dict[str, bytes] = {}
-    for cells, threads in ((1 << 22, 1), (1 << 22, 2), (97, 2), (7, 1)):
-        units = Units(prepared.plan, prepared.grid, prepared.asked, cells)
-        states = units.states(0, len(units), Watch(threads=threads))
-        got = answers(units, prepared.grid, prepared.asked, states)
-        got_bytes = {name: array.tobytes() for name, array in got.items()}
-        want = want or got_bytes
-        assert got_bytes == want
+    assert_same_bits(prepared, [(1 << 22, 1), (1 << 22, 2), (97, 2), (7, 1)])
 
 
 def test_cells_are_followed_once_for_all_that_is_asked_of_them() -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from boxes import assert_same_bits
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.loops.lanes import DEPTH, MAX_LANES
@@ -110,14 +111,7 @@ def test_counts_and_shares_are_those_of_the_stored_sweep(stored: Any, over: Any)
 @pytest.mark.parametrize("over", [tuple(AXES), ("alpha", "beta"), ("frequency",), ("friction",)])
 def test_no_bit_depends_on_boxes_threads_or_parts(over: tuple[str, ...]) -> None:
     prepared = reduced(over, levels={"fast": LEVEL} if "beta" in over else {})
-    want: dict[str, bytes] = {}
-    for cells, threads in ((1 << 22, 1), (1 << 22, 2), (1000, 2), (97, 1)):
-        units = Units(prepared.plan, prepared.grid, prepared.asked, cells)
-        states = units.states(0, len(units), Watch(threads=threads))
-        got = answers(units, prepared.grid, prepared.asked, states)
-        got_bytes = {name: array.tobytes() for name, array in got.items()}
-        want = want or got_bytes
-        assert got_bytes == want
+    assert_same_bits(prepared, [(1 << 22, 1), (1 << 22, 2), (1000, 2), (97, 1)])
 
 
 @pytest.mark.parametrize(
