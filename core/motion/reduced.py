@@ -10,7 +10,6 @@ from core.motion.verify import accuracy, verified_at
 from core.plan.labels import global_attributes
 from core.plan.sample import Sample, chosen_places
 from core.reduce.reduced import Reduced
-from core.study.reduction import Reduction
 from core.study.simulate_study import SimulateStudy
 from core.watch import Watch
 
@@ -21,12 +20,6 @@ class ReducedSimulation(Reduced, Simulation):
     study: SimulateStudy
     box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
     part_cells: ClassVar[int] = 1 << 18
-
-    @property
-    def asked(self) -> Reduction:
-        """As in `Reduced`."""
-        assert self.study.reduce is not None
-        return self.study.reduce
 
     @property
     def seconds_here(self) -> float:

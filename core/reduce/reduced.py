@@ -27,6 +27,8 @@ from core.plan.price import in_words
 from core.reduce.labels import attributes_of_answer, unit_of
 from core.reduce.state import State, merged
 from core.study.reduction import QUANTILE, Reduction
+from core.study.simulate_study import SimulateStudy
+from core.study.sweep_study import SweepStudy
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ class Reduced(Prepared):
     Its `cells` are those that are evaluated; what is stored is `stored`.
     """
 
+    study: SweepStudy | SimulateStudy
     part_of: ClassVar[str] = ANSWERS
     keeps_some: ClassVar[bool] = False
     box_cells: ClassVar[int | None] = None
@@ -52,7 +55,8 @@ class Reduced(Prepared):
     @property
     def asked(self) -> Reduction:
         """What is asked."""
-        raise NotImplementedError
+        assert self.study.reduce is not None
+        return self.study.reduce
 
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the whole that are known before anything is computed."""

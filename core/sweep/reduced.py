@@ -9,7 +9,6 @@ from core.plan.price import evaluation_seconds, pace
 from core.plan.sample import Sample
 from core.plan.tiles import Tiled
 from core.reduce.reduced import Reduced
-from core.study.reduction import Reduction
 from core.study.sweep_study import SweepStudy
 from core.sweep.cells import attributes_of
 from core.sweep.plain import Sweep
@@ -24,12 +23,6 @@ class ReducedSweep(Reduced):
     """A sweep of which answers are told in place of its cells."""
 
     study: SweepStudy
-
-    @property
-    def asked(self) -> Reduction:
-        """As in `Reduced`."""
-        assert self.study.reduce is not None
-        return self.study.reduce
 
     @cached_property
     def seconds_a_cell(self) -> float:

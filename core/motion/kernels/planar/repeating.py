@@ -126,16 +126,9 @@ def repeating(
         keep_speed(drive, phase, rows, count, periods, sums)
     else:
         u, error, cycles, status = settle(
-            rows,
-            count,
-            u,
-            drive,
-            min(cell.tolerance, CLOSE),
-            int(cell.max_periods),
-            sums,
-            log,
+            rows, count, u, drive, min(cell.tolerance, CLOSE), int(cell.max_periods), sums, log,
             stop,
-        )
+        )  # fmt: skip
         if cycles == 0:
             return status, 0.0
     if mu_s != mu_k:
