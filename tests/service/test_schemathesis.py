@@ -48,6 +48,9 @@ LIMITS = {
 CONFIGURATION = """
 request-timeout = {patience}  # the first simulation may have to be compiled
 
+[checks]
+max_response_time = {patience}  # its own limit of 10 s hangs on how busy the machine is
+
 [checks.positive_data_acceptance]
 expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
 
