@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import importlib
 import os
 from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
@@ -12,11 +11,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import dask
-from distributed import WorkerPlugin, get_worker
+from distributed import Client, LocalCluster, WorkerPlugin, get_worker
 
 if TYPE_CHECKING:
-    from distributed import Client, WorkerPlugin
-
     _Made = tuple[Client, AsyncExitStack]  # what closes it, and the workers if they are ours
 
 _T = TypeVar("_T")
@@ -107,19 +104,17 @@ class Cluster:
     async def _connect(self, lost: asyncio.Task[_Made] | None) -> _Made:
         if lost is not None:
             await _end(lost)
-        # The import takes half a second: not on the event loop.
-        distributed = await asyncio.to_thread(importlib.import_module, "distributed")
         async with AsyncExitStack() as made:
             local = None
             if self._address is None:
-                local = _local(distributed, self._workers)
+                local = _local(self._workers)
                 made.push_async_exit(local)
                 await local
                 made.push_async_callback(_end_workers, local)
-            client = distributed.Client(local or self._address, asynchronous=True, timeout=20)
+            client = Client(local or self._address, asynchronous=True, timeout=20)  # type: ignore[no-untyped-call]
             made.push_async_callback(client.close)
             await client
-            client.subscribe_topic(BEGUN, self._heard)
+            client.subscribe_topic(BEGUN, self._heard)  # type: ignore[no-untyped-call]
             if local is not None:
                 await client.register_plugin(_polite())
             return client, made.pop_all()
@@ -186,17 +181,20 @@ async def _end_workers(cluster: Any) -> None:
     await asyncio.gather(*(nanny.close(timeout=PATIENCE) for nanny in nannies))
 
 
-def _local(distributed: Any, workers: int) -> Any:
-    # A worker may be killed for reasons that are not its block's.
+def _local(workers: int) -> Any:
     dask.config.set(
         {
+            # A worker may be killed for reasons that are not its block's.
             "distributed.scheduler.allowed-failures": MAX_FAILURES,
+            # Workers are forked from the server of `process_pool`, which has loaded what they need:
+            # they are there at once, and share its memory.
+            "distributed.worker.multiprocessing-method": "forkserver",
             # No pages beside ours.
             "distributed.scheduler.http.routes": [],
             "distributed.worker.http.routes": [],
         }
     )
-    return distributed.LocalCluster(
+    return LocalCluster(  # type: ignore[no-untyped-call]
         n_workers=workers,
         threads_per_worker=1,
         processes=True,

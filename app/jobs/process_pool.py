@@ -24,6 +24,15 @@ from core.errors import StoppedError, VibrafeedError
 LOOK = 0.5  # s between looks at whether somebody still wants the result
 CALLS = 500  # after so many another process takes its place: memory does not pile up
 POLITE = 5  # niceness: the event loop comes first
+ENVIRONMENT = {
+    # Calculations share the cores: each has one thread.
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    # What is freed goes back to the machine.
+    "MALLOC_TRIM_THRESHOLD_": "65536",
+}
+"""What the server from which processes are forked is started with, unless it is set already."""
 
 _T = TypeVar("_T")
 
@@ -46,6 +55,8 @@ class ProcessPool:
     def __init__(self, most: int, modules: tuple[str, ...]):
         self._context = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(list(modules))
+        for name, value in ENVIRONMENT.items():
+            os.environ.setdefault(name, value)
         self._threads = ThreadPoolExecutor(most, thread_name_prefix="process-pool")
         self._idle: list[_Process] = []
         self._is_closed = False

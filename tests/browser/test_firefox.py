@@ -7,6 +7,7 @@ import csv
 
 from bidi import firefox
 from tools import tool
+from waiting import PATIENCE
 
 LINK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
@@ -38,7 +39,7 @@ async def carried_out(program, address, folder):
         await tab.evaluate(SAVE)
         await tab.until("""document.getElementById("away").textContent.includes("is saved")""")
         text = ""
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(PATIENCE):
             while not text:
                 text = "".join(path.read_text() for path in (folder / "saved").glob("*.csv"))
                 await asyncio.sleep(0.05)

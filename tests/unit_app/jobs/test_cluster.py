@@ -11,7 +11,9 @@ from collections.abc import Awaitable, Callable
 import distributed
 import pytest
 
+from app.jobs import cluster as clusters
 from app.jobs.cluster import POLITE, Cluster
+from waiting import PATIENCE
 
 
 def processes() -> set[int]:
@@ -20,7 +22,7 @@ def processes() -> set[int]:
 
 
 async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE):
         while not condition():
             await asyncio.sleep(0.02)
 
@@ -86,7 +88,7 @@ def test_a_client_that_fails_leaves_no_workers(run, monkeypatch):
     async def test(cluster: Cluster) -> None:
         before = processes()
         with monkeypatch.context() as broken:
-            broken.setattr(distributed, "Client", fail)
+            broken.setattr(clusters, "Client", fail)
             for _ in range(2):
                 with pytest.raises(OSError, match="no client"):
                     await cluster.client()
@@ -107,7 +109,7 @@ def test_a_worker_that_takes_the_place_of_a_dead_one_is_polite_too(run):
             pid, nice = await client.submit(lambda: (os.getpid(), os.nice(0)), pure=False)
             assert nice == min(own + POLITE, 19)
             os.kill(pid, signal.SIGKILL)
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(PATIENCE):
             while await cluster.workers() > 0:  # the truth, while there is none
                 await asyncio.sleep(0.002)
             # Distributed itself stumbles when it is closed while a worker is started again.
@@ -133,7 +135,7 @@ def test_closing_does_not_wait_for_a_scheduler_that_does_not_answer(run):
     async def test(cluster: Cluster) -> None:
         asking = asyncio.create_task(cluster.client())
         await asyncio.sleep(1)
-        async with asyncio.timeout(5):  # the client itself tries for 20 s
+        async with asyncio.timeout(15):  # the client itself tries for 20 s
             await cluster.close()
             await asyncio.wait([asking])
 

@@ -8,7 +8,7 @@ import signal
 
 import pytest
 
-from app.jobs.process_pool import CALLS, EndedError, ProcessPool
+from app.jobs.process_pool import CALLS, ENVIRONMENT, EndedError, ProcessPool
 from core.errors import LimitError, Problem, StoppedError, StudyError
 from waiting import wait_for
 
@@ -22,6 +22,10 @@ def hold(path=None):
 
 def fail(error):
     raise error
+
+
+def environment():
+    return {name: os.environ.get(name) for name in ENVIRONMENT}
 
 
 def die():
@@ -57,6 +61,11 @@ def test_a_function_returns_from_another_process_which_is_used_again():
     first, second = carried_out(*[lambda pool: pool(os.getpid, seconds=60)] * 2)
     assert first == second != os.getpid()
     wait_for(lambda: not is_there(first))  # the pool is closed
+
+
+def test_processes_have_one_thread_each_and_give_memory_back():
+    [found] = carried_out(lambda pool: pool(environment, seconds=60))
+    assert found == ENVIRONMENT
 
 
 @pytest.mark.parametrize(
