@@ -16,6 +16,7 @@ import time
 import traceback
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
@@ -57,6 +58,7 @@ class ProcessPool:
         self._context.set_forkserver_preload(list(modules))
         for name, value in ENVIRONMENT.items():
             os.environ.setdefault(name, value)
+        forkserver.ensure_running()  # before others who fork from it name what they need
         self._threads = ThreadPoolExecutor(most, thread_name_prefix="process-pool")
         self._idle: list[_Process] = []
         self._is_closed = False

@@ -28,8 +28,13 @@ def browser():
 
 @pytest.fixture
 def page(browser):
-    """A new page; at the end it has asked nobody else for anything, and complained of nothing."""
+    """A new page; at the end it has asked nobody else for anything, and complained of nothing.
+
+    Motions stand still at first, as for who asks for reduced motion: to play them takes longer than
+    all else that most tests do.
+    """
     found = browser.new_page()
+    found.emulate_media(reduced_motion="reduce")
     asked: list[str] = []
     complaints: list[str] = []
     found.on("request", lambda request: asked.append(request.url))

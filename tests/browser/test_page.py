@@ -10,7 +10,7 @@ import urllib.request
 import pytest
 
 from audit import audited
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_for
 
 TRACK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
@@ -54,6 +54,7 @@ def numbers(text):
 
 
 def test_how_fast_does_my_part_travel(page, address):
+    page.emulate_media(reduced_motion="no-preference")
     page.goto(f"{address}/{TRACK}")
     shown(page)
     amplitude, beta, velocity = numbers(at_cursor(page))[:3]
@@ -73,6 +74,8 @@ def test_how_fast_does_my_part_travel(page, address):
     page.keyboard.press("Enter")
     page.locator("#detail").wait_for()
     page.locator("#detail .said").filter(has_text="Mean speed").wait_for()
+    moment = page.locator("#detail .now").get_attribute("x1")
+    wait_for(lambda: page.locator("#detail .now").get_attribute("x1") != moment)  # it plays
     page.get_by_role("button", name="Pause").click()
     before = page.locator("#detail .now").get_attribute("x1")
     page.get_by_role("button", name="Step on").click()

@@ -92,7 +92,6 @@ def test_a_question_asked_before_the_scenes_are_known_is_answered_then(
 
 
 def test_a_row_moves_in_its_lane_and_tells_which_parts_touch(page: Page, address: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{address}/#question=rows")
     said = page.locator("#detail .said")
     expect(said).to_contain_text("Parts 1 to 4 touch. Mean speed 22.34")
@@ -148,7 +147,6 @@ def test_each_question_by_keys_alone(page: Page, address: str) -> None:
 def test_a_point_is_moved_and_a_motion_scrubbed_by_keys_and_pointer(
     page: Page, address: str
 ) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.set_viewport_size({"width": 1440, "height": 900})
     page.goto(f"{address}/")
     speed = page.locator("#part .answer strong")

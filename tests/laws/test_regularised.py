@@ -78,8 +78,7 @@ def test_the_velocity_alone_is_that_of_the_motion():
             # stiffness^(1/6).
             ("hop after hop", {"contact_stiffness": [1e7, 1e9]}, -1 / 3),
             ("hop", {"contact_stiffness": [1e7, 1e9]}, -1 / 3),
-        ],
-        2,
+        ]
     ),
 )
 def test_worked_means_are_approached_at_the_order_of_the_laws(name, changes, order):
@@ -92,7 +91,7 @@ def test_worked_means_are_approached_at_the_order_of_the_laws(name, changes, ord
     assert measured == pytest.approx(order, abs=0.1)
 
 
-@pytest.mark.parametrize("name", first_by_day(MEAN_VELOCITIES, 2))
+@pytest.mark.parametrize("name", first_by_day(MEAN_VELOCITIES))
 def test_the_estimate_covers_the_error_without_exaggeration(name):
     found = worked(name)
     error = abs(found.velocity - MEAN_VELOCITIES[name].scaled)
@@ -104,7 +103,7 @@ def test_the_estimate_covers_the_error_without_exaggeration(name):
 @pytest.mark.parametrize(
     # LSODA may stay with its explicit formula after a landing.
     ("name", "solvers"),
-    [("stick-slip", SOLVERS), ("hop", ("Radau", "BDF"))],
+    first_by_day([("stick-slip", SOLVERS), ("hop", ("Radau", "BDF"))]),
 )
 def test_integrators_agree(name, solvers):
     found = [worked(name, solver) for solver in solvers]
@@ -215,6 +214,7 @@ def test_energy_is_kept_on_a_floor_without_loss():
     assert np.all(along == 0.3)
 
 
+@pytest.mark.night
 def test_a_turned_drive_turns_the_motion():
     """Friction is a disc: across the line of the drive nothing happens (theory 13.1)."""
     given = {**GROUPS["hop"]}
@@ -289,9 +289,9 @@ def test_what_has_no_mean_says_so(monkeypatch):
 
 def test_arguments_broadcast_and_wrong_requests_are_refused():
     given = GROUPS["stick-slip"]
-    found = motion(given, friction_kinetic=[[0.25], [0.3]], slip_speed=[1e-3, 1e-4, 1e-5])
-    assert all(field.shape == (2, 3) for field in found)
-    single = motion(given, friction_kinetic=0.3, slip_speed=1e-4)
+    found = motion(given, friction_kinetic=[[0.25], [0.3]], slip_speed=[1e-2, 1e-3])
+    assert all(field.shape == (2, 2) for field in found)
+    single = motion(given, friction_kinetic=0.3, slip_speed=1e-3)
     assert found.velocity[1, 1] == single.velocity
     with pytest.raises(ValueError, match="solver"):
         motion(given, solver="RK45")

@@ -352,6 +352,7 @@ def test_its_own_workers_carry_out_a_job(installed, tmp_path):
         assert finished(port)["status"] == "successful"
 
 
+@pytest.mark.night
 def test_workers_of_a_scheduler_elsewhere_carry_out_a_job(installed, tmp_path):
     """They are started in a folder with a `core` and an `app`, and know nothing of vibrafeed."""
     port, of_scheduler = free_port(), free_port()

@@ -247,6 +247,7 @@ def test_work_on_a_scheduler_elsewhere(tmp_path):
             process.wait(PATIENCE)
 
 
+@pytest.mark.night
 def test_a_scheduler_that_is_not_there_is_told_and_waited_for(tmp_path):
     address = f"tcp://127.0.0.1:{free_port()}"
     with serving(tmp_path, **QUICK, scheduler=address) as server:

@@ -1,4 +1,4 @@
-"""A Python client that a generator makes of our OpenAPI document calls every route."""
+"""A Python client that a generator makes of our OpenAPI document calls every route; by night."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ import pytest
 
 from tools import tool
 from waiting import PATIENCE
+
+pytestmark = pytest.mark.night  # the generator takes most of a minute
 
 ROOT = Path(__file__).parents[2]
 GENERATOR = "VIBRAFEED_CLIENT_GENERATOR"

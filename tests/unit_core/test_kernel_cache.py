@@ -15,6 +15,7 @@ import pytest
 from core import kernel_cache
 from core.kernel_cache import COMPILERS, CORE, KEPT, NEUTRAL, imported, packages, sources
 from core.warm import STUDIES
+from night import first_by_day
 from waiting import PATIENCE
 
 ROOT = CORE.parent
@@ -152,7 +153,7 @@ def test_a_flag_with_another_value_is_seen_where_it_is_known(tmp_path):
     assert ask(package, cache) == (4.0, 1)
 
 
-@pytest.mark.parametrize("name", COMPILERS)
+@pytest.mark.parametrize("name", first_by_day(COMPILERS))
 def test_another_way_to_compile_opens_new_folders(tmp_path, name):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     assert ask(package, cache) == (4.0, 0)
@@ -161,7 +162,7 @@ def test_another_way_to_compile_opens_new_folders(tmp_path, name):
     assert ask(package, cache) == (4.0, 0)
 
 
-@pytest.mark.parametrize("name", NEUTRAL)
+@pytest.mark.parametrize("name", first_by_day(NEUTRAL))
 def test_how_code_is_kept_opens_none(tmp_path, name):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     assert ask(package, cache) == (4.0, 0)
@@ -177,7 +178,9 @@ def test_several_processes_at_once_find_whole_code(tmp_path):
     assert ask(package, cache) == (4.0, 1)
 
 
-@pytest.mark.parametrize("setting", [{"NUMBA_CPU_NAME": "generic"}, {"NUMBA_BOUNDSCHECK": "1"}])
+@pytest.mark.parametrize(
+    "setting", first_by_day([{"NUMBA_CPU_NAME": "generic"}, {"NUMBA_BOUNDSCHECK": "1"}])
+)
 def test_another_processor_or_setting_has_entries_of_its_own(tmp_path, setting):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     assert ask(package, cache) == (4.0, 0)

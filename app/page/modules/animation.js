@@ -42,11 +42,14 @@ export class Animation {
     this.turns = 0; // cycles since the beginning
     this.isRunning = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.isSeen = true;
-    this.last = null;
-    requestAnimationFrame((now) => this.tick(now));
+    this.last = null; // when it was drawn last, while it plays
+    this.awaitsFrame = false;
     // In a frame of its own: what is drawn changes the height.
     new ResizeObserver(() => requestAnimationFrame(() => this.resize())).observe(host);
-    new IntersectionObserver(([{ isIntersecting }]) => (this.isSeen = isIntersecting)).observe(host);
+    new IntersectionObserver(([{ isIntersecting }]) => {
+      this.isSeen = isIntersecting;
+      this.awake();
+    }).observe(host);
   }
 
   show(course) {
@@ -67,6 +70,7 @@ export class Animation {
     );
     this.told = null;
     this.drawAll();
+    this.awake();
   }
 
   // There is no motion to show, for this reason.
@@ -78,6 +82,7 @@ export class Animation {
   toggle() {
     this.isRunning = !this.isRunning;
     this.play.textContent = this.isRunning ? "Pause" : "Play";
+    this.awake();
   }
 
   step(share) {
@@ -102,12 +107,22 @@ export class Animation {
     this.draw();
   }
 
+  // Frames are asked for only while it plays and is seen: else the page rests.
+  awake() {
+    if (this.awaitsFrame || !this.plays()) return;
+    this.awaitsFrame = true;
+    requestAnimationFrame((now) => this.tick(now));
+  }
+
+  plays() {
+    return this.course !== null && this.isRunning && this.isSeen;
+  }
+
   tick(now) {
-    if (this.course && this.isRunning && this.isSeen && this.last !== null) {
-      this.go((now - this.last) / 1000 / Number(this.slow.value));
-    }
-    this.last = now;
-    requestAnimationFrame((next) => this.tick(next));
+    this.awaitsFrame = false;
+    if (this.plays() && this.last !== null) this.go((now - this.last) / 1000 / Number(this.slow.value));
+    this.last = this.plays() ? now : null;
+    this.awake();
   }
 
   resize() {

@@ -11,6 +11,7 @@ import xarray
 import vibrafeed
 from core.plots import PlotError
 from layout import boxes, judge
+from night import first_by_day
 
 LOOKS = ({}, {"dark": True, "small": True})
 ROOT = pathlib.Path(__file__).parents[3]
@@ -58,7 +59,7 @@ def hop() -> xarray.Dataset:
     return vibrafeed.simulate(ROOT / "configs" / "trajectory.toml", trajectory=200)
 
 
-@pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])
+@pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
 @pytest.mark.parametrize(
     "asked",
     [
@@ -76,7 +77,7 @@ def test_closed_forms(plane: xarray.Dataset, asked: dict[str, object], look: dic
     judge(vibrafeed.plot(plane, **asked, **look))
 
 
-@pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])
+@pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
 @pytest.mark.parametrize(
     "asked",
     [
@@ -96,7 +97,7 @@ def test_motion(motion: xarray.Dataset, asked: dict[str, object], look: dict[str
     judge(vibrafeed.plot(motion, **asked, **look))
 
 
-@pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])
+@pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
 def test_one_part_and_optima(
     hop: xarray.Dataset, course: xarray.Dataset, best: xarray.Dataset, look: dict[str, bool]
 ):
@@ -109,7 +110,7 @@ def test_one_part_and_optima(
     judge(vibrafeed.plot(fronts, **look))
 
 
-@pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])
+@pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
 def test_what_is_uncertain(look: dict[str, bool]):
     told = vibrafeed.sensitivity(
         scene="rectangle-on-plane", outputs=["acceleration_x", "throw_number"], frequency=50,
@@ -140,7 +141,7 @@ def test_what_is_uncertain(look: dict[str, bool]):
             vibrafeed.plot(dataset, **asked, **look)
 
 
-@pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])
+@pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
 def test_a_sentence_where_no_value_is_finite(motion: xarray.Dataset, look: dict[str, bool]):
     nothing = motion.copy(deep=True)
     nothing["conveying_velocity"][:] = np.nan
