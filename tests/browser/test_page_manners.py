@@ -7,7 +7,7 @@ import re
 import urllib.request
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
 from app.jobs.keys import new_key
 from services import services
@@ -88,6 +88,31 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
         page.evaluate("window.open(location.href, '_blank', 'noopener'); 0")
     expect(another.value.locator("#key")).to_be_visible()
     another.value.close()
+
+
+def test_a_late_refusal_of_one_key_says_nothing_of_another(page, service):
+    sent: list[Route] = []
+
+    def hold_the_second(route: Route) -> None:
+        sent.append(route)
+        if len(sent) != 2:
+            route.continue_()
+
+    def given(key: str) -> None:
+        page.locator("#key").fill(key)
+        page.get_by_role("button", name="Use it").click()
+
+    page.goto(f"{service.address}/{MOTION}")
+    expect(page.locator("#key")).to_be_visible()
+    page.route(lambda url: "/modules/" not in url, hold_the_second)
+    given("wrong")
+    expect(page.locator("#notice p")).to_have_text("This key is not known here.")
+    assert len(sent) >= 2
+    given(KEY)
+    expect(page.locator("#key")).to_have_count(0)
+    sent[1].continue_()
+    shown(page)
+    expect(page.locator("#notice")).to_be_empty()
 
 
 def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):

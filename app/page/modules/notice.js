@@ -34,13 +34,15 @@ export class Notice {
   // Ask until the service answers, and say so meanwhile.
   async persist(task) {
     for (;;) {
+      const used = key.get();
       try {
         const found = await task();
         if (this.waiting && !this.asking) this.wait(null);
         return found;
       } catch (error) {
         if (error instanceof Refusal && asksForKey(error)) {
-          await (this.asking ??= this.askForKey(error));
+          // A late refusal of a key in whose place another has been given is none of that one.
+          if (key.get() === used) await (this.asking ??= this.askForKey(error));
         } else if (isPassing(error)) {
           const told = error instanceof Away ? "The service does not answer." : error.message;
           if (!this.asking) this.wait(element("p", {}, `${told} Asking again ...`));
