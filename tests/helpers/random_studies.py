@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from core.intake import load_study
+from core.study import Study
 
 ROOT = Path(__file__).parents[2]
 KINDS = ("sweep", "simulate", "optimise", "sensitivity")
@@ -19,10 +21,15 @@ COUNTS = {"sweep": (1, 3, 13), "simulate": (1, 3, 11), "optimise": (1, 3), "sens
 Content = dict[str, Any]
 
 
+@cache
 def shipped(kind: str) -> list[Content]:
-    """Return the shipped studies of a kind, in their canonical form."""
-    studies = [load_study(file) for file in FILES if file.stem != MEASURED]
-    return [json.loads(study.canonical()) for study in studies if study.kind == kind]
+    """Return the shipped studies of a kind, in their canonical form; to be read only."""
+    return [json.loads(study.canonical()) for study in _every() if study.kind == kind]
+
+
+@cache
+def _every() -> list[Study]:
+    return [load_study(file) for file in FILES if file.stem != MEASURED]
 
 
 def random_study(random: np.random.Generator, kind: str, known: list[Content]) -> Content:

@@ -46,8 +46,6 @@ FACTORS = {"g": 1e-3, "%": 0.01, "1/min": 1 / 60}
 PREFIXES = {"m": 1e-3, "µ": 1e-6, "k": 1e3, "n": 1e-9, "M": 1e6}
 CHAOS = ("aperiodic", "unresolved", "runaway")
 
-KNOWN = {kind: shipped(kind) for kind in KINDS}
-
 
 def result_of(content: Content) -> xarray.Dataset:
     return tabulate(prepare_content(content)).to_xarray()
@@ -489,7 +487,7 @@ def test_what_is_drawn_is_what_the_title_says(kind: str):
     few = -(-STUDIES // (3 * len(KINDS))) if kind == "optimise" else -(-STUDIES // len(KINDS))
     for seed in range(few):
         random = np.random.default_rng([seed, KINDS.index(kind)])
-        content = random_study(random, kind, KNOWN[kind])
+        content = random_study(random, kind, shipped(kind))
         if is_reduced(content):
             content.pop("reduce")
         dataset = result_of(content)
