@@ -18,7 +18,7 @@ import numpy as np
 import vibrafeed
 from benchmarks.options import options
 from benchmarks.serving import Served, served
-from core.motion.kernels.rows import path_of_row
+from core.motion.kernels.rows import path_of_row, path_of_waved_row
 from core.motion.kernels.rows.tables import NO_STOP, Head
 
 DRIVE: dict[str, Any] = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
@@ -27,8 +27,11 @@ MAX_AMPLITUDE = 6e-4  # m, a throw number of 2.5
 LOOK = 0.2  # s between two looks at a job
 
 
-def whole_rows(parts: int, rows: int) -> tuple[float, float]:
-    """Return the mean and the largest processor time of 100 periods of random rows [ms]."""
+def whole_rows(parts: int, rows: int, orders: int = 0) -> tuple[float, float]:
+    """Return the mean and the largest processor time of 100 periods of random rows [ms].
+
+    Under a sine, or under as many harmonics on both axes.
+    """
     random, times = np.random.default_rng(parts), []
     end, places, gaps = np.array([200 * np.pi]), np.empty((1, parts)), np.empty((1, parts - 1))
     for _ in range(rows + 1):
@@ -36,8 +39,13 @@ def whole_rows(parts: int, rows: int) -> tuple[float, float]:
         friction, mass = random.uniform(0.2, 0.6, parts), random.uniform(0.5, 2.0, parts)
         head = Head(along, normal, 0.0, 1.0, 0.0, 100.0, NO_STOP, 0.0, parts, parts)
         cell = np.array([*head, *friction, *friction, *mass, *np.zeros(parts)])
+        if orders:
+            pushes = random.normal(size=(3, 2, orders)) / np.arange(1, orders + 1)
+            pushes *= np.array([along, 0.0, normal]).reshape(3, 1, 1) / 2.0
+            cell = np.array([*cell, orders, 0, *pushes.ravel()])
+        follow = path_of_waved_row if orders else path_of_row
         start = time.process_time()
-        path_of_row(cell, end, places, gaps)
+        follow(cell, end, places, gaps)
         times.append((time.process_time() - start) * 1e3)
     return float(np.mean(times[1:])), max(times[1:])
 
@@ -122,6 +130,9 @@ def main() -> None:
     for parts in (2, 5, 10, 20):
         mean, most = whole_rows(parts, cells // 5)
         print(f"{parts:5} parts {mean:45.2f} {most:9.2f}")
+    for orders in (2, 3, 10):
+        mean, most = whole_rows(10, cells // 5, orders)
+        print(f"   10 parts under {orders:2} harmonics {mean:24.2f} {most:9.2f}")
     print("random friction, 100 periods at most     ms a cell")
     for parts in (2, 5, 10, 20):
         print(f"{parts:5} parts {milliseconds(of_rows(parts), cells):34.2f}")

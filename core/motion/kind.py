@@ -40,6 +40,7 @@ _ROW: Final = {
         "part_friction_2": 0.4,
     },
 }  # fmt: skip
+_WAVED_ROW: Final = {**_ROW, "parameters": {"parts": 2, "part_friction_1": 0.3, **_WAVE}}
 
 
 def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any) -> dict[str, Any]:
@@ -93,7 +94,10 @@ KIND: Final = Kind(
                 {**_PIN, "method": "events", "trajectory": 10},
                 {**_PIN, "method": "time-stepping"},
             ),
-            "motion-rows": ({**_ROW, "trajectory": 10}, _ROW, {**_ROW, "method": "time-stepping"}),
+            "motion-rows": (
+                *({**row, "trajectory": 10} for row in (_ROW, _WAVED_ROW)),
+                *(_ROW, _WAVED_ROW, {**_ROW, "method": "time-stepping"}),
+            ),
             "motion-stepping": tuple(
                 study
                 for scene in (_PLANE, _TRACK, _ROLLING)

@@ -138,7 +138,7 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(given)
     if name == ROW:
-        scene, wrong = choose_row(scene, method, names)
+        scene, wrong = choose_row(scene, names)
         if wrong:
             raise StudyError([*problems, *wrong])
     if name not in CONTACTS and name != ROW:
@@ -147,7 +147,7 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
         scene = on_soft_floor(name, names)
     unit, wrong = unit_of(names)
     if name == ROW:
-        shape, more = None, of_unit(unit, method, names)  # its drive is in place
+        shape, more = None, of_unit(unit, names)  # its drive is in place
     else:
         shape, more = shape_of(names) if unit is None else (None, [])
     if wrong or more:  # of which drive the others are missing, or too many, nobody knows

@@ -11,7 +11,7 @@ from core.mechanics.arrays import Array
 from core.motion import limits
 from core.motion.drive_units import ChosenUnit
 from core.motion.driven import driven
-from core.motion.drives import Harmonics, Shape, Steps, shape_of
+from core.motion.drives import shape_of
 from core.motion.feeding import DEFAULTS
 from core.motion.groups import BLOCK_ON_FLOOR, row_groups
 from core.motion.methods import METHODS
@@ -97,10 +97,10 @@ def _given_by(parts: NumberedParts) -> tuple[Equation, ...]:
     )
 
 
-def choose_row(system: Scene, method: str, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
+def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
     """Return the system of the row that the names of a study's parameters tell of.
 
-    The second is what is wrong with them, and with the drive of a row by this method.
+    The second is what is wrong with them, and with the drive of a row.
     """
     parts, problems = numbered(names), contradictions(names)
     known = {
@@ -121,12 +121,11 @@ def choose_row(system: Scene, method: str, names: tuple[str, ...]) -> tuple[Scen
     system = replace(system, conditions=dict.fromkeys(system.conditions, said))
     shape, wrong = shape_of(names)
     if shape is not None:
-        wrong = [*wrong, *(_beside_events(shape) if method == "events" else [])]
         system = driven(system, shape)
     return system, [*problems, *wrong]
 
 
-def of_unit(unit: ChosenUnit | None, method: str, names: tuple[str, ...]) -> list[Problem]:
+def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
     """Return why a drive unit cannot move the row that the names of parameters tell of."""
     if unit is None:
         return []
@@ -135,25 +134,4 @@ def of_unit(unit: ChosenUnit | None, method: str, names: tuple[str, ...]) -> lis
         message = "what a row does to its drive unit is known of free parts of one friction"
         fix = "Give load_mass in its place, or one friction and no stop"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if unit.shape is not None and method == "events":
-        problems += [
-            replace(one, place="parameters.force_harmonic")
-            for one in _beside_events(Harmonics((("along", 2),)))
-        ]
     return problems
-
-
-def _beside_events(shape: Shape) -> list[Problem]:
-    """Return why a row under a drive cannot be followed from event to event."""
-    fix = "Set method = 'time-stepping', or give amplitude and beta of a sine, or steps along"
-    if isinstance(shape, Harmonics):
-        axis, order = shape.terms[0]
-        message = "the method events follows rows under a plain sine and steps along the track"
-        return [Problem(f"parameters.amplitude_{axis}_{order}", message, fix)]
-    assert isinstance(shape, Steps)
-    message = "the method events follows rows under steps along the track only"
-    return [
-        Problem(f"parameters.acceleration_{axis}_{n}", message, fix)
-        for axis, n in shape.levels
-        if axis != "along"
-    ]

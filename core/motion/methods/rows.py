@@ -34,7 +34,8 @@ SHOWN = 10
 """Periods from the start that a trajectory of steps shows: parts meet and part within some."""
 
 EVENT_SECONDS = 4e-7
-"""Of one event of one part on one core; a period has some two of each part, and collisions."""
+"""Of one event of one part on one core; a period has some two of each part, and collisions. Under
+2, 3 and 10 harmonics a row of 10 parts takes 1.9, 2.1 and 5.1 times as long as under a sine."""
 FOLLOWED = 0.5
 """Of the periods that a study allows: most rows of unequal parts never repeat."""
 
@@ -144,9 +145,8 @@ def row_motion(
 ) -> RowMotion:  # fmt: skip
     """Return the motion of rows that start at rest on the track.
 
-    From event to event a wave may have steps along the track; harmonics, or steps off the floor,
-    are refused before. With `steps` it is followed by so many time steps of a period, as are rows
-    of one friction then. Parts that rebound from the floor hop each by itself: their rows are not
+    With `steps` they are followed by so many time steps of a period, as are rows of one friction
+    then. Parts that rebound from the floor hop each by itself: their rows are not
     followed, and have NaN.
     """
     periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
@@ -162,7 +162,7 @@ def row_motion(
         status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
         rest = ~as_one & supported
         held = _merged(rows[rest], alike[rest], room)
-        kernel = compiled.rows.row_cells if steps is None else _stepped(steps)
+        kernel = _by_events if steps is None else _stepped(steps)
         if rest.any():
             table_[rest], status[rest] = run_cells(
                 kernel, held, columns=width, piece=16, watch=watch
@@ -176,6 +176,28 @@ def row_motion(
     by_part = [np.reshape(np.ascontiguousarray(one.T), (room, *shape)) for one in each]
     return RowMotion._make([*(one.reshape(shape) for one in means), *by_part,
                             status.reshape(shape)])  # fmt: skip
+
+
+def _waved(rows: Array) -> NDArray[np.bool_]:
+    """Return which rows have a wave beyond steps along the track."""
+    start = _HEAD + 4 * int(rows[0, _head("room")])
+    if rows.shape[1] == start:
+        return np.zeros(len(rows), dtype=bool)
+    steps, first = int(rows[0, start + 1]), start + 2 + 6 * int(rows[0, start])
+    normal = rows[:, first + 2 * steps : first + 3 * steps]
+    return np.not_equal(rows[:, start], 0.0) | normal.any(axis=1)
+
+
+def _by_events(
+    cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
+) -> None:
+    """Fill the table of rows; each drive has its kernel, whatever stands beside it."""
+    waved = _waved(cells)
+    for some, kernel in ((~waved, "row_cells"), (waved, "waved_row_cells")):
+        if some.any():
+            means, found = table_[some], status[some]
+            getattr(compiled.rows, kernel)(cells[some], means, found, stop)
+            table_[some], status[some] = means, found
 
 
 def _stepped(steps: int) -> Kernel:
@@ -328,7 +350,9 @@ def _course(contacts: Contacts) -> FollowCourse:
         parts = int(rows[0, _head("parts")])
         contacts = parts - (asked.arguments["row"].stop == "none")
         places, gaps = np.empty((times.size, parts)), np.empty((times.size, contacts))
-        compiled.rows.path_of_row(rows[0], times * pace, places, gaps)
+        waved = bool(_waved(rows)[0])
+        path = compiled.rows.path_of_waved_row if waved else compiled.rows.path_of_row
+        path(rows[0], times * pace, places, gaps)
         pitch = np.asarray(asked.known["length"]).item() if "length" in asked.known else 0.0
         room = len(asked.arguments["row"].friction)
         first = _HEAD + 3 * room
@@ -354,7 +378,8 @@ def _price(cells: Priced) -> Price:
         assert callable(of_one)
         return of_one(cells)
     count = np.asarray(row.number, dtype=float)
-    period = EVENT_SECONDS * count * (4.0 + count)
+    waved = 1.5 + 0.35 * cells.orders if cells.orders else 1.0
+    period = EVENT_SECONDS * count * (4.0 + count) * waved
     most = cells.setting("max_periods") * period
     return Price(FOLLOWED * most, 5.0 * most)
 

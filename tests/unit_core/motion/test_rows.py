@@ -177,12 +177,10 @@ def test_what_is_wrong_is_said_with_its_place(more, place, says):
         {"frequency": 50, "acceleration_normal_1": 2, "duration_1": 1, "duration_2": 1},
     ],
 )
-def test_a_drive_of_rows_is_followed_by_steps_where_events_refuse_it(drive):
+def test_both_methods_take_every_drive_of_the_plane(drive):
     study = {**STUDY, "parameters": {**drive, "part_friction_1": 0.3, "part_friction_2": 0.4}}
-    with pytest.raises(StudyError, match="the method events follows rows under"):
-        prepare_content(study)
-    prepared = prepare_content({**study, "method": "time-stepping"})
-    assert prepared.plan.variant == "time-stepping"
+    for method in ("events", "time-stepping"):
+        assert prepare_content({**study, "method": method}).plan.variant == method
 
 
 def regimes(outputs=("platoons",), **given):

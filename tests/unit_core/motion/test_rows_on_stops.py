@@ -306,18 +306,14 @@ def test_a_row_on_a_drive_unit_moves_as_the_amplitude_of_the_unit_says():
     assert float(row.conveying_velocity) == float(one.conveying_velocity)
 
 
-@pytest.mark.parametrize(
-    ("more", "place"),
-    [
-        ({"conveyed_mass": 1}, "parameters.conveyed_mass"),
-        ({"force_harmonic": 0.25}, "parameters.force_harmonic"),
-    ],
-)
-def test_what_a_row_does_to_its_unit_is_known_of_equal_parts_only(more, place):
-    parameters = {**UNIT, "part_friction_1": 0.4, "part_friction_2": 0.3, **more}
+def test_what_a_row_does_to_its_unit_is_known_of_equal_parts_only():
+    parameters = {**UNIT, "part_friction_1": 0.4, "part_friction_2": 0.3}
+    study = {"kind": "simulate", "scene": "row-on-plane"}
     with pytest.raises(StudyError) as caught:
-        prepare_content({"kind": "simulate", "scene": "row-on-plane", "parameters": parameters})
-    assert place in [one.place for one in caught.value.problems]
+        prepare_content({**study, "parameters": {**parameters, "conveyed_mass": 1}})
+    assert [one.place for one in caught.value.problems] == ["parameters.conveyed_mass"]
+    harmonic = prepare_content({**study, "parameters": {**parameters, "force_harmonic": 0.25}})
+    assert harmonic.plan.variant == "events"
 
 
 def test_a_row_that_rebounds_without_end_has_a_path_up_to_there():

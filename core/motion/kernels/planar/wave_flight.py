@@ -134,7 +134,7 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
             if not guess < end:
                 break
             if rise(drive, w, tau, guess)[1] <= 0.0:
-                return landing_root(drive, w, tau, 0.0, guess)
+                return landing_root(drive, 0.0, w, tau, 0.0, guess)
             guess *= 2.0
     start = speed_start(drive, NORMAL, tau)
     for _ in range(MAX_PIECES):
@@ -148,28 +148,32 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
                     low = zero_of_velocity(drive, NORMAL, w, tau, start, d, end, velocity, last)
                     height = rise(drive, w, tau, low)[1]
                 if height <= 0.0:
-                    return landing_root(drive, w, tau, d, low)
+                    return landing_root(drive, 0.0, w, tau, d, low)
         elif last < 0.0 and height <= 0.0:
-            return landing_root(drive, w, tau, d, end)
+            return landing_root(drive, 0.0, w, tau, d, end)
         d, velocity = end, last
     return -1.0
 
 
 @borrowing
-def landing_root(drive: WaveDrive, w: float, tau: float, low: float, high: float) -> float:
-    """Return where the height falls through 0, between phases above and below it.
+def landing_root(
+    drive: WaveDrive, z: float, w: float, tau: float, low: float, high: float
+) -> float:
+    """Return where a height, z at first, falls through 0, between phases above and below it.
 
     z(D) = 0 with z' = w and z'' = p_z - n, by the step of `halley` in a bracket. It starts where
     the parabola at `high` falls through 0, z + z' D + z'' D^2/2 = 0: `high` may be the lowest
     point, where the velocity is rounding and no step of Halley's or Newton's leads anywhere.
     """
     velocity, height = rise(drive, w, tau, high)
+    height += z
     force = acceleration(drive, NORMAL, tau + high)
     reach = math.sqrt(max(0.0, velocity * velocity - 2.0 * height * force)) - velocity
     guess = high + 2.0 * height / reach if reach > 0.0 else low
     d = guess if low < guess <= high else 0.5 * (low + high)
     for _ in range(MAX_ITERATIONS):
         velocity, height = rise(drive, w, tau, d)
+        height += z
         if height > 0.0:
             low = d
         else:

@@ -1,7 +1,20 @@
 """Rows of parts that touch, push and part, from event to event (theory 17)."""
 
-from core.motion.kernels.rows.cells import path_of_row, row_cells
+from core.motion.kernels.rows.cells import (
+    path_of_row,
+    path_of_waved_row,
+    row_cells,
+    waved_row_cells,
+)
 from core.motion.kernels.rows.stepping import stepped_rows
 from core.motion.kernels.rows.tables import ROW_COLUMNS, RowColumns
 
-__all__ = ["ROW_COLUMNS", "RowColumns", "path_of_row", "row_cells", "stepped_rows"]
+__all__ = [
+    "ROW_COLUMNS",
+    "RowColumns",
+    "path_of_row",
+    "path_of_waved_row",
+    "row_cells",
+    "stepped_rows",
+    "waved_row_cells",
+]

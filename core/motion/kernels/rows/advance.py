@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
+from typing import Any
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import TURN, flow, phase_to, swings
+from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.rows.contact import (
     chain_end,
     collide,
@@ -20,8 +21,22 @@ from core.motion.kernels.rows.contact import (
     slide,
     start,
 )
-from core.motion.kernels.rows.roots import first_beyond, first_contact, first_stop, flight_time
-from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Drive, Row
+from core.motion.kernels.rows.drive import (
+    Driven,
+    at_phase,
+    carried,
+    contact_until,
+    first_rise,
+    flight,
+    is_lifted,
+    lift_off,
+    pushes,
+    relative_push,
+    stop_until,
+    swung,
+)
+from core.motion.kernels.rows.sine import LONGEST_FLIGHT
+from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""
@@ -39,17 +54,15 @@ SHORTEST_BOUNCES = 1e-6
 """Of phase: where parts that are pressed together bounce for no longer, they touch at once. What
 their gap would have swung by is of the order of its square."""
 
-LONGEST_FLIGHT = 1000
-"""Turns of the drive: at throw numbers beyond some 3,000 no feeder works."""
-
 
 @borrowing
-def refreshed(row: Row, drive: Drive, level: float, tau: float, flying: bool, event: Event) -> None:
+def refreshed(
+    row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
+) -> None:
     """Let parts start that are pushed, open idle contacts, and set all flows, after an event."""
     forced = event.part if event.kind == START else -1
     pull = drive.gs - level
-    push = drive.c * math.sin(tau) - pull
-    load = max(0.0, drive.gn - drive.s * math.sin(tau))
+    push, load = pushes(drive, pull, tau)
     if row.stop != NO_STOP:
         hold(row, drive, push, load, flying, event.kind == RELEASE)
     if not flying:
@@ -60,7 +73,7 @@ def refreshed(row: Row, drive: Drive, level: float, tau: float, flying: bool, ev
 
 @borrowing
 def next_event(
-    row: Row, drive: Drive, level: float, tau: float, span: float, landing: float
+    row: Row, drive: Driven, level: float, tau: float, span: float, landing: float
 ) -> Event:
     """Return the earliest event within a span; `landing` is the phase until then, inf on the floor.
 
@@ -68,33 +81,28 @@ def next_event(
     collisions.
     """
     event = Event(span, NOTHING, 0)
-    sine, cosine = math.sin(tau), math.cos(tau)
+    now = at_phase(drive, tau)
     flying = landing < math.inf
     if flying:
         if landing < span:
             event = Event(landing, LANDING, 0)
     else:
-        if drive.s > drive.gn:
-            up = phase_to(math.asin(drive.gn / drive.s), tau)
-            if up < span:
-                event = Event(up, LIFT, 0)
-        event = _on_floor(row, drive, drive.gs - level, tau, sine, cosine, event)
+        up = lift_off(drive, tau)
+        if up < span:
+            event = Event(up, LIFT, 0)
+        event = _on_floor(row, drive, drive.gs - level, tau, now, event)
     if row.stop != NO_STOP:
         event = _released(row, drive, drive.gs - level, tau, flying, event)
     for i in range(row.closed.size):
         if row.closed[i] == 0:
-            gain, drag = row.gain[i + 1] - row.gain[i], row.drag[i + 1] - row.drag[i]
-            apart = row.speed[i + 1] - row.speed[i]
-            until = first_contact(row.gap[i], apart, gain, drag, tau, sine, cosine, event.span)
+            until = contact_until(row, drive, i, now, event.span)
             if until < event.span:
                 event = Event(until, HIT, i)
     return event
 
 
 @borrowing
-def _on_floor(
-    row: Row, drive: Drive, pull: float, tau: float, sine: float, cosine: float, event: Event
-) -> Event:
+def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
     """Return the earlier of an event and the first stop or start.
 
     A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), mu as `least_friction`.
@@ -104,10 +112,7 @@ def _on_floor(
         end = chain_end(row, first)
         mode = row.mode[first]
         if mode != 0:
-            until = first_stop(
-                row.speed[first], mode, row.gain[first], row.drag[first], tau, sine, cosine,
-                event.span,
-            )  # fmt: skip
+            until = stop_until(row, drive, first, now, event.span)
             if until < event.span:
                 event = Event(until, STOP, first)
         else:
@@ -115,7 +120,8 @@ def _on_floor(
                 if way > 0 and row.stop == ON_TRACK and is_held(row, end):
                     continue
                 mu = least_friction(row, first, end, way)
-                until = first_beyond(way * drive.c + mu * drive.s, way * pull + mu * drive.gn, tau)
+                level = way * pull + mu * drive.gn
+                until = first_rise(drive, first, way, float(way), mu, level, tau)
                 if until < event.span:
                     event = Event(until, START, first)
         first = end
@@ -123,7 +129,9 @@ def _on_floor(
 
 
 @borrowing
-def _released(row: Row, drive: Drive, pull: float, tau: float, flying: bool, event: Event) -> Event:
+def _released(
+    row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
+) -> Event:
     """Return the earlier of an event and the first release of a block by the stop.
 
     In flight a stop of the track lets go where the push turns back; on the floor one in space where
@@ -135,35 +143,34 @@ def _released(row: Row, drive: Drive, pull: float, tau: float, flying: bool, eve
     until = math.inf
     if row.stop == ON_TRACK:
         if flying:
-            until = first_beyond(-drive.c, -pull, tau)
+            until = first_rise(drive, row.mass.size, 1, -1.0, 0.0, -pull, tau)
     elif not flying and row.mode[first] != 0:
         least = least_pressed(row, first)
         if least != 0.0:
             way = 1.0 if least > 0.0 else -1.0
-            until = first_beyond(way * drive.s, way * (drive.gn - drive.gs / least), tau)
+            level = way * (drive.gn - drive.gs / least)
+            until = first_rise(drive, row.mass.size, 1, 0.0, way, level, tau)
     return Event(until, RELEASE, first) if until < event.span else event
 
 
 @borrowing
-def move(row: Row, tau: float, span: float) -> None:
+def move(row: Row, drive: Driven, tau: float, span: float) -> None:
     """Carry all parts over a phase by their flows; gaps change by what their parts do.
 
-    Parts that touch have one velocity, one C and one k: they move by the same, to the bit.
+    Parts that touch have one velocity and one flow: they move by the same, to the bit.
     """
-    swing, sway = swings(math.sin(tau), math.cos(tau), span)
-    half = span * span / 2.0
-    behind = 0.0
+    by, behind = swung(drive, tau, span), 0.0
     for i in range(row.mass.size):
-        way = row.speed[i] * span + row.gain[i] * sway - row.drag[i] * half
-        row.speed[i] += row.gain[i] * swing - row.drag[i] * span
+        more, way = carried(row, drive, i, by, span)
+        row.speed[i] += more
         row.place[i] += way
         if i > 0 and row.closed[i - 1] == 0:
             row.gap[i - 1] += way - behind
         behind = way
     parts = row.mass.size
     if row.stop == IN_SPACE:
-        way = row.speed[parts] * span + row.gain[parts] * sway - row.drag[parts] * half
-        row.speed[parts] += row.gain[parts] * swing - row.drag[parts] * span
+        more, way = carried(row, drive, parts, by, span)
+        row.speed[parts] += more
         if row.closed[parts - 1] == 1:
             row.speed[parts] = row.speed[parts - 1]
         else:
@@ -173,18 +180,15 @@ def move(row: Row, tau: float, span: float) -> None:
 
 
 @borrowing
-def lifted(drive: Drive, tau: float) -> Air:
-    """Return the flight that begins at a phase: z'' = s sin(tau) - gn from z = z' = 0."""
-    span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
-    if span == math.inf:
-        return Air(TURN * LONGEST_FLIGHT, 0.0)
-    rate, _ = flow(0.0, drive.s, drive.gn, math.sin(tau), math.cos(tau), span)
-    return Air(span, -rate)
+def lifted(drive: Driven, tau: float) -> Air:
+    """Return the flight that begins at a phase."""
+    span, impulse = flight(drive, tau)
+    return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
 
 
 @borrowing
 def happened(
-    row: Row, drive: Drive, event: Event, tau: float, air: Air, restitution: float
+    row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
     """Change a row by an event at a phase.
 
@@ -195,8 +199,7 @@ def happened(
         air = lifted(drive, tau)
     elif event.kind == LANDING:
         impulse = land(row, air.impulse)
-        again = drive.s * math.sin(tau) > drive.gn
-        air = lifted(drive, tau) if again else ON_FLOOR
+        air = lifted(drive, tau) if is_lifted(drive, tau) else ON_FLOOR
     elif event.kind == STOP:
         end = chain_end(row, event.part)
         for i in range(event.part, end):
@@ -204,23 +207,20 @@ def happened(
         if is_held(row, end):
             row.speed[end] = 0.0
     elif event.kind == HIT:
-        if _bounces_end(row, event.part, tau, restitution):
+        if _bounces_end(row, drive, event.part, tau, restitution):
             restitution = 0.0
         lost, impulse = collide(row, event.part, restitution)
     return air, lost, impulse
 
 
 @borrowing
-def _bounces_end(row: Row, contact: int, tau: float, restitution: float) -> bool:
+def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
     """True where two parts that strike are pressed together, and would bounce next to no time.
 
     Bounces under the relative acceleration -a last 2 e v/(a (1 - e)) in all (theory 13.5).
     """
-    gain, drag = (
-        row.gain[contact + 1] - row.gain[contact],
-        row.drag[contact + 1] - row.drag[contact],
-    )
-    pressed = drag - gain * math.sin(tau)
+    drag = row.drag[contact + 1] - row.drag[contact]
+    pressed = drag - relative_push(row, drive, contact, tau)
     meets = row.speed[contact] - row.speed[contact + 1]
     return (
         restitution > 0.0

@@ -17,22 +17,25 @@ from core.motion.kernels.rows.advance import (
     ON_FLOOR,
     Air,
     happened,
+    lifted,
     move,
     next_event,
     refreshed,
 )
 from core.motion.kernels.rows.contact import held_from
+from core.motion.kernels.rows.drive import Driven, backward_speed, gap_swept, is_lifted, swept
 from core.motion.kernels.rows.stop import stop_pressed
 from core.motion.kernels.rows.tables import (
     COLUMN,
     NO_STOP,
     ROW_COLUMNS,
-    Drive,
     Row,
     Whole,
     drive_of,
+    row_at,
     row_of,
 )
+from core.motion.kernels.rows.wave import waved_of
 from core.motion.kernels.statuses import STATUS
 
 MULTIPLES = 12
@@ -90,9 +93,10 @@ def keep(row: Row, air: Air, past: Past, period: int) -> None:
 
 @borrowing
 def one_period(
-    row: Row, drive: Drive, restitution: float, air: Air, past: Past, period: int, swept: Floats
-) -> tuple[Air, Tally]:
-    """Follow a row over one period of the drive; add the integrals of its gaps to `swept`."""
+    row: Row, drive: Driven, restitution: float, air: Air, past: Past, period: int,
+    swept_gaps: Floats,
+) -> tuple[Air, Tally]:  # fmt: skip
+    """Follow a row over one period of the drive; add the integrals of its gaps."""
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
     pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -106,8 +110,8 @@ def one_period(
             pressed, peak = pressed + force.impulse, max(peak, force.peak)
             held += event.span if held_from(row) < row.mass.size else 0.0
         moving += event.span if flies or row.mode.any() else 0.0
-        sweep(row, tau, event.span, swept)
-        move(row, tau, event.span)
+        sweep(row, drive, tau, event.span, swept_gaps)
+        move(row, drive, tau, event.span)
         for i in range(row.closed.size):
             if row.closed[i] == 1:
                 closed += event.span if i < row.mass.size - 1 else 0.0
@@ -133,19 +137,19 @@ def one_period(
 
 
 @borrowing
-def sweep(row: Row, tau: float, span: float, swept: Floats) -> None:
+def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> None:
     """Add the integrals of the gaps between parts over a phase d in which no event is.
 
-    g d + v d^2/2 + C (cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2) - k d^3/6.
+    g d + v d^2/2 - k d^3/6, and what the push adds: under a sine C (cos(tau + d) - cos(tau) +
+    sin(tau) d + cos(tau) d^2/2).
     """
-    sine, cosine = math.sin(tau), math.cos(tau)
-    swing = math.cos(tau + span) - cosine + sine * span + cosine * span * span / 2.0
+    by = swept(drive, tau, span)
     for i in range(row.mass.size - 1):
         if row.closed[i] == 0:
-            gain, drag = row.gain[i + 1] - row.gain[i], row.drag[i + 1] - row.drag[i]
+            drag = row.drag[i + 1] - row.drag[i]
             apart = row.speed[i + 1] - row.speed[i]
-            swept[i] += (
-                span * (row.gap[i] + span * (apart / 2.0 - drag * span / 6.0)) + gain * swing
+            result[i] += span * (row.gap[i] + span * (apart / 2.0 - drag * span / 6.0)) + gap_swept(
+                row, drive, i, by
             )
 
 
@@ -191,14 +195,14 @@ def platoons(
 
 
 @compiled
-def follow(cell: Floats, result: Floats, stop: Stop) -> int:
+def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
     """Write the results of a row of parts; return its status."""
-    drive, row = drive_of(cell), row_of(cell)
     restitution, most, parts = cell[4], int(cell[5]), row.mass.size
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
-    past, air = past_of(row), ON_FLOOR
+    past = past_of(row)
     if drive.s > 0.0 and drive.gn <= 0.0:
         return int(STATUS.limit_reached)
+    air = at_start(drive)
     means = np.zeros((most, TALLIES + 2 * parts - 1))
     for period in range(most):
         if raised(stop):
@@ -280,10 +284,30 @@ def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
 
 
 @compiled
+def at_start(drive: Driven) -> Air:
+    """Return the flight with which a motion begins: parts may be off the floor at once."""
+    return lifted(drive, 0.0) if drive.gn > 0.0 and is_lifted(drive, 0.0) else ON_FLOOR
+
+
+@compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of cells, each a row."""
+    """Fill the table of cells, each a row, under a sine or steps along the track."""
     for number in range(cells.shape[0]):
-        found = follow(cells[number], table[number], stop)
+        cell = cells[number]
+        found = follow(drive_of(cell), row_of(cell), cell, table[number], stop)
+        if raised(stop):
+            return
+        status[number] = found
+
+
+@compiled
+def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill the table of cells, each a row, under any wave."""
+    for number in range(cells.shape[0]):
+        cell = cells[number]
+        drive = waved_of(cell)
+        row = row_at(cell, backward_speed(drive))
+        found = follow(drive, row, cell, table[number], stop)
         if raised(stop):
             return
         status[number] = found
@@ -296,15 +320,30 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
     The gap to a stop, if there is one, is the last. Where a period has more than `MAX_EVENTS`, what
     comes after has no value.
     """
-    drive, row = drive_of(cell), row_of(cell)
-    air, event = ON_FLOOR, NO_EVENT
+    path_under(drive_of(cell), row_of(cell), cell[4], phases, places, gaps)
+
+
+@compiled
+def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
+    """Do what `path_of_row` does, under any wave."""
+    drive = waved_of(cell)
+    row = row_at(cell, backward_speed(drive))
+    path_under(drive, row, cell[4], phases, places, gaps)
+
+
+@compiled
+def path_under(
+    drive: Driven, row: Row, restitution: float, phases: Floats, places: Floats, gaps: Floats
+) -> None:
+    """Write the path of a row under its drive."""
+    air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0
     places[:], gaps[:] = math.nan, math.nan
     while at < phases.size and events <= MAX_EVENTS:
         refreshed(row, drive, drive.levels[step], tau, air.landing < math.inf, event)
         until = min(drive.ends[step], max(tau, phases[at] - turn * TURN))
         event = next_event(row, drive, drive.levels[step], tau, until - tau, air.landing)
-        move(row, tau, event.span)
+        move(row, drive, tau, event.span)
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
         if event.kind != 0:
@@ -318,4 +357,4 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
                 step += 1
                 if step == drive.ends.size:
                     tau, step, turn, events = 0.0, 0, turn + 1, 0
-        air, _, _ = happened(row, drive, event, tau, air, cell[4])
+        air, _, _ = happened(row, drive, event, tau, air, restitution)

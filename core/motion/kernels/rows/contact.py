@@ -8,7 +8,8 @@ solution is unique, and pooling neighbours that violate the order gives it in on
 from __future__ import annotations
 
 from core.compiled import borrowing
-from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Drive, Row
+from core.motion.kernels.rows.drive import Driven, set_flow
+from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 RESOLVED = 1e-13
 """Of the weight: a push that is so little beyond the limit of static friction is at it."""
@@ -94,7 +95,7 @@ def slide(row: Row) -> None:
 
 
 @borrowing
-def hold(row: Row, drive: Drive, push: float, load: float, flying: bool, released: bool) -> None:
+def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, released: bool) -> None:
     """Let go of the stop those parts of the chain there that are no longer pressed onto it.
 
     The block that presses least is let go in any case if it is `released`: its limit is reached.
@@ -143,19 +144,20 @@ def least_pressed(row: Row, first: int) -> float:
 
 
 @borrowing
-def set_flows(row: Row, drive: Drive, pull: float, flying: bool) -> None:
-    """Set C and k of u' = C sin(tau) - k of every part.
+def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
+    """Set the acceleration of every part.
 
-    In flight C = c, k = pull; at rest both are 0; sliding by mode = +-1, a block has the mean
-    friction mu of its parts: C = c + mode mu s, k = pull + mode mu gn (theory 13.2).
+    In flight it is the push along less the pull; at rest 0; sliding by mode = +-1, a block has the
+    mean friction mu of its parts: under a sine C = c + mode mu s, k = pull + mode mu gn (theory
+    13.2).
     """
     first = 0
     while first < row.mass.size:
         mode, end = row.mode[first], first + 1
         if flying:
-            row.gain[first], row.drag[first] = drive.c, pull
+            set_flow(row, drive, first, True, 0.0, pull)
         elif mode == 0:
-            row.gain[first], row.drag[first] = 0.0, 0.0
+            set_flow(row, drive, first, False, 0.0, 0.0)
         else:
             mu, mass = row.kinetic[first], row.mass[first]
             while end < row.mass.size and row.closed[end - 1] == 1 and row.mode[end] == mode:
@@ -163,15 +165,14 @@ def set_flows(row: Row, drive: Drive, pull: float, flying: bool) -> None:
                 mu += (row.kinetic[end] - mu) * (row.mass[end] / mass)
                 end += 1
             for i in range(first, end):
-                row.gain[i] = drive.c + mode * mu * drive.s
-                row.drag[i] = pull + mode * mu * drive.gn
+                set_flow(row, drive, i, True, mode * mu, pull + mode * mu * drive.gn)
         first = end
     parts = row.mass.size
     if row.stop == IN_SPACE:
-        row.gain[parts], row.drag[parts] = drive.c, pull - drive.gs
+        set_flow(row, drive, parts, True, 0.0, pull - drive.gs)
     if row.stop != NO_STOP:
         for i in range(held_from(row), parts):
-            row.gain[i], row.drag[i] = row.gain[parts], row.drag[parts]
+            set_flow(row, drive, i, row.stop == IN_SPACE, 0.0, row.drag[parts])
 
 
 @borrowing

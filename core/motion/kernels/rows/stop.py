@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections import namedtuple
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import phase_to
 from core.motion.kernels.rows.contact import held_from, pooled
-from core.motion.kernels.rows.tables import ON_TRACK, Drive, Row
+from core.motion.kernels.rows.drive import Driven, above, highest
+from core.motion.kernels.rows.tables import ON_TRACK, Row
 
 Pressed = namedtuple("Pressed", "impulse peak")
 """The integral of a force over a phase, and its largest value."""
@@ -18,7 +17,7 @@ NOT_PRESSED = Pressed(0.0, 0.0)
 
 @borrowing
 def stop_pressed(
-    row: Row, drive: Drive, pull: float, tau: float, span: float, flying: bool
+    row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
 ) -> Pressed:
     """Return how the row presses on its stop over a phase in which no event is, per weight.
 
@@ -31,74 +30,38 @@ def stop_pressed(
         return NOT_PRESSED
     if row.stop == ON_TRACK and not flying:
         return _least(row, drive, pull, tau, span, first)
-    gain, drag = 0.0, 0.0
+    along, normal, drag = 0.0, 0.0, 0.0
     for i in range(first, parts):
         if row.stop == ON_TRACK:
-            gain += row.mass[i] * drive.c
+            along += row.mass[i]
             drag += row.mass[i] * pull
         else:
             friction = 0.0 if flying else row.mode[i] * row.kinetic[i]
-            gain += row.mass[i] * friction * drive.s
+            normal += row.mass[i] * friction
             drag += row.mass[i] * (drive.gs + friction * drive.gn)
-    impulse = above(gain, drag, tau, span)
-    return Pressed(impulse, max(0.0, highest(gain, drag, tau, span)))
+    impulse = above(drive, first, along, normal, drag, tau, span)
+    return Pressed(impulse, max(0.0, highest(drive, parts, along, normal, drag, tau, span)))
 
 
 @borrowing
-def _least(row: Row, drive: Drive, pull: float, tau: float, span: float, first: int) -> Pressed:
-    """Return the least force of parts at rest on a stop of the track."""
+def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
+    """Return the least force of parts at rest on a stop of the track.
+
+    Blocks farther in front are the more slippery, and press first: at every time the force is the
+    largest of the sums over the blocks from one on to the front, or 0.
+    """
     parts = row.mass.size
     for i in range(first, parts):
         row.value[i] = -row.static[i]
     blocks = pooled(row, first, parts)
-    impulse, begin = 0.0, first
-    for b in range(blocks):
+    impulse, peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0, 0.0
+    for b in range(blocks - 1, -1, -1):
+        begin = row.last[b - 1] + 1 if b > 0 else first
         mu, mass = -row.value[begin], 0.0
         for i in range(begin, row.last[b] + 1):
             mass += row.mass[i]
-        impulse += mass * above(drive.c + mu * drive.s, pull + mu * drive.gn, tau, span)
-        begin = row.last[b] + 1
-    # Every block's force bends upwards where it begins: the sum is largest at an end or a turn.
-    peak = 0.0
-    for way in (0.0, 1.0, 0.5 * math.pi, 1.5 * math.pi):
-        at = way * span if way <= 1.0 else phase_to(way, tau)
-        if at <= span:
-            force = 0.0
-            for i in range(first, parts):
-                mu = -row.value[i]
-                push = (drive.c + mu * drive.s) * math.sin(tau + at) - pull - mu * drive.gn
-                force += row.mass[i] * max(0.0, push)
-            peak = max(peak, force)
+        pulled = pull + mu * drive.gn
+        impulse += mass * above(drive, begin, 1.0, mu, pulled, tau, span)
+        along, normal, drag = along + mass, normal + mass * mu, drag + mass * pulled
+        peak = max(peak, highest(drive, parts, along, normal, drag, tau, span))
     return Pressed(impulse, peak)
-
-
-@borrowing
-def above(gain: float, drag: float, tau: float, span: float) -> float:
-    """Return the integral of max(0, C sin(x) - k) over a phase of a turn at most."""
-    if gain == 0.0:
-        return max(0.0, -drag) * span
-    if abs(gain) <= abs(drag):
-        return _whole(gain, drag, tau, span) if drag < 0.0 else 0.0
-    angle = math.asin(drag / gain)
-    one, other = phase_to(angle, tau), phase_to(math.pi - angle, tau)
-    total, at = 0.0, 0.0
-    for until in (min(one, other, span), min(max(one, other), span), span):
-        middle = tau + 0.5 * (at + until)
-        if until > at and gain * math.sin(middle) > drag:
-            total += _whole(gain, drag, tau + at, until - at)
-        at = until
-    return total
-
-
-@borrowing
-def _whole(gain: float, drag: float, tau: float, span: float) -> float:
-    return gain * (math.cos(tau) - math.cos(tau + span)) - drag * span
-
-
-@borrowing
-def highest(gain: float, drag: float, tau: float, span: float) -> float:
-    """Return the largest value of C sin(x) - k over a phase."""
-    top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)
-    if top <= span:
-        return abs(gain) - drag
-    return max(gain * math.sin(tau), gain * math.sin(tau + span)) - drag

@@ -95,6 +95,12 @@ def drive_of(cell: Floats) -> Drive:
 @compiled
 def row_of(cell: Floats) -> Row:
     """Return the row of a cell, at rest on the track."""
+    return row_at(cell, backward_speed(drive_of(cell)))
+
+
+@compiled
+def row_at(cell: Floats, backward: float) -> Row:
+    """Return the row of a cell, at rest on the track; what is at rest in space has a velocity."""
     stop, room, parts = int(cell[HEAD - 4]), int(cell[HEAD - 2]), int(cell[HEAD - 1])
     static = cell[HEAD : HEAD + parts].copy()
     kinetic = cell[HEAD + room : HEAD + room + parts].copy()
@@ -107,7 +113,7 @@ def row_of(cell: Floats) -> Row:
     if stop != NO_STOP:
         gap[parts - 1] = cell[HEAD - 3]
     if stop == IN_SPACE:
-        speed[parts] = backward_speed(drive_of(cell))
+        speed[parts] = backward
     closed = np.zeros(contacts, dtype=np.int64)
     for i in range(contacts):
         closed[i] = 1 if gap[i] == 0.0 and speed[i] == speed[i + 1] else 0

@@ -1,0 +1,151 @@
+"""The seam between rows and their drive: what a drive has to tell.
+
+Each function here is two, one for a sine, or steps along the track, and one for any other wave;
+which one is meant the compiler sees from the type of `drive`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
+
+from core.compiled import by_type
+from core.motion.kernels.rows import sine, tables, wave
+from core.motion.kernels.rows.tables import Drive, Row
+from core.motion.kernels.rows.wave import RowWave
+
+Driven: TypeAlias = Drive | RowWave
+"""Both have the fields `c` and `s`, largest pushes, `gs`, `gn`, `ends` and `levels`."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
+    return by_type("drive", {Drive: for_sine, RowWave: for_wave})
+
+
+@_by_drive(sine.pushes, wave.pushes)
+def pushes(drive: Driven, pull: float, tau: float) -> tuple[float, float]:
+    """Return the push along, less a pull, and the load on the floor, 0 at least."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.lift_off, wave.lift_off)
+def lift_off(drive: Driven, tau: float) -> float:
+    """Return the phase from tau on until parts on the floor lift off; inf if they never do."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.is_lifted, wave.is_lifted)
+def is_lifted(drive: Driven, tau: float) -> bool:
+    """True where the push lifts parts off the floor."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.flight, wave.flight)
+def flight(drive: Driven, tau: float) -> tuple[float, float]:
+    """Return how long a flight lasts that begins at tau, and the speed with which it ends.
+
+    Infinite and 0 where no landing is found.
+    """
+    raise NotImplementedError
+
+
+@_by_drive(tables.backward_speed, wave.backward_speed)
+def backward_speed(drive: Driven) -> float:
+    """Return the velocity of what is at rest in space, seen from the track, at the phase 0."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.first_rise, wave.first_rise)
+def first_rise(
+    drive: Driven, body: int, way: int, along: float, normal: float, level: float, tau: float
+) -> float:
+    """Return the phase from tau on until a push rises above a level; inf if it never does.
+
+    The push is `along` times that along the track and `normal` times that off the floor. Body and
+    way say where a wave may keep what it finds.
+    """
+    raise NotImplementedError
+
+
+# --- parts
+
+
+@_by_drive(sine.set_flow, wave.set_flow)
+def set_flow(row: Row, drive: Driven, body: int, moves: bool, friction: float, drag: float) -> None:
+    """Set what drives a body: at rest nothing, else the pushes along + mode mu normal - k.
+
+    `friction` is mode mu, 0 in the air and of a stop, `drag` is k.
+    """
+    raise NotImplementedError
+
+
+@_by_drive(sine.at_phase, wave.at_phase)
+def at_phase(drive: Driven, tau: float) -> Any:
+    """Return what the searches below need of the phase that they begin with."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.stop_until, wave.stop_until)
+def stop_until(row: Row, drive: Driven, part: int, now: Any, span: float) -> float:
+    """Return the phase until the velocity of a part that slides is 0; inf if not within a span."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.contact_until, wave.contact_until)
+def contact_until(row: Row, drive: Driven, contact: int, now: Any, span: float) -> float:
+    """Return the phase until an open gap closes; inf if not within a span of a turn at most."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.relative_push, wave.relative_push)
+def relative_push(row: Row, drive: Driven, contact: int, tau: float) -> float:
+    """Return what the push adds to the relative acceleration of two neighbours."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.swung, wave.swung)
+def swung(drive: Driven, tau: float, span: float) -> Any:
+    """Return what `carried` needs of a phase: what the push adds to velocity and distance."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.carried, wave.carried)
+def carried(row: Row, drive: Driven, body: int, by: Any, span: float) -> tuple[float, float]:
+    """Return by how much velocity and place of a body change over a phase."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.swept, wave.swept)
+def swept(drive: Driven, tau: float, span: float) -> Any:
+    """Return what `gap_swept` needs of a phase: the integral of what the push adds to distance."""
+    raise NotImplementedError
+
+
+@_by_drive(sine.gap_swept, wave.gap_swept)
+def gap_swept(row: Row, drive: Driven, contact: int, by: Any) -> float:
+    """Return the integral over a phase of what the push adds to a gap."""
+    raise NotImplementedError
+
+
+# --- forces on a stop
+
+
+@_by_drive(sine.above, wave.above)
+def above(
+    drive: Driven, body: int, along: float, normal: float, drag: float, tau: float, span: float
+) -> float:
+    """Return the integral of max(0, a P + b S - k) over a phase without a step.
+
+    P and S are the pushes along and off the floor, a and b the two shares, k the drag.
+    """
+    raise NotImplementedError
+
+
+@_by_drive(sine.highest, wave.highest)
+def highest(
+    drive: Driven, body: int, along: float, normal: float, drag: float, tau: float, span: float
+) -> float:
+    """Return the largest value of a P + b S - k over a phase without a step."""
+    raise NotImplementedError

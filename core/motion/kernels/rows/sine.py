@@ -1,0 +1,162 @@
+"""A sine, or steps along the track, as the drive of a row: their part of `drive` (theory 17.3)."""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+
+from core.compiled import borrowing
+from core.motion.kernels.planar.flow import flow, phase_to, swings
+from core.motion.kernels.rows.roots import first_beyond, first_contact, first_stop, flight_time
+from core.motion.kernels.rows.tables import Drive, Row
+
+LONGEST_FLIGHT = 1000
+"""Turns of the drive: at throw numbers beyond some 3,000 no feeder works."""
+
+Now = namedtuple("Now", "tau sine cosine")
+"""A phase, its sine and its cosine."""
+
+
+@borrowing
+def pushes(drive: Drive, pull: float, tau: float) -> tuple[float, float]:
+    """Return the push c sin(tau) - k along, and the load on the floor, 0 at least."""
+    return drive.c * math.sin(tau) - pull, max(0.0, drive.gn - drive.s * math.sin(tau))
+
+
+@borrowing
+def lift_off(drive: Drive, tau: float) -> float:
+    """Return the phase until parts on the floor lift off, where s sin(tau) rises through n."""
+    return phase_to(math.asin(drive.gn / drive.s), tau) if drive.s > drive.gn else math.inf
+
+
+@borrowing
+def is_lifted(drive: Drive, tau: float) -> bool:
+    """True where the push lifts parts off the floor."""
+    return drive.s * math.sin(tau) > drive.gn
+
+
+@borrowing
+def flight(drive: Drive, tau: float) -> tuple[float, float]:
+    """Return how long a flight lasts that begins at tau, and the speed with which it ends.
+
+    z'' = s sin(tau) - gn from z = z' = 0.
+    """
+    span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
+    if span == math.inf:
+        return math.inf, 0.0
+    return span, -flow(0.0, drive.s, drive.gn, math.sin(tau), math.cos(tau), span)[0]
+
+
+@borrowing
+def first_rise(
+    drive: Drive, body: int, way: int, along: float, normal: float, level: float, tau: float
+) -> float:
+    """Return the phase until (a c + b s) sin(tau) rises above a level; inf if it never does."""
+    return first_beyond(along * drive.c + normal * drive.s, level, tau)
+
+
+@borrowing
+def set_flow(row: Row, drive: Drive, body: int, moves: bool, friction: float, drag: float) -> None:
+    """Set C and k of a body: C = c + mode mu s, 0 at rest."""
+    row.gain[body], row.drag[body] = drive.c + friction * drive.s if moves else 0.0, drag
+
+
+@borrowing
+def at_phase(drive: Drive, tau: float) -> Now:
+    """Return what searches from one phase need: its sine and cosine."""
+    return Now(tau, math.sin(tau), math.cos(tau))
+
+
+@borrowing
+def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> float:
+    """Return the phase until the velocity of a part that slides is 0; inf if it is not."""
+    return first_stop(
+        row.speed[part], row.mode[part], row.gain[part], row.drag[part], now.tau, now.sine,
+        now.cosine, span,
+    )  # fmt: skip
+
+
+@borrowing
+def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -> float:
+    """Return the phase until a gap becomes negative, at once where it is 0 and closes; else inf."""
+    gain = row.gain[contact + 1] - row.gain[contact]
+    drag = row.drag[contact + 1] - row.drag[contact]
+    apart = row.speed[contact + 1] - row.speed[contact]
+    return first_contact(row.gap[contact], apart, gain, drag, now.tau, now.sine, now.cosine, span)
+
+
+@borrowing
+def relative_push(row: Row, drive: Drive, contact: int, tau: float) -> float:
+    """Return what the push adds to the relative acceleration of two neighbours."""
+    return (row.gain[contact + 1] - row.gain[contact]) * math.sin(tau)
+
+
+@borrowing
+def swung(drive: Drive, tau: float, span: float) -> tuple[float, float]:
+    """Return what sin(tau) adds to velocity and distance over a phase."""
+    return swings(math.sin(tau), math.cos(tau), span)
+
+
+@borrowing
+def carried(
+    row: Row, drive: Drive, body: int, by: tuple[float, float], span: float
+) -> tuple[float, float]:
+    """Return by how much velocity and place of a body change over a phase."""
+    return (
+        row.gain[body] * by[0] - row.drag[body] * span,
+        row.speed[body] * span + row.gain[body] * by[1] - row.drag[body] * (span * span / 2.0),
+    )
+
+
+@borrowing
+def swept(drive: Drive, tau: float, span: float) -> float:
+    """Return the integral over a phase of the distance that sin(tau) adds.
+
+    cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2.
+    """
+    sine, cosine = math.sin(tau), math.cos(tau)
+    return math.cos(tau + span) - cosine + sine * span + cosine * span * span / 2.0
+
+
+@borrowing
+def gap_swept(row: Row, drive: Drive, contact: int, by: float) -> float:
+    """Return the integral over a phase of what the push adds to a gap."""
+    return (row.gain[contact + 1] - row.gain[contact]) * by
+
+
+@borrowing
+def above(
+    drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
+) -> float:
+    """Return the integral of max(0, C sin(x) - k) over a phase of a turn at most, C = a c + b s."""
+    gain = along * drive.c + normal * drive.s
+    if gain == 0.0:
+        return max(0.0, -drag) * span
+    if abs(gain) <= abs(drag):
+        return _whole(gain, drag, tau, span) if drag < 0.0 else 0.0
+    angle = math.asin(drag / gain)
+    one, other = phase_to(angle, tau), phase_to(math.pi - angle, tau)
+    total, at = 0.0, 0.0
+    for until in (min(one, other, span), min(max(one, other), span), span):
+        middle = tau + 0.5 * (at + until)
+        if until > at and gain * math.sin(middle) > drag:
+            total += _whole(gain, drag, tau + at, until - at)
+        at = until
+    return total
+
+
+@borrowing
+def _whole(gain: float, drag: float, tau: float, span: float) -> float:
+    return gain * (math.cos(tau) - math.cos(tau + span)) - drag * span
+
+
+@borrowing
+def highest(
+    drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
+) -> float:
+    """Return the largest value of C sin(x) - k over a phase, C = a c + b s."""
+    gain = along * drive.c + normal * drive.s
+    top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)
+    if top <= span:
+        return abs(gain) - drag
+    return max(gain * math.sin(tau), gain * math.sin(tau + span)) - drag

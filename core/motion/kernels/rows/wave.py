@@ -1,0 +1,383 @@
+"""A wave as the drive of a row: its part of `drive` (theory 17.3).
+
+Every acceleration that a row knows is a P(tau) + b S(tau) - k with the same two sums of sines, or
+levels of steps: the pushes P along and S normal to the floor. A body in the air has the shares
+(1, 0), one that slides by its mode (1, mode mu), one at rest none; gaps have the differences. Each
+is a kind of acceleration of the plane's `wave`, whose isolation and closed flows are used here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+from typing import NamedTuple
+
+import numpy as np
+
+from core.compiled import borrowing, compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.planar.flow import MAX_PIECES
+from core.motion.kernels.planar.wave import (
+    AIR,
+    BACKWARD,
+    ENDS,
+    FORWARD,
+    INVERSE,
+    KINDS,
+    NORMAL,
+    PULLS,
+    ROOTS,
+    STATIC_BACKWARD,
+    STATIC_FORWARD,
+    TABLE,
+    WaveDrive,
+    acceleration,
+    fill_passages,
+    flow,
+    integrals,
+    later_passage,
+    next_of_way,
+    push_of,
+    speed_start,
+    step_at,
+    zero_of_velocity,
+)
+from core.motion.kernels.planar.wave_flight import landing, landing_root, rise, track_speed
+from core.motion.kernels.planar.wave_slip import stop_after
+from core.motion.kernels.rows.roots import ROUNDING
+from core.motion.kernels.rows.tables import HEAD, Row
+from core.motion.kernels.waves import value_and_slope
+
+SLOPE = math.inf
+"""In the place of a pull: what is asked for is the derivative of the push."""
+
+
+class RowWave(NamedTuple):
+    """A wave that drives a row.
+
+    `c` and `s` are bounds of the push along and off the floor, `ends` the phases at which steps end
+    and `levels` naught, as in `Drive`. `base` knows the pushes; `tables[j]` is room for the kinds
+    of body j, each made of the shares and the pull that stand in `keys[j]`: in front of it
+    (`NORMAL`), sliding, and starting to slide. `share` has of each body the second of its shares.
+    """
+
+    c: float
+    s: float
+    gs: float
+    gn: float
+    ends: Floats
+    levels: Floats
+    base: WaveDrive
+    tables: Floats
+    keys: Floats
+    share: Floats
+
+
+Swung = namedtuple("Swung", "swing sway normal_swing normal_sway")
+"""What both pushes add to velocity and distance over a phase."""
+
+
+@compiled
+def waved_of(cell: Floats) -> RowWave:
+    """Return the wave of a cell."""
+    start, bodies = HEAD + 4 * int(cell[HEAD - 2]), int(cell[HEAD - 1]) + 1
+    orders, steps = int(cell[start]), int(cell[start + 1])
+    at, table, largest = start + 2, np.zeros(TABLE), np.zeros(2)
+    ends = np.array([2.0 * np.pi])
+    if steps > 0:
+        at += 6 * orders
+        ends = cell[at + 3 * steps : at + 4 * steps].copy()
+        for step in range(steps):
+            _fill_pushes(table, 0, step, cell[at + step], cell[at + 2 * steps + step])
+        table[ENDS, :steps] = ends
+        largest[0] = np.abs(table[2 * AIR, :steps]).max()
+        largest[1] = np.abs(table[2 * NORMAL, :steps]).max()
+    for k in range(orders if steps == 0 else 0):
+        for part in range(2):
+            place = at + part * orders + k
+            _fill_pushes(table, part, k + 1, cell[place], cell[place + 4 * orders])
+        largest[0] += math.hypot(table[2 * AIR, k + 1], table[2 * AIR + 1, k + 1])
+        largest[1] += math.hypot(table[2 * NORMAL, k + 1], table[2 * NORMAL + 1, k + 1])
+    gs, gn = cell[2], cell[3]
+    table[PULLS, AIR], table[PULLS, NORMAL] = gs, gn
+    along, normal = largest[0], largest[1]
+    base = WaveDrive(
+        table, orders, steps, gs, gn, 0.0, 0.0, along, normal, STATIC_FORWARD, STATIC_BACKWARD
+    )
+    if steps > 0 or normal > gn:
+        fill_passages(base, NORMAL)
+    tables = np.zeros((bodies, TABLE[0], TABLE[1]))
+    tables[:, ENDS, :] = table[ENDS, :]
+    keys = np.full((bodies, KINDS, 3), np.nan)
+    return RowWave(
+        along, normal, gs, gn, ends, np.zeros(ends.size), base, tables, keys, np.zeros(bodies)
+    )
+
+
+@borrowing
+def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: float) -> None:
+    """Fill one number of both pushes: with gravity, and, as the kinds of slips, without."""
+    table[2 * AIR + part, column] = table[2 * FORWARD + part, column] = along
+    table[2 * NORMAL + part, column] = table[2 * BACKWARD + part, column] = normal
+
+
+@borrowing
+def of_kind(
+    drive: RowWave, body: int, kind: int, along: float, normal: float, pull: float
+) -> WaveDrive:
+    """Return the wave whose acceleration of a kind is a P(tau) + b S(tau) - k, passages filled.
+
+    Where a body asked for the same before, nothing is done anew. Of the pull `SLOPE` it is the
+    derivative of the sums.
+    """
+    base = drive.base
+    wave = WaveDrive(
+        drive.tables[body], base.orders, base.steps, base.gs, base.gn, base.mu_s, base.mu_k,
+        base.along, base.normal, base.forward, base.backward,
+    )  # fmt: skip
+    keys = drive.keys[body, kind]
+    if keys[0] == along and keys[1] == normal and keys[2] == pull:
+        return wave
+    keys[0], keys[1], keys[2] = along, normal, pull
+    table, known = wave.table, base.table
+    table[PULLS, kind] = 0.0 if pull == SLOPE else pull
+    if base.steps > 0:
+        for step in range(base.steps):
+            table[2 * kind, step] = along * known[2 * AIR, step] + normal * known[2 * NORMAL, step]
+        fill_passages(wave, kind)
+        return wave
+    size = 0.0
+    for k in range(1, base.orders + 1):
+        a = along * known[2 * AIR, k] + normal * known[2 * NORMAL, k]
+        b = along * known[2 * AIR + 1, k] + normal * known[2 * NORMAL + 1, k]
+        if pull == SLOPE:
+            a, b = -k * b, k * a
+        table[2 * kind, k], table[2 * kind + 1, k] = a, b
+        size += math.sqrt(a * a + b * b)
+    table[ROOTS + kind, 0] = 0.0
+    if size > abs(table[PULLS, kind]):
+        fill_passages(wave, kind)
+    return wave
+
+
+# --- the drive itself
+
+
+@borrowing
+def pushes(drive: RowWave, pull: float, tau: float) -> tuple[float, float]:
+    """Return the push P - k along, and the load on the floor, n - S, 0 at least."""
+    push = acceleration(drive.base, FORWARD, tau) - pull
+    return push, max(0.0, -acceleration(drive.base, NORMAL, tau))
+
+
+@borrowing
+def lift_off(drive: RowWave, tau: float) -> float:
+    """Return the phase until parts on the floor lift off, where S - n rises through 0."""
+    return next_of_way(drive.base, NORMAL, tau, True) - tau
+
+
+@borrowing
+def is_lifted(drive: RowWave, tau: float) -> bool:
+    """True where the push lifts parts off the floor: S > n."""
+    return acceleration(drive.base, NORMAL, tau) > 0.0
+
+
+@borrowing
+def flight(drive: RowWave, tau: float) -> tuple[float, float]:
+    """Return how long a flight lasts that begins at tau, and the speed with which it ends."""
+    span = landing(drive.base, 0.0, tau)
+    if span < 0.0:
+        return math.inf, 0.0
+    return span, -rise(drive.base, 0.0, tau, span)[0]
+
+
+@compiled
+def backward_speed(drive: RowWave) -> float:
+    """Return the velocity of what is at rest in space, seen from the track, at the phase 0."""
+    return -track_speed(drive.base, 0.0)
+
+
+@borrowing
+def first_rise(
+    drive: RowWave, body: int, way: int, along: float, normal: float, level: float, tau: float
+) -> float:
+    """Return the phase until a P + b S rises above a level; inf if it never does."""
+    kind = STATIC_FORWARD if way > 0 else STATIC_BACKWARD
+    wave = of_kind(drive, body, kind, along, normal, level)
+    return next_of_way(wave, kind, tau, True) - tau
+
+
+# --- parts
+
+
+@borrowing
+def set_flow(
+    row: Row, drive: RowWave, body: int, moves: bool, friction: float, drag: float
+) -> None:
+    """Set shares and pull of a body: none at rest, else 1 and mode mu, 0 in the air."""
+    row.gain[body], row.drag[body] = 1.0 if moves else 0.0, drag
+    drive.share[body] = friction if moves else 0.0
+
+
+@borrowing
+def at_phase(drive: RowWave, tau: float) -> float:
+    """Return what searches from one phase need: the phase."""
+    return tau
+
+
+@borrowing
+def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
+    """Return the phase until the velocity of a part that slides is 0; inf if it is not."""
+    v, way, k = row.speed[part], row.mode[part], row.drag[part]
+    a, b = row.gain[part], drive.share[part]
+    most = (abs(a) * drive.c + abs(b) * drive.s + way * k) * span
+    if way * v - most > ROUNDING * (abs(v) + abs(most)):
+        return math.inf
+    kind = FORWARD if way > 0 else BACKWARD
+    wave = of_kind(drive, part, kind, a, b, k)
+    until = stop_after(wave, float(way), v, now, span)
+    return until if until >= 0.0 else math.inf
+
+
+@borrowing
+def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
+    """Return the phase until a gap becomes negative, at once where it is 0 and closes; else inf.
+
+    Between two changes of sign of its acceleration its velocity runs one way, and between those and
+    the zeros of the velocity the gap does.
+    """
+    one, other = contact, contact + 1
+    a, b = row.gain[other] - row.gain[one], drive.share[other] - drive.share[one]
+    k, v = row.drag[other] - row.drag[one], row.speed[other] - row.speed[one]
+    g, steady = row.gap[contact], a == 0.0 and b == 0.0 and k == 0.0
+    if steady and v >= 0.0:
+        return math.inf
+    most = abs(a) * drive.c + abs(b) * drive.s
+    met, pull = min(v, 0.0) * span, max(most + k, 0.0) * span * span / 2.0
+    if g + met - pull > ROUNDING * (g - met + pull):
+        return math.inf
+    wave = of_kind(drive, contact, NORMAL, a, b, k)
+    size = 1e-15 * (most + abs(k) + abs(v))
+    low, before, left, start = 0.0, v, g, speed_start(wave, NORMAL, now)
+    for _ in range(MAX_PIECES):
+        high = min(span, later_passage(wave, NORMAL, now + low)[0] - now)
+        after, way = rise(wave, v, now, high)
+        if before < 0.0 < after and left + before * (high - low) <= ROUNDING * (left + abs(way)):
+            turn = zero_of_velocity(wave, NORMAL, v, now, start, low, high, before, after)
+            if g + rise(wave, v, now, turn)[1] < -size:
+                return _closed(wave, g, v, now, low, turn)
+        if g + way < -size:
+            if after < 0.0 < before:  # it opens before it closes
+                low = zero_of_velocity(wave, NORMAL, v, now, start, low, high, before, after)
+            return _closed(wave, g, v, now, low, high)
+        if high == span:
+            break
+        low, before, left = high, after, g + way
+    return math.inf
+
+
+@borrowing
+def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: float) -> float:
+    """Return where a gap closes between two phases, to the second of which its way is one."""
+    if low == 0.0 and g <= 0.0:
+        return 0.0
+    return landing_root(wave, g, v, tau, low, high)
+
+
+@borrowing
+def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
+    """Return what the push adds to the relative acceleration of two neighbours."""
+    a = row.gain[contact + 1] - row.gain[contact]
+    b = drive.share[contact + 1] - drive.share[contact]
+    along, normal = acceleration(drive.base, FORWARD, tau), acceleration(drive.base, BACKWARD, tau)
+    return a * along + b * normal
+
+
+@borrowing
+def swung(drive: RowWave, tau: float, span: float) -> Swung:
+    """Return what both pushes add to velocity and distance over a phase."""
+    swing, sway = flow(drive.base, FORWARD, 0.0, tau, span)
+    normal_swing, normal_sway = flow(drive.base, BACKWARD, 0.0, tau, span)
+    return Swung(swing, sway, normal_swing, normal_sway)
+
+
+@borrowing
+def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
+    """Return by how much velocity and place of a body change over a phase."""
+    a, b, k = row.gain[body], drive.share[body], row.drag[body]
+    return (
+        a * by.swing + b * by.normal_swing - k * span,
+        row.speed[body] * span + a * by.sway + b * by.normal_sway - k * (span * span / 2.0),
+    )
+
+
+@borrowing
+def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
+    """Return the integrals over a phase of the distances that both pushes add."""
+    return _swept(drive.base, FORWARD, tau, span), _swept(drive.base, BACKWARD, tau, span)
+
+
+@borrowing
+def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
+    """Return P3(tau + D) - P3(tau) - P2(tau) D - P1(tau) D^2/2, each the integral of the next."""
+    if base.steps > 0:
+        return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
+    _, _, first, second = integrals(base, kind, tau)
+    third, third_after = _third(base, kind, tau), _third(base, kind, tau + d)
+    return third_after - third - d * (second + first * d / 2.0)
+
+
+@borrowing
+def _third(base: WaveDrive, kind: int, tau: float) -> float:
+    """Return the third integral of a push, sum of (a cos(k tau) - b sin(k tau))/k^3."""
+    total = 0.0
+    for k in range(1, base.orders + 1):
+        a, b = base.table[2 * kind, k], base.table[2 * kind + 1, k]
+        total += (a * math.cos(k * tau) - b * math.sin(k * tau)) * INVERSE[k] ** 3
+    return total
+
+
+@borrowing
+def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -> float:
+    """Return the integral over a phase of what the push adds to a gap."""
+    a = row.gain[contact + 1] - row.gain[contact]
+    b = drive.share[contact + 1] - drive.share[contact]
+    return a * by[0] + b * by[1]
+
+
+# --- forces on a stop
+
+
+@borrowing
+def above(
+    drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
+) -> float:
+    """Return the integral of max(0, a P + b S - k) over a phase of a turn at most."""
+    wave = of_kind(drive, body, AIR, along, normal, drag)
+    total, at = 0.0, 0.0
+    while at < span:
+        until = min(span, later_passage(wave, AIR, tau + at)[0] - tau)
+        if acceleration(wave, AIR, tau + 0.5 * (at + until)) > 0.0:
+            total += flow(wave, AIR, 0.0, tau + at, until - at)[0]
+        at = until
+    return total
+
+
+@borrowing
+def highest(
+    drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
+) -> float:
+    """Return the largest value of a P + b S - k over a phase: at an end, or where it turns."""
+    if drive.base.steps > 0:
+        step = step_at(drive.base, tau + 0.5 * span)
+        levels = drive.base.table
+        return along * levels[2 * AIR, step] + normal * levels[2 * NORMAL, step] - drag
+    wave = of_kind(drive, body, NORMAL, along, normal, SLOPE)
+    at, best = tau, -math.inf
+    while True:
+        push = value_and_slope(push_of(drive.base, AIR), at)[0]
+        lift = value_and_slope(push_of(drive.base, NORMAL), at)[0]
+        best = max(best, along * push + normal * lift - drag)
+        if at >= tau + span:
+            return best
+        at = min(tau + span, later_passage(wave, NORMAL, at)[0])
