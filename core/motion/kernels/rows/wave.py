@@ -16,7 +16,7 @@ import numpy as np
 
 from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.flow import MAX_PIECES
+from core.motion.kernels.planar.flow import MAX_PIECES, TURN
 from core.motion.kernels.planar.wave import (
     AIR,
     BACKWARD,
@@ -44,7 +44,7 @@ from core.motion.kernels.planar.wave import (
 )
 from core.motion.kernels.planar.wave_flight import landing, landing_root, rise, track_speed
 from core.motion.kernels.planar.wave_slip import stop_after
-from core.motion.kernels.rows.roots import ROUNDING
+from core.motion.kernels.rows.roots import ROUNDING, SAME
 from core.motion.kernels.rows.tables import HEAD, Row
 from core.motion.kernels.waves import value_and_slope
 
@@ -173,7 +173,18 @@ def pushes(drive: RowWave, pull: float, tau: float) -> tuple[float, float]:
 @borrowing
 def lift_off(drive: RowWave, tau: float) -> float:
     """Return the phase until parts on the floor lift off, where S - n rises through 0."""
-    return next_of_way(drive.base, NORMAL, tau, True) - tau
+    return _until_rise(drive.base, NORMAL, tau)
+
+
+@borrowing
+def _until_rise(wave: WaveDrive, kind: int, tau: float) -> float:
+    """Return the phase until an acceleration rises through 0; inf if it never does.
+
+    What rounding put a hair before tau is at tau, as in `phase_to`: of two neighbours whose
+    frictions differ by a last bit the second would else start a turn later.
+    """
+    turned = tau + TURN
+    return max(0.0, next_of_way(wave, kind, turned - SAME, True) - turned)
 
 
 @borrowing
@@ -204,7 +215,7 @@ def first_rise(
     """Return the phase until a P + b S rises above a level; inf if it never does."""
     kind = STATIC_FORWARD if way > 0 else STATIC_BACKWARD
     wave = of_kind(drive, body, kind, along, normal, level)
-    return next_of_way(wave, kind, tau, True) - tau
+    return _until_rise(wave, kind, tau)
 
 
 # --- parts
