@@ -9,10 +9,8 @@ from __future__ import annotations
 
 from core.compiled import borrowing
 from core.motion.kernels.rows.drive import Driven, set_flow
+from core.motion.kernels.rows.roots import RESOLVED
 from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
-
-RESOLVED = 1e-13
-"""Of the weight: a push that is so little beyond the limit of static friction is at it."""
 
 
 @borrowing

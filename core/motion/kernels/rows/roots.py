@@ -20,6 +20,8 @@ LAST_BIT = 1e-16
 """Of the terms of a sum: where it is smaller it is 0 but for rounding, and no zero is nearer."""
 ROUNDING = 1e-13
 """Of the terms of a bound: nearer to 0 than this it says nothing."""
+RESOLVED = 1e-13
+"""Of the weight: a push that is so little beyond the limit of static friction is at it."""
 
 
 class Pull(NamedTuple):

@@ -37,6 +37,7 @@ from core.motion.kernels.planar.wave import (
     integrals,
     later_passage,
     next_of_way,
+    next_passage,
     push_of,
     speed_start,
     step_at,
@@ -44,7 +45,7 @@ from core.motion.kernels.planar.wave import (
 )
 from core.motion.kernels.planar.wave_flight import landing, landing_root, rise, track_speed
 from core.motion.kernels.planar.wave_slip import stop_after
-from core.motion.kernels.rows.roots import ROUNDING, SAME
+from core.motion.kernels.rows.roots import RESOLVED, ROUNDING, SAME
 from core.motion.kernels.rows.tables import HEAD, Row
 from core.motion.kernels.waves import value_and_slope
 
@@ -238,7 +239,11 @@ def at_phase(drive: RowWave, tau: float) -> float:
 
 @borrowing
 def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
-    """Return the phase until the velocity of a part that slides is 0; inf if it is not."""
+    """Return the phase until the velocity of a part that slides is 0; inf if it is not.
+
+    Until its acceleration a P + b S - k changes its sign, a part that it speeds up does not stop,
+    and one without velocity that it slows down stops at once.
+    """
     v, way, k = row.speed[part], row.mode[part], row.drag[part]
     a, b = row.gain[part], drive.share[part]
     most = (abs(a) * drive.c + abs(b) * drive.s + way * k) * span
@@ -246,6 +251,14 @@ def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> 
         return math.inf
     kind = FORWARD if way > 0 else BACKWARD
     wave = of_kind(drive, part, kind, a, b, k)
+    passes, force = next_passage(wave, kind, now)[0] - now, way * acceleration(wave, kind, now)
+    if passes > SAME:
+        if force > 0.0 and passes >= span:
+            return math.inf
+        # It moves no more, or its neighbour's stop has turned it a hair: it is no start, of which
+        # the acceleration is 0, or passes through 0 now, but for rounding.
+        if way * v <= 0.0 and force < -RESOLVED:
+            return 0.0
     until = stop_after(wave, float(way), v, now, span)
     return until if until >= 0.0 else math.inf
 
