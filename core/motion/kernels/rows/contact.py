@@ -14,17 +14,18 @@ from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 
 @borrowing
-def pooled(row: Row, first: int, end: int) -> int:
+def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
     """Pool `row.value[first:end]` into means that do not fall; return how many blocks they are.
 
     min sum m (y - v)^2 under y_i <= y_(i+1): a block is as long as a mean over it, weighted by
-    mass, is no larger than that of the block before. Each value becomes its block's mean;
-    `row.last[b]` is the last part of block b. Equal values give their very value as mean.
+    mass, is no larger than that of the block before, or beyond it by a slack. Each value becomes
+    its block's mean; `row.last[b]` is the last part of block b. Equal values give their very value
+    as mean.
     """
     blocks = 0
     for i in range(first, end):
         mean, mass = row.value[i], row.mass[i]
-        while blocks > 0 and row.value[row.last[blocks - 1]] >= mean:
+        while blocks > 0 and row.value[row.last[blocks - 1]] >= mean - slack:
             before = row.last[blocks - 1]
             both = row.weight[before] + mass
             mean = row.value[before] + (mean - row.value[before]) * (mass / both)
@@ -88,7 +89,7 @@ def slide(row: Row) -> None:
         if mode != 0 and end > first + 1 and not is_held(row, end):
             for i in range(first, end):
                 row.value[i] = -mode * row.kinetic[i]
-            open_between(row, pooled(row, first, end))
+            open_between(row, pooled(row, first, end, RESOLVED))
         first = end
 
 
@@ -196,7 +197,7 @@ def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_fo
     for i in range(first, end):
         # Pushed back, the accelerations -(|D| - mu n) do not fall towards the front, either.
         row.value[i] = way * (abs(push) - row.static[i] * load)
-    pooled(row, first, end)
+    pooled(row, first, end, RESOLVED)
     _set_apart(row, first, end, way, is_forced)
 
 
@@ -224,7 +225,7 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
     """
     for i in range(first, end):
         row.value[i] = -way * row.static[i]
-    pooled(row, first, end)
+    pooled(row, first, end, RESOLVED)
     return -way * row.value[end - 1 if way > 0 else first]
 
 
