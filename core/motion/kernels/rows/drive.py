@@ -132,13 +132,20 @@ def gap_swept(row: Row, drive: Driven, contact: int, by: Any) -> float:
 # --- forces on a stop
 
 
+@_by_drive(sine.sizes, wave.sizes)
+def sizes(drive: Driven) -> tuple[float, float]:
+    """Return what the pushes along and normal to the floor are told in by the two below."""
+    raise NotImplementedError
+
+
 @_by_drive(sine.above, wave.above)
 def above(
     drive: Driven, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
     """Return the integral of max(0, a P + b S - k) over a phase without a step.
 
-    P and S are the pushes along and off the floor, a and b the two shares, k the drag.
+    P and S are the pushes along and off the floor over `sizes`, a and b `along` and `normal`, k the
+    drag.
     """
     raise NotImplementedError
 

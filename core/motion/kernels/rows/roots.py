@@ -93,8 +93,8 @@ def first_stop(
 ) -> float:
     """Return the phase until a velocity, which has the sign of `way` or is 0, is 0; else inf.
 
-    A part that starts, v = 0 and C sin(tau) - k not against its way, does not stop at once, whatever
-    rounding says of its velocity.
+    A part that starts, v = 0 and C sin(tau) - k not against its way, does not stop at once,
+    whatever rounding says of its velocity.
     """
     # It falls by no more than |C| + way k a phase.
     most = (abs(C) + way * k) * span

@@ -125,11 +125,17 @@ def gap_swept(row: Row, drive: Drive, contact: int, by: float) -> float:
 
 
 @borrowing
+def sizes(drive: Drive) -> tuple[float, float]:
+    """Return the amplitudes of both pushes: `along` and `normal` below are times these."""
+    return drive.c, drive.s
+
+
+@borrowing
 def above(
     drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the integral of max(0, C sin(x) - k) over a phase of a turn at most, C = a c + b s."""
-    gain = along * drive.c + normal * drive.s
+    """Return the integral of max(0, C sin(x) - k) over a phase of a turn at most, C = a + b."""
+    gain = along + normal
     if gain == 0.0:
         return max(0.0, -drag) * span
     if abs(gain) <= abs(drag):
@@ -154,8 +160,8 @@ def _whole(gain: float, drag: float, tau: float, span: float) -> float:
 def highest(
     drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of C sin(x) - k over a phase, C = a c + b s."""
-    gain = along * drive.c + normal * drive.s
+    """Return the largest value of C sin(x) - k over a phase, C = a + b."""
+    gain = along + normal
     top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)
     if top <= span:
         return abs(gain) - drag

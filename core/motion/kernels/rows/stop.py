@@ -6,7 +6,7 @@ from collections import namedtuple
 
 from core.compiled import borrowing
 from core.motion.kernels.rows.contact import held_from, pooled
-from core.motion.kernels.rows.drive import Driven, above, highest
+from core.motion.kernels.rows.drive import Driven, above, highest, sizes
 from core.motion.kernels.rows.tables import ON_TRACK, Row
 
 Pressed = namedtuple("Pressed", "impulse peak")
@@ -30,14 +30,14 @@ def stop_pressed(
         return NOT_PRESSED
     if row.stop == ON_TRACK and not flying:
         return _least(row, drive, pull, tau, span, first)
-    along, normal, drag = 0.0, 0.0, 0.0
+    (push, lift), along, normal, drag = sizes(drive), 0.0, 0.0, 0.0
     for i in range(first, parts):
         if row.stop == ON_TRACK:
-            along += row.mass[i]
+            along += row.mass[i] * push
             drag += row.mass[i] * pull
         else:
             friction = 0.0 if flying else row.mode[i] * row.kinetic[i]
-            normal += row.mass[i] * friction
+            normal += row.mass[i] * friction * lift
             drag += row.mass[i] * (drive.gs + friction * drive.gn)
     impulse = above(drive, first, along, normal, drag, tau, span)
     return Pressed(impulse, max(0.0, highest(drive, parts, along, normal, drag, tau, span)))
@@ -54,14 +54,23 @@ def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first:
     for i in range(first, parts):
         row.value[i] = -row.static[i]
     blocks = pooled(row, first, parts)
-    impulse, peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0, 0.0
+    impulse, (push, lift) = 0.0, sizes(drive)
+    for b in range(blocks):
+        begin, mu, mass = _block(row, first, b)
+        impulse += mass * above(drive, begin, push, mu * lift, pull + mu * drive.gn, tau, span)
+    peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0
     for b in range(blocks - 1, -1, -1):
-        begin = row.last[b - 1] + 1 if b > 0 else first
-        mu, mass = -row.value[begin], 0.0
-        for i in range(begin, row.last[b] + 1):
-            mass += row.mass[i]
-        pulled = pull + mu * drive.gn
-        impulse += mass * above(drive, begin, 1.0, mu, pulled, tau, span)
-        along, normal, drag = along + mass, normal + mass * mu, drag + mass * pulled
+        _, mu, mass = _block(row, first, b)
+        along, normal = along + mass * push, normal + mass * mu * lift
+        drag += mass * (pull + mu * drive.gn)
         peak = max(peak, highest(drive, parts, along, normal, drag, tau, span))
     return Pressed(impulse, peak)
+
+
+@borrowing
+def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
+    """Return of a block of pooled parts the first, its friction and its mass."""
+    begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
+    for i in range(begin, row.last[number] + 1):
+        mass += row.mass[i]
+    return begin, -row.value[begin], mass

@@ -373,6 +373,12 @@ def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -
 
 
 @borrowing
+def sizes(drive: RowWave) -> tuple[float, float]:
+    """Return 1: `along` and `normal` below are shares of both pushes."""
+    return 1.0, 1.0
+
+
+@borrowing
 def above(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
