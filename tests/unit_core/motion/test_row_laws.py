@@ -89,6 +89,32 @@ def test_two_parts_of_one_friction_are_one_of_their_mass():
         assert halves == pytest.approx(whole, abs=1e-8)
 
 
+def test_frictions_that_differ_by_rounding_move_as_one():
+    """As 0.3 and 0.1 + 0.2: parts whose rounding tells them apart left and met without end."""
+    random = np.random.default_rng(11)
+    for _ in range(count(60, ROWS)):
+        row = random_row(random)
+        friction, parts = random.uniform(0.1, 0.7), len(row["mass"])
+        row |= {
+            "friction": friction * (1.0 + random.choice([0.0, 2.3e-16, 1e-15], parts)),
+            "gap": [0.0] * (parts - 1), "most": 40,
+        }  # fmt: skip
+        found, name = followed(cell(**row))
+        one = {**row, "friction": [friction], "mass": [1.0], "gap": []}
+        alone, same = followed(cell(**one))
+        assert (name, found["platoons"]) == (same, 1)
+        assert found["velocity"] == pytest.approx(alone["velocity"], abs=1e-9)
+
+
+def test_blocks_of_one_mean_of_friction_are_one():
+    """0.2 and 0.4 push as 0.3 does, but for a last bit: some such rows had no answer."""
+    row = {"friction": [0.2, 0.3, 0.2, 0.4, 0.2, 0.4], "gap": [0.3, 0.0, 0.0, 0.3, 0.3]}
+    _, name = followed(cell(1.5538372584255442, 1.243287804382345, **row, most=30))
+    assert name in ("periodic", "aperiodic")
+    _, name = followed(cell(1.3, 0.735, [0.4, 0.2, 0.4, 0.5, 0.3], gap=[0.0, 0.0, 0.3, 0.3], e=0.4))
+    assert name in ("periodic", "aperiodic")
+
+
 def test_parts_never_overlap():
     random = np.random.default_rng(9)
     phases = np.linspace(0.0, 20 * TURN, 400)
