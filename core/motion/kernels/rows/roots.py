@@ -91,10 +91,10 @@ def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float)
 def first_stop(
     v: float, way: int, C: float, k: float, tau: float, sine: float, cosine: float, span: float
 ) -> float:
-    """Return the phase until a velocity, which has the sign of `way` or is 0, is 0; else inf.
+    """Return the phase until a velocity is 0, which has the sign of `way` but for rounding, or inf.
 
-    A part that starts, v = 0 and C sin(tau) - k not against its way, does not stop at once,
-    whatever rounding says of its velocity.
+    Of no velocity, or a hair against its way, a part stops at once if C sin(tau) - k is against its
+    way; else it starts, whatever rounding says.
     """
     # It falls by no more than |C| + way k a phase.
     most = (abs(C) + way * k) * span
@@ -102,11 +102,12 @@ def first_stop(
         return math.inf
     one, other = turns_of(C, k, tau, span)
     low, high = 0.0, one
-    starts = v == 0.0 and way * (C * sine - k) >= -RESOLVED
+    rests = way * v <= 0.0
+    starts = rests and way * (C * sine - k) >= -RESOLVED
     for j in range(3):
         speed, _ = flow(v, C, k, sine, cosine, high)
         if way * speed <= 0.0 and (low > 0.0 or not starts):
-            if low == 0.0 and v == 0.0:
+            if low == 0.0 and rests:
                 return 0.0
             return refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
         if high == span:
