@@ -149,7 +149,7 @@ def test_steps_off_the_floor_move_three_parts_as_one():
 @pytest.mark.parametrize("stop", STOPS)
 def test_time_stepping_comes_nearer_with_its_step(stop):
     random, seen = np.random.default_rng(20 + stop), []
-    for _ in range(count(6, 60)):
+    for _ in range(count(6, 67)):
         row = random_row(random, normal=random.choice([0.3, 1.2]))
         of_row = cell(**row, stop=stop, most=3)
         exact, _ = followed(of_row)
