@@ -12,7 +12,7 @@ from core.plots.landscape import SOLVED, curves_of, draw_curve, held_of, name_of
 from core.plots.optimum import is_optimum, prepared_of
 from core.plots.options import Options
 
-COLUMNS = 3
+COLUMNS = 3  # at most
 HEIGHT = 2.6  # inches of a row
 
 
@@ -38,16 +38,17 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     place = place_of(dataset, prepared, options)
     shown = curves_of(dataset, prepared, place, units)
     rows = -(-len(shown) // COLUMNS)
+    columns = -(-len(shown) // rows)
     figure = style.sheet(height=max(4.2, HEIGHT * rows + 1.6))
-    columns = min(len(shown), COLUMNS)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
     entries = {}
     for panel, curve in zip(panels, shown, strict=False):
         for entry in draw_curve(panel, curve, style):
             entries[str(entry.get_label())] = entry
     for k, panel in enumerate(panels):
-        panel.set_visible(k < len(shown))
-        if k % columns:
+        if k >= len(shown):
+            panel.remove()
+        elif k % columns:
             panel.set_ylabel("")
     solved = bool(np.all(np.isin(dataset.isel(place)["optimum_status"], SOLVED)))
     through = "the optimum" if solved else "the middle of the bounds: there is no optimum"

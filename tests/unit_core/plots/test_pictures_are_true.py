@@ -20,6 +20,7 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
+from core.errors import StudyError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plots import draw
@@ -49,6 +50,18 @@ CHAOS = ("aperiodic", "unresolved", "runaway")
 
 def result_of(content: Content) -> xarray.Dataset:
     return tabulate(prepare_content(content)).to_xarray()
+
+
+def without_unused(content: Content) -> Content:
+    """Return a study without the parameters that only other outputs of its design need."""
+    try:
+        prepare_content(content)
+    except StudyError as error:
+        unused = {one.place for one in error.problems if "is not used by" in one.message}
+        named = content["parameters"].items()
+        kept = {name: value for name, value in named if f"parameters.{name}" not in unused}
+        return content | {"parameters": kept}
+    return content
 
 
 def unit_in(label: str) -> str:
@@ -116,6 +129,14 @@ class Reader:
         found = [text for text in labels if label.startswith(text)]
         return str(labels[max(found, key=len)]) if found else ""
 
+    def is_of_all_values(self, x: np.ndarray) -> bool:
+        """True if a line has a point for each value across; parts of one end between values."""
+        values = np.sort(np.atleast_1d(self.dataset[self.across].values))
+        if x.shape != values.shape:
+            return False
+        drawn = np.sort(in_studies(x, unit_in(self.axes.get_xlabel())))
+        return np.allclose(drawn, values, rtol=ROUNDING, atol=ROUNDING * np.abs(values).max())
+
     def at(self, name: str, label: str, drawn: float) -> float:
         return snapped(self.dataset, name, in_studies(drawn, unit_in(label)))
 
@@ -174,7 +195,7 @@ def check_line(reader: Reader, random: np.random.Generator) -> int:
     for line in axes.lines:
         x, y = (np.asarray(data, dtype=float) for data in line.get_data())
         sound = np.flatnonzero(np.isfinite(y))
-        if len(x) != reader.dataset.sizes[reader.across] or not sound.size:
+        if not sound.size or not reader.is_of_all_values(x):
             continue
         more = {}
         if family:
@@ -375,9 +396,10 @@ def check_objective(reader: Reader, random: np.random.Generator) -> int:
         assert panel.get_xlabel().startswith(QUANTITIES[name].label)
         x, y = (np.asarray(data, dtype=float) for data in panel.lines[0].get_data())
         k = int(random.integers(len(x)))
-        point = best | {name: float(in_studies(x[k], unit_in(panel.get_xlabel())))}
+        value = float(in_studies(x[k], unit_in(panel.get_xlabel())))
+        point = best | {name: float(np.rint(value)) if QUANTITIES[name].count else value}
         parameters = {n: v for n, v in content["parameters"].items() if not isinstance(v, list)}
-        cell = result_of(base | {"parameters": parameters | point})
+        cell = result_of(without_unused(base | {"parameters": parameters | point}))
         if regime_of(cell) in CHAOS:
             continue
         label = reader.figure.axes[0].get_ylabel()
