@@ -45,7 +45,7 @@ from app.web.routes import (
     sweeps,
     zarr,
 )
-from app.web.shares import PLACES, Shares
+from app.web.shares import SLOTS, Shares
 from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
@@ -66,7 +66,7 @@ def create_app(settings: Settings) -> FastAPI:
     cluster = Cluster(settings.scheduler, settings.workers)
     runner = Runner(ledger, store, cluster, settings)
     admission = Admission(ledger, store, settings, runner.wake, runner.waits)
-    process_pool = ProcessPool(PLACES, (calculations.__name__,))
+    process_pool = ProcessPool(SLOTS, (calculations.__name__,))
     writer = Writer(store, admission.make_room, settings, process_pool)
 
     @asynccontextmanager

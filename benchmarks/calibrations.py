@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from core.calibrate.boxes import explore
 from core.calibrate.calibration import Calibration
-from core.calibrate.leaves import explore
 from core.calibrate.posterior import posterior_of
 from core.calibrate.scatter import NONE_BEFORE
 from core.intake import prepare_content

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN
-from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
+from core.motion.kernels.planar.slope_tables import DERIVED, DERIVED_BY
 from core.motion.kernels.planar.tables import PIECE
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
@@ -95,7 +95,7 @@ def derived(cells: Floats, energy: bool = True) -> Derived:
     """Return the results of cells with derivatives."""
     table, status = np.full((len(cells), DERIVED_COLUMNS), np.nan), np.zeros(len(cells), np.int8)
     derive_cells(energy, cells, table, status, np.zeros(1, np.int8))
-    slopes = table[:, RESULTS:MARGIN].reshape(-1, len(TOLD), DERIVED_BY)
+    slopes = table[:, RESULTS:MARGIN].reshape(-1, len(DERIVED), DERIVED_BY)
     return Derived(table[:, :RESULTS], slopes, table[:, MARGIN], status)
 
 

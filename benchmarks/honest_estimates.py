@@ -27,7 +27,7 @@ from benchmarks.timing import timed
 from core.intake import parse_study
 from core.motion.result import STATUS, Motion
 from core.optimise.codes import STATUS as OPTIMUM
-from core.optimise.known_answers import by_closed_form, is_closed
+from core.optimise.known_optima import by_closed_form, is_closed
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
 from core.optimise.prepare import prepare

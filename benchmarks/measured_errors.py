@@ -51,7 +51,7 @@ def row(case: Case, draws: int) -> str:
         (fit.amplitudes[:, first] - AMPLITUDES) / fit.amplitude_errors[:, first] for fit in fits
     ]
     phases = [away(fit) for fit in fits]
-    false = sum(int(fit.told[:, ORDERS.size :].sum()) for fit in fits)
+    false = sum(int(fit.significant[:, ORDERS.size :].sum()) for fit in fits)
     shares = " | ".join(within(errors) for errors in (clock, amplitudes, phases))
     absent = len(fits) * 2 * (10 - ORDERS.size)
     return f"{shares} | {false} of {absent:,} | {draws - len(fits)} of {draws:,}"

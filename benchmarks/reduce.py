@@ -27,13 +27,13 @@ from typing import Any
 
 import numpy as np
 import xarray
+from core.reduce.reduced_arrays import reduced_arrays
 
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.grid import Grid
 from core.plan.loops.lanes import LaneLoop
 from core.plan.loops.trace import traced
-from core.reduce.answers import answers
 from core.reduce.run import Units, cores
 from core.reduce.state import State, merged
 from core.sweep.reduced import ReducedSweep
@@ -246,7 +246,7 @@ def same_bits() -> None:
 
 
 def _bits(sweep: ReducedSweep, units: Units, states: Iterable[tuple[int, int, State]]) -> bytes:
-    arrays = answers(units, sweep.grid, sweep.asked, states)
+    arrays = reduced_arrays(units, sweep.grid, sweep.asked, states)
     return b"".join(arrays[name].tobytes() for name in sorted(arrays))
 
 

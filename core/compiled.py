@@ -72,10 +72,10 @@ def compiled_source(source: str) -> Any:
 
 
 @intrinsic
-def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
+def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
     """Return one of two values; both are at hand, so that a row of cells needs no branch."""
     del context
-    truth = isinstance(one, types.Boolean) and isinstance(other, types.Boolean)
+    truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
     result = types.boolean if truth else types.float64
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -86,7 +86,7 @@ def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
         )
         return builder.select(condition, *taken)
 
-    return result(condition, one, other), generate
+    return result(condition, first, second), generate
 
 
 @intrinsic
@@ -140,7 +140,7 @@ def _compiled(function: Any, change: Callable[[Any], None] | None = None, **opti
     return EntryDispatcher(function, {"error_model": "numpy", **options}, cache_of, change)
 
 
-class _Told(event.Listener):
+class _CompileTimer(event.Listener):
     """Has the stopwatch run while numba compiles what it did not find on the disk."""
 
     def on_start(self, event: event.Event) -> None:
@@ -151,4 +151,4 @@ class _Told(event.Listener):
 
 
 register: Any = event.register
-register("numba:compile", _Told())
+register("numba:compile", _CompileTimer())

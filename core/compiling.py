@@ -20,7 +20,7 @@ class Stopwatch:
         self.spent = 0.0
         self._depth = 0
         self._began = 0.0
-        self._told: list[Callable[[bool], object]] = []
+        self._listeners: list[Callable[[bool], object]] = []
 
     def begin(self) -> None:
         """Begin to compile something, perhaps a part of what is compiled already."""
@@ -44,14 +44,14 @@ class Stopwatch:
     @contextmanager
     def telling(self, listener: Callable[[bool], object]) -> Iterator[None]:
         """Tell a function, until the block ends, when compiling begins (True) and ends (False)."""
-        self._told.append(listener)
+        self._listeners.append(listener)
         try:
             yield
         finally:
-            self._told.remove(listener)
+            self._listeners.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
-        for told in tuple(self._told):
+        for told in tuple(self._listeners):
             told(compiles)
 
 

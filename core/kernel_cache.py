@@ -160,7 +160,7 @@ def _forget_old(package: str, current: Path) -> None:
             shutil.rmtree(other, ignore_errors=True)
 
 
-class _Place(caching._CacheLocator):
+class _CacheFolder(caching._CacheLocator):
     """Where numba finds the code of one function, and what tells that it is that of its source."""
 
     def __init__(self, package: str, function: Callable[..., Any], file: str, path: Path) -> None:
@@ -168,7 +168,7 @@ class _Place(caching._CacheLocator):
         self._package, self._module, self._path = package, function.__module__, path
 
     @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> _Place | None:
+    def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
         """Return the place; None for a function of another file, or if there is no folder."""
         package = LOOPS
         if not file.startswith(LOOPS):
@@ -195,7 +195,7 @@ class _Place(caching._CacheLocator):
 class _Results(caching.CompileResultCacheImpl):
     """How numba writes compiled code; in our place only."""
 
-    _locator_classes: list[type[object]] = [_Place]  # noqa: RUF012 numba declares it so
+    _locator_classes: list[type[object]] = [_CacheFolder]  # noqa: RUF012 numba declares it so
 
 
 class _Cache(caching.FunctionCache):

@@ -200,8 +200,10 @@ class Choice:
 
     is_compiling = False
 
-    def __init__(self, function: Callable[..., Any], place: int, ways: Mapping[type, Any]) -> None:
-        self.py_func, self._place, self._ways = function, place, ways
+    def __init__(
+        self, function: Callable[..., Any], position: int, ways: Mapping[type, Any]
+    ) -> None:
+        self.py_func, self._position, self._ways = function, position, ways
         self.__name__, self.__doc__ = function.__name__, function.__doc__
         dispatched: Any = types.Dispatcher
         self._numba_type_ = dispatched(self)
@@ -219,7 +221,7 @@ class Choice:
         return self._way(signature).get_overload(signature)
 
     def _way(self, types: Any) -> Any:
-        return self._ways[types[self._place].instance_class]
+        return self._ways[types[self._position].instance_class]
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-_MEANT: Final[Mapping[str, str]] = {
+_SYNONYMS: Final[Mapping[str, str]] = {
     # --- parameters
     "friction": "mu µ μ cof friction_coefficient coefficient_of_friction coulomb_friction",
     "friction_static": "mu_s mus mu_0 static_friction static_friction_coefficient stiction",
@@ -92,7 +92,7 @@ _MEANT: Final[Mapping[str, str]] = {
 
 def _spoken() -> dict[str, tuple[str, ...]]:
     spoken: dict[str, tuple[str, ...]] = {}
-    for name, others in _MEANT.items():
+    for name, others in _SYNONYMS.items():
         for other in others.split():
             spoken[other] = (*spoken.get(other, ()), name)
     return spoken
@@ -105,24 +105,24 @@ What comes first is meant where several are known.
 """
 
 
-def meant(name: str, known: Iterable[str]) -> str | None:
+def by_synonym(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that somebody means who types `name`, if another name says it."""
     choice = frozenset(known)
     spoken = name.strip().casefold().replace("-", "_").replace(" ", "_")
     return next((one for one in OTHER_NAMES.get(spoken, ()) if one in choice), None)
 
 
-MEANT = 4  # letters of a name that tell which is meant
+PREFIX = 4  # letters of a name that tell which is meant
 LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that another, mistyped or shortened one stands for; None if none is."""
     choice, name = sorted(known), name[:LONGEST]
-    said = meant(name, choice)
+    said = by_synonym(name, choice)
     if said is not None:
         return said
-    longer = [known for known in choice if len(name) >= MEANT and known.startswith(name)]
+    longer = [known for known in choice if len(name) >= PREFIX and known.startswith(name)]
     near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
     return near[0] if near else None
 

@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from core.intake.keywords import Given
+    from core.intake.keywords import StudyLike
     from core.motion.drive_error import DriveError
     from core.study import Study
     from core.watch import Watch
 
 
-def study(base: Given | None = None, /, **keywords: Any) -> Study:
+def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
     """Return the study that a mapping or keywords describe; `kind` says which one it is.
 
     Its values are right by themselves. Whether they make a whole is seen when it is carried out.
@@ -63,7 +63,7 @@ def study(base: Given | None = None, /, **keywords: Any) -> Study:
     return intake.study_of(content) if isinstance(content, dict) else content
 
 
-def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+def sweep(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return closed-form quantities of one scene over a grid of parameters.
 
     They are a snapshot at the drive's peak, with the `regime` that says where they hold.
@@ -100,7 +100,7 @@ def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
     return _carry_out("sweep", study, keywords)
 
 
-def simulate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+def simulate(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return the motion in time of one scene over a grid of parameters: mean velocities and more.
 
     Without `outputs` it is the mean conveying velocity [m s-1]. `trajectory` gives the course of
@@ -138,7 +138,7 @@ def simulate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
     return _carry_out("simulate", study, keywords)
 
 
-def optimise(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+def optimise(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return the best values of some parameters, over a grid of the others.
 
     The `criterion` says what is looked for, and `variables` what may be chosen between which
@@ -177,7 +177,7 @@ def optimise(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
     return _carry_out("optimise", study, keywords)
 
 
-def sensitivity(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+def sensitivity(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return how outputs vary with parameters that are not known exactly, over a grid.
 
     `uncertain` gives parameters and their distributions. What is told of each output (mean and
@@ -218,7 +218,7 @@ def sensitivity(study: Given | None = None, /, **keywords: Any) -> xarray.Datase
     return _carry_out("sensitivity", study, keywords)
 
 
-def calibrate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+def calibrate(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return what measured speeds tell of unknown parameters.
 
     `observations` are the runs, each with the parameters that are its own, what was measured and
@@ -262,7 +262,7 @@ def calibrate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
     return _carry_out("calibrate", study, keywords)
 
 
-def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+def open_lazily(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
 
     Parameters
@@ -304,7 +304,7 @@ def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Datase
 
 
 def drive_error(
-    study: Given | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
+    study: StudyLike | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
 ) -> DriveError:
     """Return how far the errors of a measured drive move the conveying velocity of one part.
 
@@ -359,7 +359,7 @@ def said(arguments: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in keywords.items() if value is not None}
 
 
-def _prepared(kind: str, base: Given | None, keywords: Mapping[str, Any]) -> Any:
+def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> Any:
     """Return a study of one kind, ready to be carried out."""
     intake = import_module("core.intake")
     content = intake.gather(base, keywords, kind)
@@ -371,7 +371,7 @@ def _prepared(kind: str, base: Given | None, keywords: Mapping[str, Any]) -> Any
     return prepared
 
 
-def _carry_out(kind: str, base: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
+def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
     prepared = _prepared(kind, base, keywords)
     prepared.check_limits(cells=None, bytes_=_memory())
     _import_accessor()
@@ -419,7 +419,7 @@ def _say(words: str) -> None:
 def of_kind(kind: str) -> Callable[..., xarray.Dataset]:
     """Return the function that carries out studies of a kind, as `sweep` does."""
 
-    def carry_out(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    def carry_out(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
         return _carry_out(kind, study, said({"study": study, **keywords}))
 
     carry_out.__name__ = kind

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 _HERE = __file__.rpartition(os.sep)[0]
-_PLACES = [_HERE.rpartition(os.sep)[0]]
+_SEARCH_PATH = [_HERE.rpartition(os.sep)[0]]
 _IS_INSTALLED = os.path.isdir(os.path.join(_HERE, "core"))  # noqa: PTH112, PTH118 - pathlib is dear
 
 
@@ -47,11 +47,11 @@ class _Finder:
         package = name.partition(".")[0]
         if package not in self.claimed:
             return None
-        found = PathFinder.find_spec(name, _PLACES if name == package else path, target)
-        if found is None:
+        spec = PathFinder.find_spec(name, _SEARCH_PATH if name == package else path, target)
+        if spec is None:
             message = f"No module named '{name}': in this process '{package}' is vibrafeed's own"
             raise ModuleNotFoundError(message, name=name)
-        return found
+        return spec
 
 
 _FINDER = _Finder()
@@ -93,7 +93,7 @@ def load(name: str) -> ModuleType:
 
 
 def _is_ours(imported: ModuleType) -> bool:
-    own = PathFinder.find_spec(imported.__name__, _PLACES)
+    own = PathFinder.find_spec(imported.__name__, _SEARCH_PATH)
     file = getattr(imported, "__file__", None)
     if own is None or own.origin is None or file is None:
         return False

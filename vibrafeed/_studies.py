@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from core.intake.keywords import Given
+    from core.intake.keywords import StudyLike
     from core.motion.drive_error import DriveError
     from core.study import Study
     from vibrafeed._names import (
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def study(
-    base: Given | None = None,
+    base: StudyLike | None = None,
     /,
     *,
     kind: Literal["sweep", "simulate", "optimise", "sensitivity", "calibrate"] | None = None,
@@ -311,7 +311,7 @@ def study(
 
 
 def sweep(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     scene: SweptScene | None = None,
@@ -1035,7 +1035,7 @@ def sweep(
 
 
 def simulate(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     scene: SimulatedScene | None = None,
@@ -1449,7 +1449,7 @@ def simulate(
 
 
 def optimise(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     scene: SweptScene | None = None,
@@ -2319,7 +2319,7 @@ def optimise(
 
 
 def sensitivity(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     scene: SweptScene | None = None,
@@ -3181,7 +3181,7 @@ def sensitivity(
 
 
 def calibrate(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     scene: SimulatedScene | None = None,
@@ -3617,7 +3617,7 @@ def calibrate(
 
 
 def open_lazily(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     scene: SweptScene | None = None,
@@ -3857,7 +3857,7 @@ def open_lazily(
 
 
 def drive_error(
-    study: Given | None = None,
+    study: StudyLike | None = None,
     /,
     *,
     draws: int = 200,

@@ -54,8 +54,8 @@ STYLE: Final[Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": "mar
 class Commands(TyperGroup):
     """The commands, of which only the one that runs is loaded."""
 
-    def __init__(self, **given: Any):
-        super().__init__(**given)
+    def __init__(self, **options: Any):
+        super().__init__(**options)
         for name, line in COMMANDS.items():
             self.add_command(TyperCommand(name, help=line))
 

@@ -49,7 +49,7 @@ def atlas(
     numbers that the motion of a part in the plane depends on if it does not rebound. The charts are
     computed exactly, not read from the atlas.
     """
-    _refuse_wrong(output, charts, resolution, force=force)
+    _refuse_problems(output, charts, resolution, force=force)
     if charts is not None:
         try:
             from core.plots.book import write_book
@@ -62,7 +62,7 @@ def atlas(
         _carried_out(charts, lambda watch: write_book(charts, watch=watch))
 
 
-def _refuse_wrong(
+def _refuse_problems(
     output: Path | None, charts: Path | None, resolution: str, *, force: bool
 ) -> None:
     """Exit with every problem of the options."""

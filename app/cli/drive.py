@@ -116,7 +116,7 @@ def _parts(text: str | None) -> tuple[str, ...] | None:
 
 def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     """Return the fit; report every problem of recording and options, and exit."""
-    problems = _wrong_picture(plot)
+    problems = _problems_of_picture(plot)
     try:
         if not (asked.along or asked.across or asked.normal or asked.sensor):
             columns = ", ".join(read_table(recording).columns)
@@ -134,7 +134,7 @@ def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     return fit
 
 
-def _wrong_picture(plot: Path | None) -> list[Problem]:
+def _problems_of_picture(plot: Path | None) -> list[Problem]:
     """Return what is wrong with the name of a picture; exit if nothing can draw it."""
     if plot is None:
         return []

@@ -32,7 +32,7 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
     ]
     measured = f"amplitude ({length.unit})", PLUS_MINUS, f"phase ({angle.unit})", PLUS_MINUS
     table(("axis", "order", *measured), rows, right=("order", *measured))
-    if not fit.told.all():
+    if not fit.significant.all():
         say("  -: not distinguishable from zero, and not a parameter of a study")
 
 
@@ -42,7 +42,7 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
         {
             "axis": axis,
             "order": int(order),
-            "told": bool(fit.told[row, position]),
+            "told": bool(fit.significant[row, position]),
             "amplitude": float(fit.amplitudes[row, position]),
             "amplitude_error": float(fit.amplitude_errors[row, position]),
             "phase": float(np.degrees(fit.phases[row, position])),
@@ -72,8 +72,8 @@ def facts(fit: Fit) -> Iterator[tuple[str, str]]:
         yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
     for name, shares in (("not explained by the fit", fit.left_over), ("drift", fit.drifting)):
         each = zip(fit.axes, PERCENT * shares, strict=True)
-        told = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
-        yield name, f"{told} of the drive"
+        significant = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
+        yield name, f"{significant} of the drive"
     if fit.tilt is not None:
         climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
         yield "tilt", f"climbs by {climb:.2f} degrees, rises to its left by {lean:.2f} degrees"
@@ -87,7 +87,7 @@ def toml_of(fit: Fit, recording: Path) -> str:
     lines += ["[parameters]", _line("frequency", f"{frequency} Hz", f"{error} Hz" if error else "")]
     for row, axis in enumerate(fit.axes):
         for place, order in enumerate(fit.orders):
-            if fit.told[row, place]:
+            if fit.significant[row, place]:
                 amplitude, off, phase, away = _cells(fit, row, place)
                 end = f"{axis}_{order}"
                 lines.append(_line(f"amplitude_{end}", f"{amplitude} um", f"{off} um"))
@@ -107,7 +107,7 @@ def _cells(
 
     `length` and `angle` are what metres and degrees are multiplied by.
     """
-    if not fit.told[row, position]:
+    if not fit.significant[row, position]:
         return "-", "", "-", ""
     one = row, position
     amplitude = _rounded(length * fit.amplitudes[one], length * fit.amplitude_errors[one])

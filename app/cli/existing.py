@@ -31,7 +31,7 @@ def complete_already(
     force : bool
         Replace files, whatever they are. A Zarr group is a folder, and never removed.
     """
-    wrong: dict[Path, Sequence[Problem]] = {}
+    problems: dict[Path, Sequence[Problem]] = {}
     complete = []
     for path, target in targets.items():
         if "://" in target or not Path(target).exists():
@@ -42,9 +42,9 @@ def complete_already(
             continue
         if not force or is_zarr(target):
             fix = REMOVE if is_zarr(target) else REPLACE
-            wrong[path] = [Problem("output", f"{target} is there already", fix)]
-    if wrong:
-        refuse(wrong)
+            problems[path] = [Problem("output", f"{target} is there already", fix)]
+    if problems:
+        refuse(problems)
     return complete
 
 

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from app.cli import console
-from app.cli.options import FAILED, WRONG_INPUT
+from app.cli.options import FAILED, INVALID_INPUT
 from app.cli.studies import refuse, refuse_existing
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
 from app.cli.units import units_asked
@@ -64,7 +64,7 @@ def export(
         refuse({Path(file): [Problem("file", error.message, error.fix)]})
     except VibrafeedError as error:
         console.fail(f"{file}: {error}.")
-        raise typer.Exit(WRONG_INPUT) from None
+        raise typer.Exit(INVALID_INPUT) from None
     except OSError as error:
         console.fail(f"{file} cannot be read: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None

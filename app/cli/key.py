@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli import console
-from app.cli.options import WRONG_INPUT, Json
+from app.cli.options import INVALID_INPUT, Json
 from app.cli.serve import PRIVATE, settings_in_force
 from app.cli.studies import refuse
 from app.jobs import audit
@@ -113,7 +113,7 @@ def withdraw(name: Name) -> None:
             Keys(database).withdraw(name)
         except NoSuchKeyError as error:
             console.fail(str(error))
-            raise typer.Exit(WRONG_INPUT) from None
+            raise typer.Exit(INVALID_INPUT) from None
     typer.echo(f"The key of {name} is withdrawn.")
 
 
@@ -152,7 +152,7 @@ def _database() -> Iterator[Database]:
     except (OSError, sqlite3.Error, LaterLedgerError) as error:
         text = error.strerror if isinstance(error, OSError) else None
         console.fail(f"The ledger cannot be used: {' '.join((text or str(error)).split())}.")
-        raise typer.Exit(WRONG_INPUT) from None
+        raise typer.Exit(INVALID_INPUT) from None
     finally:
         ledger.close()
 

@@ -82,7 +82,7 @@ def lookup(
         console.document(_document(table) | {"advice": lines})
     else:
         if table.variables["lookup_status"].values.size == 1:
-            _show_one(table, shown)
+            _show_single(table, shown)
         elif output is None:
             _show_many(table, shown)
         for line in lines:
@@ -96,30 +96,30 @@ def lookup(
 def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulate: bool) -> Table:
     """Return what the atlas says; report every problem and exit."""
     source = rows or Path("lookup")
-    wrong: dict[Path, list[Problem]] = {}
+    refused: dict[Path, list[Problem]] = {}
     parameters, problems = _named(assignments)
     if problems:
-        wrong[Path("lookup")] = problems
+        refused[Path("lookup")] = problems
     columns: Mapping[str, tuple[float, ...]] = {}
     try:
         if rows is not None:
             columns = read_rows(rows)
     except StudyError as error:
-        wrong[source] = [*wrong.get(source, []), *error.problems]
+        refused[source] = [*refused.get(source, []), *error.problems]
     except OSError as error:
         message = f"it cannot be read: {error.strerror or error}"
-        wrong[source] = [Problem("rows", message, "Name a CSV")]
+        refused[source] = [Problem("rows", message, "Name a CSV")]
     try:
         opened = open_atlas(path)
     except FileNotFoundError:
-        wrong[path] = [Problem("atlas", "there is no such file", MAKE)]
+        refused[path] = [Problem("atlas", "there is no such file", MAKE)]
     except OSError as error:
         message = f"it cannot be read: {error.strerror or error}"
-        wrong[path] = [Problem("atlas", message, MAKE)]
+        refused[path] = [Problem("atlas", message, MAKE)]
     except VibrafeedError as error:
-        wrong[path] = [Problem("atlas", str(error).rstrip("."), MAKE)]
-    if wrong:
-        refuse(wrong)
+        refused[path] = [Problem("atlas", str(error).rstrip("."), MAKE)]
+    if refused:
+        refuse(refused)
     try:
         if rows is None:
             looked_up = lookup_grid(opened, parameters, simulate=simulate)
@@ -158,17 +158,17 @@ def _write(table: Table, output: str, *, force: bool) -> None:
     write_or_exit(Path("lookup"), table, output, history)
 
 
-def _words(table: Table, name: str) -> list[str]:
+def _labels(table: Table, name: str) -> list[str]:
     return [str(word) for word in FrameColumn(name, table.variables[name]).values.ravel()]
 
 
-def _show_one(table: Table, shown: Any) -> None:
+def _show_single(table: Table, shown: Any) -> None:
     """Print the answer for one part."""
 
     def value(name: str) -> float:
         return float(table.variables[name].values.ravel()[0])
 
-    status = _words(table, "lookup_status")[0]
+    status = _labels(table, "lookup_status")[0]
     if status in ("answered", "simulated"):
         speed, error = value("conveying_velocity"), value("conveying_velocity_error")
         unit = shown.of("m s-1", abs(speed))
@@ -177,7 +177,7 @@ def _show_one(table: Table, shown: Any) -> None:
             f"  speed   {number(unit.factor * speed)} {unit.unit}, "
             f"stated error {number(unit.factor * error, 2)} {unit.unit}, {how}"
         )
-        console.say(f"  regime  {_words(table, 'regime')[0].replace('_', ' ')}")
+        console.say(f"  regime  {_labels(table, 'regime')[0].replace('_', ' ')}")
         shares = [
             f"{word} {100 * value(f'{name}_fraction'):.1f} %"
             for name, word in WAYS
@@ -197,16 +197,16 @@ def _show_many(table: Table, shown: Any) -> None:
     names = [
         c.name for c in frame.columns if c.variable.dims and c.name in _parameter_columns(table)
     ]
-    answers = ("conveying_velocity", "conveying_velocity_error", "regime", "lookup_status")
+    answered = ("conveying_velocity", "conveying_velocity_error", "regime", "lookup_status")
     columns = {
-        c.name: frame.piece(c, 0, MAX_SHOWN) for c in frame.columns if c.name in (*names, *answers)
+        c.name: frame.piece(c, 0, MAX_SHOWN) for c in frame.columns if c.name in (*names, *answered)
     }
-    has_value = [bool(np.isfinite(speed)) for speed in columns[answers[0]]]
+    has_value = [bool(np.isfinite(speed)) for speed in columns[answered[0]]]
     rows = [
         (
             *(number(float(columns[name][k])) for name in names),
-            number(unit.factor * float(columns[answers[0]][k])),
-            number(unit.factor * float(columns[answers[1]][k]), 2),
+            number(unit.factor * float(columns[answered[0]][k])),
+            number(unit.factor * float(columns[answered[1]][k]), 2),
             str(columns["regime"][k]).replace("_", " ") if has_value[k] else "-",
             str(columns["lookup_status"][k]).replace("_", " "),
         )
@@ -229,7 +229,7 @@ def _document(table: Table) -> dict[str, Any]:
     """Return the answers as a document, in the units of files."""
     columns = {**table.coordinates, **table.variables}
     plain = {
-        name: (_words(table, name) if "flag_values" in one.attributes else one.values.tolist())
+        name: (_labels(table, name) if "flag_values" in one.attributes else one.values.tolist())
         for name, one in columns.items()
     }
     return {"atlas": table.attributes["atlas"], "values": plain}

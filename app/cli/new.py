@@ -131,7 +131,7 @@ def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
         if question.name in options:
             try:
                 answers[question.name] = question.read(options[question.name])
-                doubts.append(question.doubt(answers[question.name]))
+                doubts.append(question.unusual_question(answers[question.name]))
             except UnitError as error:
                 problems.append(Problem(_flag(question.name), error.message, error.fix))
                 if question.choices:  # the others cannot be judged without it
@@ -146,8 +146,8 @@ def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
         ]
     if problems:
         refuse({Path("new"): problems})
-    for doubt in filter(None, doubts):
-        typer.echo(doubt, err=True)
+    for unusual_question in filter(None, doubts):
+        typer.echo(unusual_question, err=True)
     return answers
 
 
@@ -166,10 +166,10 @@ def _ask(question: Question) -> str:
         except UnitError as error:
             typer.echo(f"  {error}{'' if error.fix.endswith('?') else '.'}", err=True)
             continue
-        doubt = question.doubt(text)
-        if not doubt or typed == before:
+        unusual_question = question.unusual_question(text)
+        if not unusual_question or typed == before:
             return text
-        typer.echo(f"  {doubt}", err=True)
+        typer.echo(f"  {unusual_question}", err=True)
         before = typed
 
 

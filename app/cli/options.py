@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-WRONG_INPUT = 2
+INVALID_INPUT = 2
 FAILED = 1
 NO_SOLUTION = 3
 

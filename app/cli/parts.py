@@ -30,7 +30,7 @@ _PART = re.compile(r"(\d{1,9})/(\d{1,9})")
 
 def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part: str) -> None:
     """Compute one part of a study and keep its record; a part that is there is left alone."""
-    path, target = only_one(studies, targets)
+    path, target = single_study(studies, targets)
     number, count = _numbers(path, part)
     parts = parts_of(path, studies[path], target, count)
     name = f"part {number} of {count:,}"
@@ -64,7 +64,7 @@ def join_parts(path: Path, parts: Parts, history: str) -> None:
     )
 
 
-def only_one(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tuple[Path, str]:
+def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tuple[Path, str]:
     """Return the one study, and where it goes; exit if there are more."""
     if len(studies) > 1:
         problem = Problem("part", "parts are of one study", "Give one file")

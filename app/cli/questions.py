@@ -10,7 +10,7 @@ from typing import Final
 from core.quantities import QUANTITIES
 from core.study.units import UnitError, read_number
 from core.study.unusual import questions
-from core.suggestions import meant, nearest
+from core.suggestions import by_synonym, nearest
 
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
@@ -67,7 +67,7 @@ class Question:
         """
         text = text.strip()
         if self.choices:
-            chosen = text if text in self.choices else meant(text, self.choices)
+            chosen = text if text in self.choices else by_synonym(text, self.choices)
             if chosen is None:
                 message = f"'{text[:40]}' is not one of the answers"
                 choice = f"Please answer {' or '.join(self.choices)}"
@@ -77,7 +77,7 @@ class Question:
         read_number(self.parameter, QUANTITIES[self.parameter], typed(text))
         return text
 
-    def doubt(self, text: str) -> str:
+    def unusual_question(self, text: str) -> str:
         """Return the line that asks whether an unusual number is meant; empty if it is usual."""
         return " ".join(questions({"parameters": {self.parameter: typed(text)}}))
 

@@ -54,14 +54,14 @@ def report(
         fix = "Name studies, or add --extremes, which needs none"
         refuse({Path("report"): [Problem("files", "there is nothing to measure", fix)]})
     studies = prepare_all(files)
-    wrong = {}
+    invalid = {}
     for path, prepared in studies.items():
         try:
             families_of(prepared, only or ())
         except StudyError as error:
-            wrong[path] = error.problems
-    if wrong:
-        refuse(wrong)
+            invalid[path] = error.problems
+    if invalid:
+        refuse(invalid)
     beside = files[0].parent if files else Path()
     folder = output or beside / "accuracy"
     refuse_clashes(

@@ -73,7 +73,7 @@ class Running:
         complete: Collection[Path],
     ) -> bool:
         """Write the result of every study; return whether all are whole and verified."""
-        sound, left = True, list(studies)
+        verified, left = True, list(studies)
         for path, prepared in studies.items():
             target = targets[path]
             if path in complete:
@@ -83,7 +83,7 @@ class Running:
                 continue
             if prepared.not_lazy is None and _is_streamed(prepared, target):
                 left.remove(path)
-                whole, is_sound, facts = run_streamed(
+                whole, is_verified, facts = run_streamed(
                     path,
                     prepared,
                     target,
@@ -96,23 +96,23 @@ class Running:
                 if facts:
                     self.facts.append(facts)
                     self._say_more(prepared)
-                sound &= is_sound
+                verified &= is_verified
                 if not whole:
                     break
                 continue
-            computed = self._carry_out_one(path, prepared, target)
+            computed = self._carry_out_study(path, prepared, target)
             if computed is None:
                 break
-            is_sound, interrupted = computed
-            sound &= is_sound
+            is_verified, interrupted = computed
+            verified &= is_verified
             left.remove(path)
             if interrupted:
                 break
         if left:
             console.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
-        return sound and not left
+        return verified and not left
 
-    def _carry_out_one(
+    def _carry_out_study(
         self, path: Path, prepared: Prepared, target: str
     ) -> tuple[bool, bool] | None:
         """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import distributed
 
 from app.cli import console
-from app.cli.parts import counts_of, failing, join_parts, only_one, parts_of
+from app.cli.parts import counts_of, failing, join_parts, parts_of, single_study
 from app.cli.studies import interruption
 from app.jobs.cluster import by_name
 from app.jobs.parts import compute_part, sensible_count
@@ -27,7 +27,7 @@ def run_on_scheduler(
     history: str,
 ) -> None:
     """Have all parts that are not there computed by a Dask cluster, and join them."""
-    path, target = only_one(studies, targets)
+    path, target = single_study(studies, targets)
     target = target if "://" in target else str(Path(target).resolve())
     sweep = studies[path]
     parts_of(path, sweep, target, 1)  # which it may not have there

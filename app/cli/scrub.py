@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from app.cli import console
-from app.cli.options import FAILED, WRONG_INPUT, Json
+from app.cli.options import FAILED, INVALID_INPUT, Json
 from app.cli.serve import settings_in_force
 from app.cli.studies import interruption
 from app.jobs.scrub import BROKEN, ORPHANED, WHOLE, damages
@@ -39,7 +39,7 @@ def scrub(
     store = Store(directory)
     if not directory.is_dir():
         console.fail(f"There is no folder {directory}.")
-        raise typer.Exit(WRONG_INPUT)
+        raise typer.Exit(INVALID_INPUT)
     rows: list[tuple[str, str, str]] = []
     counts: dict[str, int] = {}
     read = 0

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from app import logs
 from app.cli import console
-from app.cli.options import WRONG_INPUT
+from app.cli.options import INVALID_INPUT
 from app.cli.studies import refuse
 from app.jobs.errors import LaterLedgerError
 from app.jobs.keys import Keys
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 PRIVATE = 0o077  # what others on the machine may not do with files
 OLDER_DATA = Path("data")  # what the data directory was by default
-ROOM = 256 * 1024  # bytes that the ledger needs to begin with, and some more
+LEDGER_BYTES = 256 * 1024  # bytes that the ledger needs to begin with, and some more
 
 
 def serve(
@@ -89,15 +89,15 @@ def _tell_of_older_data(settings: Settings) -> None:
 
 def settings_in_force() -> Settings:
     """Return the settings in the environment, or report every wrong one and exit."""
-    wrong = unknown_variables(os.environ)
+    problems = unknown_variables(os.environ)
     try:
         settings = Settings()
     except ValidationError as error:
         for item in error.errors():
             name = PREFIX + ".".join(map(str, item["loc"])).upper()
-            wrong.append(Problem(name, item["msg"].removeprefix("Value error, "), "Fix it"))
-    if wrong:
-        refuse({Path("environment"): wrong})
+            problems.append(Problem(name, item["msg"].removeprefix("Value error, "), "Fix it"))
+    if problems:
+        refuse({Path("environment"): problems})
     return settings
 
 
@@ -112,7 +112,7 @@ def _check_address(host: str, port: int) -> None:
         else:
             why = f"{host}, port {port}, cannot be listened on: {error.strerror or error}"
         console.fail(f"{why}.")
-        raise typer.Exit(WRONG_INPUT) from None
+        raise typer.Exit(INVALID_INPUT) from None
 
 
 def _check_keys(settings: Settings, host: str) -> None:
@@ -143,14 +143,14 @@ def _check_directory(directory: Path) -> None:
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as file:
-            file.write(bytes(ROOM))
+            file.write(bytes(LEDGER_BYTES))
             file.flush()
             os.fsync(file.fileno())  # some disks tell only then that they are full
     except FileExistsError:
         _refuse_directory(directory, "it is not a directory", "Set")
     except OSError as error:
         is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        first = f"Make room there, {ROOM:,} bytes at least, or set" if is_full else "Set"
+        first = f"Make room there, {LEDGER_BYTES:,} bytes at least, or set" if is_full else "Set"
         _refuse_directory(directory, error.strerror or str(error), first)
 
 
@@ -171,10 +171,10 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
             f"The ledger of VIBRAFEED_LEDGER_URL cannot be used: {why}. Start or fix that "
             "database, or leave the setting out to keep the ledger in the data directory."
         )
-        raise typer.Exit(WRONG_INPUT) from None
+        raise typer.Exit(INVALID_INPUT) from None
 
 
 def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:
     fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
     console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
-    raise typer.Exit(WRONG_INPUT)
+    raise typer.Exit(INVALID_INPUT)

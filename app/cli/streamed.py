@@ -44,7 +44,7 @@ def run_streamed(
     if resume and is_complete(target, sweep):
         console.say(f"{path}: {target} is complete already")
         return True, True, None
-    size = _make_sure_of_room(path, sweep, target, compression=compression, resume=resume)
+    size = _check_disk_space(path, sweep, target, compression=compression, resume=resume)
     started = time.perf_counter()
     with interruption() as interrupted:
         with console.progress(f"{path.name}, verifying") as advance:
@@ -100,7 +100,7 @@ def run_streamed(
     return True, not not_verified(table), facts
 
 
-def _make_sure_of_room(
+def _check_disk_space(
     path: Path, sweep: Prepared, target: str, *, compression: bool, resume: bool
 ) -> int:
     """Say how large the result becomes, and refuse what its disk cannot hold; return the bytes."""

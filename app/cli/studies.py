@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from app.cli.options import WRONG_INPUT
+from app.cli.options import INVALID_INPUT
 from core import intake
 from core.compiling import stopwatch
 from core.errors import LimitError, Problem, StudyError
@@ -45,7 +45,7 @@ def prepare_all(
     What is allowed and hardly meant is asked about on the error stream.
     """
     prepared: dict[Path, Prepared] = {}
-    wrong: dict[Path, Sequence[Problem]] = {}
+    invalid: dict[Path, Sequence[Problem]] = {}
     asked: dict[Path, list[str]] = {}
     for path in files:
         try:
@@ -54,11 +54,11 @@ def prepare_all(
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
             asked[path] = questions(content)
         except StudyError as error:
-            wrong[path] = error.problems
+            invalid[path] = error.problems
         except LimitError as error:
-            wrong[path] = [Problem("parameters", error.message, error.fix)]
-    if wrong:
-        refuse(wrong)
+            invalid[path] = [Problem("parameters", error.message, error.fix)]
+    if invalid:
+        refuse(invalid)
     for path, lines in asked.items():
         for line in lines:
             typer.echo(f"{_name_of(path)}: {line}", err=True)
@@ -92,14 +92,14 @@ def content_of(path: Path) -> object:
     return intake.read_json(text) if text.lstrip().startswith("{") else intake.read_toml(text)
 
 
-def refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:
+def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
     """Print every problem of every file on the error stream, and exit with code 2."""
-    for path, problems in wrong.items():
+    for path, problems in problems_of.items():
         count = len(problems)
         typer.echo(f"{_name_of(path)}: {count} problem{'s' if count > 1 else ''}", err=True)
         for problem in problems:
             typer.echo(f"  {problem}", err=True)
-    raise typer.Exit(WRONG_INPUT)
+    raise typer.Exit(INVALID_INPUT)
 
 
 def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | str] = ()) -> None:

@@ -108,13 +108,13 @@ def _is_folder(output: str) -> bool:
 
 def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
     """Exit if a format cannot hold what is to go there, before anything is computed."""
-    wrong = {}
+    invalid = {}
     for path, prepared in studies.items():
         kept = {dim for dims in prepared.dims.values() for dim in dims}
         rows = math.prod(prepared.sizes[dim] for dim in kept)
         try:
             FORMATS[suffix_of(targets[path])].check(rows, prepared.bytes)
         except LimitError as error:
-            wrong[path] = [Problem("output", error.message, error.fix)]
-    if wrong:
-        refuse(wrong)
+            invalid[path] = [Problem("output", error.message, error.fix)]
+    if invalid:
+        refuse(invalid)

@@ -11,7 +11,7 @@ from app.cli.console import say, table, tell
 from app.cli.units import number
 from core.dataset.regimes import percent_with_error
 from core.quantities import QUANTITIES
-from core.sensitivity.answers import QUANTILE, UNCERTAIN
+from core.sensitivity.variables import QUANTILE, UNCERTAIN
 
 if TYPE_CHECKING:
     from core.dataset import Table

@@ -149,13 +149,13 @@ def _others(program: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outco
 
 def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
     """Print outcomes: every problem, or a row a family and what is wrong."""
-    wrong = [outcome for outcome in outcomes if not outcome.passed]
+    failed = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
         console.table((*COLUMNS,), rows(outcomes))
     else:
         console.table(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
-        if wrong:
-            console.table((*COLUMNS,), rows(wrong))
+        if failed:
+            console.table((*COLUMNS,), rows(failed))
     console.say(sentence(outcomes, program))
     if not listed:
         console.tell(

@@ -79,14 +79,14 @@ class Blocks(Studies):
     def give_up(self, key: str, claim: str) -> None:
         """Tell the workers that nobody waits for their blocks of a claim on a study."""
         with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
-            self._given_up(key, claim).parent.mkdir(exist_ok=True)
-            self._given_up(key, claim).touch()
+            self._abandoned_mark(key, claim).parent.mkdir(exist_ok=True)
+            self._abandoned_mark(key, claim).touch()
 
-    def is_given_up(self, key: str, claim: str) -> bool:
+    def is_abandoned(self, key: str, claim: str) -> bool:
         """True if workers have been told so."""
-        return self._given_up(key, claim).exists()
+        return self._abandoned_mark(key, claim).exists()
 
-    def _given_up(self, key: str, claim: str) -> Path:
+    def _abandoned_mark(self, key: str, claim: str) -> Path:
         name = hashlib.sha256(claim.encode()).hexdigest()[:32]
         return self.folder(key) / "blocks" / f"{name}.given-up"
 

@@ -11,8 +11,8 @@ from app.jobs.errors import LostLedgerError, LostStoreError
 FILES = "The service has as many files open as it may"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
-AWAY = "The object store of results cannot be used"
-PASSING = (FILES, HELD, LOST, AWAY)  # soon, and by themselves
+UNAVAILABLE = "The object store of results cannot be used"
+PASSING = (FILES, HELD, LOST, UNAVAILABLE)  # soon, and by themselves
 
 
 # Why it cannot take more.
@@ -56,7 +56,7 @@ def why(error: OSError | sqlite3.Error) -> str:
     if isinstance(error, LostLedgerError):
         return LOST
     if isinstance(error, LostStoreError):
-        return AWAY
+        return UNAVAILABLE
     if isinstance(error, OSError):
         return STORAGE.get(error.errno or 0, "A file cannot be written")
     return next((text for word, text in SQLITE.items() if word in str(error)), "The ledger fails")

@@ -86,7 +86,7 @@ class _Progress:
     running: RunningTime
     done: int = 0
     began: float = 0.0
-    told: asyncio.Task[None] | None = None
+    first_note: asyncio.Task[None] | None = None
 
 
 class Dispatcher:
@@ -230,10 +230,10 @@ class Dispatcher:
             if not has_begun:  # it begins again on another worker, if the first dies
                 progress.running.begin()
             has_begun = True
-            if progress.told is None:
+            if progress.first_note is None:
                 progress.began = time.monotonic()
-                progress.told = asyncio.create_task(self._note(progress, 0.0))
-            await asyncio.shield(progress.told)  # before any other note
+                progress.first_note = asyncio.create_task(self._note(progress, 0.0))
+            await asyncio.shield(progress.first_note)  # before any other note
 
         share, seconds = share_of(progress.item), progress.seconds
         try:

@@ -14,7 +14,7 @@ from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
 
 from app.jobs.cluster import Cluster, by_name
-from app.jobs.fair_queue import FairQueue, Place
+from app.jobs.fair_queue import FairQueue, Slot
 from core.errors import VibrafeedError
 
 if TYPE_CHECKING:
@@ -185,12 +185,12 @@ class Executor:
             if not done:
                 await self._client()
 
-    def _see_off(self, call: _Call, slot: Place) -> None:
+    def _see_off(self, call: _Call, slot: Slot) -> None:
         task = asyncio.create_task(self._ended(call, slot))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
 
-    async def _ended(self, call: _Call, slot: Place) -> None:
+    async def _ended(self, call: _Call, slot: Slot) -> None:
         """Wait until nobody works on a call that was given up; its place is taken until then."""
         try:
             either: set[asyncio.Future[Any]] = {call.result, call.begun}

@@ -24,7 +24,7 @@ def share_of(item: Work) -> str:
 
 
 @dataclass(eq=False)
-class Place:
+class Slot:
     """A place on a worker that somebody has.
 
     Attributes
@@ -55,9 +55,9 @@ class FairQueue:
 
     def __init__(self, longest: float):
         self._longest = longest
-        self._places = 1
-        self._taken: list[Place] = []
-        self._waiting: list[tuple[int, str, float, asyncio.Future[Place]]] = []
+        self._slots = 1
+        self._taken: list[Slot] = []
+        self._waiting: list[tuple[int, str, float, asyncio.Future[Slot]]] = []
         self._had: dict[str, float] = {}  # seconds of each share that is here
         self._due = 0.0  # seconds that each share would have had that was here from the start
         self._number = itertools.count()
@@ -67,16 +67,16 @@ class FairQueue:
         """Whether somebody waits for a place."""
         return bool(self._waiting)
 
-    def resize(self, places: int) -> None:
+    def resize(self, slots: int) -> None:
         """Note how many places there are; the first is there before any worker is."""
-        self._places = max(1, places)
+        self._slots = max(1, slots)
         self._hand_out()
 
-    async def take(self, share: str, seconds: float) -> Place:
+    async def take(self, share: str, seconds: float) -> Slot:
         """Wait for a place, which is expected to be taken for so many seconds."""
         if share not in self._had:
             self._had[share] = max(self._due, min(self._had.values(), default=0.0))
-        got: asyncio.Future[Place] = asyncio.get_running_loop().create_future()
+        got: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
         asked = (next(self._number), share, seconds, got)
         self._waiting.append(asked)
         self._hand_out()
@@ -90,7 +90,7 @@ class FairQueue:
             self._forget(share)
             raise
 
-    def leave(self, slot: Place) -> None:
+    def leave(self, slot: Slot) -> None:
         """Give a place back."""
         self._taken.remove(slot)
         used = time.monotonic() - slot.since
@@ -102,21 +102,21 @@ class FairQueue:
     def _hand_out(self) -> None:
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
-        while self._waiting and len(self._taken) < self._places:
+        while self._waiting and len(self._taken) < self._slots:
             lasting = sum(self._lasts(slot.seconds, slot) for slot in self._taken)
-            no_more = self._places > 1 and lasting >= self._places - 1
+            no_more = self._slots > 1 and lasting >= self._slots - 1
             fits = [waiter for waiter in self._waiting if not (no_more and self._lasts(waiter[2]))]
             if not fits:
                 return
             chosen = min(fits, key=lambda waiter: (self._had[waiter[1]] + waiter[2], waiter[0]))
             self._waiting.remove(chosen)
             _, share, seconds, got = chosen
-            slot = Place(share, seconds)
+            slot = Slot(share, seconds)
             self._taken.append(slot)
             self._had[share] += seconds
             got.set_result(slot)
 
-    def _lasts(self, seconds: float, slot: Place | None = None) -> bool:
+    def _lasts(self, seconds: float, slot: Slot | None = None) -> bool:
         run = 0.0 if slot is None else time.monotonic() - slot.since
         return max(seconds, run) > self._longest
 

@@ -34,7 +34,7 @@ class Integrity:
         for lane in (self._small, self._large):
             lane.shutdown(wait=False, cancel_futures=True)
 
-    async def is_sound(self, file: FileIO, digest: str) -> bool:
+    async def is_intact(self, file: FileIO, digest: str) -> bool:
         """True if an open file has a SHA-256; the event loop does not wait for the disk."""
         status = os.fstat(file.fileno())
         if self._knows(_mark(status, digest)):

@@ -19,7 +19,7 @@ from app.jobs.integrity import has_digest
 from app.jobs.manifest import MANIFEST, ZARR, Manifest
 from app.jobs.studies import kept
 from core.dataset.files import PART, sync
-from core.dataset.shards import open_store, told_plainly
+from core.dataset.shards import open_store, plain_errors
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
@@ -159,7 +159,7 @@ def _write(store: ObjectStore, name: str, folder: Path) -> bool:
 def _plainly() -> Iterator[None]:
     """Raise `LostStoreError` for whatever a store says of itself; the log has its words."""
     try:
-        with told_plainly():
+        with plain_errors():
             yield
     except OSError as error:
         raise LostStoreError(*error.args) from error

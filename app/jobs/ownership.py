@@ -63,26 +63,26 @@ class Ownership:
                 )  # fmt: skip
             else:
                 used = {"used": time.time(), "result": int(result or known.result)}
-                connection.execute(HOLDINGS.update().where(_one(owner, key)).values(used))
+                connection.execute(HOLDINGS.update().where(_held_by(owner, key)).values(used))
         return known is None
 
     def of(self, owner: str, key: str) -> OwnedStudy | None:
         """Return what an owner holds of a study; None for nothing."""
-        rows = self._database.read(select(HOLDINGS).where(_one(owner, key)))
+        rows = self._database.read(select(HOLDINGS).where(_held_by(owner, key)))
         return _holding(rows[0]) if rows else None
 
     def readable(self, owner: str, key: str) -> list[OwnedStudy]:
         """Return by which holdings somebody may read a study; note its use."""
         is_seen = (HOLDINGS.c.owner == owner) | (HOLDINGS.c.shared == 1)
         rows = self._database.read(select(HOLDINGS).where(HOLDINGS.c.key == key, is_seen))
-        holdings = [_holding(row) for row in rows]
+        owned = [_holding(row) for row in rows]
         now = time.time()
-        if any(abs(now - holding.used) > USED_EVERY for holding in holdings):
+        if any(abs(now - holding.used) > USED_EVERY for holding in owned):
             with self._database.transaction() as connection:
                 connection.execute(
                     HOLDINGS.update().where(HOLDINGS.c.key == key, is_seen).values(used=now)
                 )
-        return holdings
+        return owned
 
     def share(self, owner: str | None, key: str, shared: bool) -> None:
         """Let all keys read a study, or owners only; of None it is all holdings."""
@@ -127,7 +127,7 @@ class Ownership:
         return {row[0] for row in self._database.read(select(HOLDINGS.c.key).distinct())}
 
 
-def _one(owner: str, key: str) -> ColumnElement[bool]:
+def _held_by(owner: str, key: str) -> ColumnElement[bool]:
     return (HOLDINGS.c.owner == owner) & (HOLDINGS.c.key == key)
 
 

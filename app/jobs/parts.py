@@ -88,7 +88,7 @@ def write_result(store: Store, key: str, process: str, parts: Parts, seconds: fl
     """
     cells, count = parts.cells, parts.count
     try:
-        table = parts.answers()
+        table = parts.joined_table()
         if table is not None:
             store.finish(key, table, process=process, cells=cells, blocks=count, seconds=seconds)
         else:

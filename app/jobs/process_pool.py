@@ -195,18 +195,18 @@ def _carry_out(pipe: Connection) -> None:
             reply = True, function(*arguments)
             content = pickle.dumps(reply, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:
-            content = pickle.dumps((False, _told(error)))
+            content = pickle.dumps((False, _portable(error)))
         pipe.send_bytes(content)
 
 
-def _told(error: Exception) -> Exception:
+def _portable(error: Exception) -> Exception:
     """Return an error that can be raised elsewhere, with where it came from if it is unforeseen."""
     if not isinstance(error, VibrafeedError):
         error.add_note(traceback.format_exc())
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:
-        told = RuntimeError(repr(error))
-        told.add_note(traceback.format_exc())
-        return told
+        portable = RuntimeError(repr(error))
+        portable.add_note(traceback.format_exc())
+        return portable
     return error

@@ -92,10 +92,10 @@ class Store(Blocks):
 
         One of which a file is missing, or has another size, is none.
         """
-        found = self._manifest(key)
-        if found is not None:
+        manifest = self._manifest(key)
+        if manifest is not None:
             self.note_use(key)
-        return found
+        return manifest
 
     def _manifest(self, key: str) -> Manifest | None:
         manifest = self.manifest_as_it_is(key)
@@ -111,9 +111,9 @@ class Store(Blocks):
         """Return what a manifest says, be its files there or not; None if it cannot be read."""
         path = self.folder(key) / MANIFEST
         try:
-            found = Manifest(**json.loads(path.read_bytes()))
-            if all(isinstance(known["bytes"], int) for known in found.files.values()):
-                return found
+            manifest = Manifest(**json.loads(path.read_bytes()))
+            if all(isinstance(known["bytes"], int) for known in manifest.files.values()):
+                return manifest
         except FileNotFoundError:
             return None
         except (ValueError, TypeError, KeyError, AttributeError):

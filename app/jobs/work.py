@@ -75,7 +75,7 @@ def compute_block(
     started = time.perf_counter()
     store = Store(Path(directory))
     # One thread: each worker thread is given a block of its own.
-    watch = Watch(threads=1, stop=lambda: store.is_given_up(key, claim))
+    watch = Watch(threads=1, stop=lambda: store.is_abandoned(key, claim))
     if watch.stopped():  # before it began
         raise StoppedError(UNWANTED)
     if process in KINDS and cells == IN_PARTS:

@@ -91,7 +91,7 @@ class Writer:
         except FileNotFoundError:
             return None
         with file:
-            if await self._store.integrity.is_sound(file, manifest.files[NETCDF]["sha256"]):
+            if await self._store.integrity.is_intact(file, manifest.files[NETCDF]["sha256"]):
                 return manifest
             found = os.fstat(file.fileno())
         await asyncio.to_thread(self._store.take_away, key, path, found)

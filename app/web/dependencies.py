@@ -37,7 +37,7 @@ async def writer_of(request: Request) -> Writer:
     return cast(Writer, request.app.state.writer)
 
 
-async def desk_of(request: Request) -> Admission:
+async def admission_of(request: Request) -> Admission:
     """Return where the app's jobs are handed in."""
     return cast(Admission, request.app.state.admission)
 
@@ -91,7 +91,7 @@ async def body_of(request: Request) -> bytes:
 SettingsOf = Annotated[Settings, Depends(settings_of)]
 StoreOf = Annotated[Store, Depends(store_of)]
 WriterOf = Annotated[Writer, Depends(writer_of)]
-AdmissionOf = Annotated[Admission, Depends(desk_of)]
+AdmissionOf = Annotated[Admission, Depends(admission_of)]
 WhoOf = Annotated[keys.Key, Depends(who_of)]
 
 

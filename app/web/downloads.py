@@ -167,7 +167,7 @@ class _FileResponse(StreamingResponse):
         with file:
             if self._checked is not None:
                 check, digest = self._checked
-                if not await check.integrity.is_sound(file, digest):
+                if not await check.integrity.is_intact(file, digest):
                     raise await asyncio.to_thread(check.broken, os.fstat(file.fileno()))
             self.body_iterator = _pieces(file, self._start, self._stop)
             await super().__call__(scope, receive, send)

@@ -20,7 +20,7 @@ from app.web.wrong_keys import WrongKeys
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
-MAX_GIVEN = 2  # in one request: each takes a look at all keys
+MAX_KEYS = 2  # in one request: each takes a look at all keys
 OF_KEY = "key "  # begins the name of an owner who has a key
 SOON = 0.01  # s between looks at whether another request has read the keys
 
@@ -78,14 +78,14 @@ class Entry:
         if not self.keys.are_needed:
             _enter(scope, NOBODY)
             return None
-        words = set(_given(headers))
-        if len(words) > MAX_GIVEN:
-            return _without(f"{len(words):,} keys are sent. Send one.")
-        if not words:
+        sent = set(_sent_keys(headers))
+        if len(sent) > MAX_KEYS:
+            return _without(f"{len(sent):,} keys are sent. Send one.")
+        if not sent:
             return _without("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")
         now = time.time()
         # One wrong key among right ones is refused: a client that sends it is mistaken.
-        keys = [self.keys.of_hash(hash_of(word)) for word in words]
+        keys = [self.keys.of_hash(hash_of(word)) for word in sent]
         names = {key.name for key in keys if key is not None and key.stands(now)}
         if len(names) != 1 or not all(key is not None and key.stands(now) for key in keys):
             known = next((key.name for key in keys if key is not None), "")
@@ -130,7 +130,7 @@ def _without(detail: str) -> Response:
     )
 
 
-def _given(headers: Headers) -> list[str]:
+def _sent_keys(headers: Headers) -> list[str]:
     keys = headers.getlist("x-api-key")
     for value in headers.getlist("authorization"):
         scheme, _, key = value.partition(" ")

@@ -23,7 +23,7 @@ class MadeOnce:
     def __init__(self) -> None:
         self._kept: dict[Hashable, tuple[bytes, str]] = {}
         self._making: dict[Hashable, asyncio.Task[tuple[bytes, str]]] = {}
-        self._one = asyncio.Lock()
+        self._lock = asyncio.Lock()
 
     async def __call__(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
         """Return a document by its name, and its ETag; what could not be made is made anew.
@@ -43,7 +43,7 @@ class MadeOnce:
 
     async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
         try:
-            async with self._one:
+            async with self._lock:
                 content = await asyncio.to_thread(make)
         finally:
             del self._making[name]

@@ -23,7 +23,7 @@ from app.web.dependencies import Body
 from app.web.entry import owner_of
 
 CORES = os.cpu_count() or 1
-PLACES = min(CORES, 8) + 1  # routes have a thread more: descriptions and small slices do not wait
+SLOTS = min(CORES, 8) + 1  # routes have a thread more: descriptions and small slices do not wait
 _T = TypeVar("_T")
 BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more request pass
 
@@ -36,21 +36,21 @@ class Shares:
 
     Parameters
     ----------
-    places : int
+    slots : int
         How many there are.
-    of_one : int
+    of_owner : int
         How many of them one owner has at most.
     """
 
-    def __init__(self, places: int = PLACES, of_one: int = PLACES - 1):
-        self._places, self._of_one = places, of_one
+    def __init__(self, slots: int = SLOTS, of_owner: int = SLOTS - 1):
+        self._slots, self._of_owner = slots, of_owner
         self._taken: Counter[str] = Counter()
         self._served: dict[str, int] = {}  # the turn in which each owner that is here was served
         self._waiting: list[tuple[int, int, str, asyncio.Future[None]]] = []
         self._asked, self._turn = itertools.count(), itertools.count()
 
     @asynccontextmanager
-    async def place(self, owner: str, price: int = 0) -> AsyncIterator[None]:
+    async def slot(self, owner: str, price: int = 0) -> AsyncIterator[None]:
         """Have a place; as many later requests of its owner as its price may pass this one."""
         asked = next(self._asked)
         got: asyncio.Future[None] = asyncio.get_running_loop().create_future()
@@ -71,8 +71,8 @@ class Shares:
         self._taken = +self._taken
         here = {waiter[2] for waiter in self._waiting} | self._taken.keys()
         self._served = {owner: turn for owner, turn in self._served.items() if owner in here}
-        while self._taken.total() < self._places:
-            fits = [waiter for waiter in self._waiting if self._taken[waiter[2]] < self._of_one]
+        while self._taken.total() < self._slots:
+            fits = [waiter for waiter in self._waiting if self._taken[waiter[2]] < self._of_owner]
             if not fits:
                 return
             chosen = min(fits, key=self._rank)
@@ -94,7 +94,7 @@ class Shares:
 
 
 @asynccontextmanager
-async def place_of(request: Request, size: int = 0) -> AsyncIterator[None]:
+async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
     """Have a place for a request whose body has a size [bytes]; without keys its address owns it.
 
     Raises
@@ -103,7 +103,7 @@ async def place_of(request: Request, size: int = 0) -> AsyncIterator[None]:
         If the client has left while it waited: nothing is computed for nobody.
     """
     shares = cast(Shares, request.app.state.shares)
-    async with shares.place(owner_of(request.scope), size // BYTES_A_TURN):
+    async with shares.slot(owner_of(request.scope), size // BYTES_A_TURN):
         await look_at(request)()
         yield
 
@@ -130,7 +130,7 @@ def look_at(request: Request) -> Callable[[], Awaitable[None]]:
 
 
 async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
-    async with place_of(request, len(body)):
+    async with slot_of(request, len(body)):
         yield
 
 

@@ -41,18 +41,18 @@ def read_sharing(body: bytes) -> bool:
     try:
         content = read_json(body)
     except StudyError as error:
-        raise RequestValidationError([_wrong(p.place, p.message) for p in error.problems]) from None
+        raise RequestValidationError([_error(p.place, p.message) for p in error.problems]) from None
     if not isinstance(content, Mapping):
-        raise RequestValidationError([_wrong("body", 'it is not like {"shared": true}')])
-    wrong = [
-        _wrong(str(name)[:60], "there is no such field") for name in content if name != "shared"
+        raise RequestValidationError([_error("body", 'it is not like {"shared": true}')])
+    problems = [
+        _error(str(name)[:60], "there is no such field") for name in content if name != "shared"
     ]
     if not isinstance(content.get("shared"), bool):
-        wrong.append(_wrong("shared", "it is neither true nor false"))
-    if wrong:
-        raise RequestValidationError(wrong)
+        problems.append(_error("shared", "it is neither true nor false"))
+    if problems:
+        raise RequestValidationError(problems)
     return bool(content["shared"])
 
 
-def _wrong(parameter: str, message: str) -> dict[str, Any]:
+def _error(parameter: str, message: str) -> dict[str, Any]:
     return {"loc": (parameter,), "msg": message}

@@ -75,31 +75,31 @@ def answers_of(content: object) -> ProgramAnswers:
     """Return the answers that a mapping holds; raise `StudyError` with all that is wrong."""
     if not isinstance(content, Mapping):
         raise StudyError([Problem("answers", "it is not a JSON object", _FORM)])
-    wrong = [
+    problems = [
         Problem(str(key)[:40], "it is not a key of the answers", suggestion(str(key), _KEYS))
         for key in content
         if key not in _KEYS
     ]
     if content.get("format") != FORMAT:
-        wrong.append(Problem("format", "it is not given, or another one", f'Write "{FORMAT}"'))
+        problems.append(Problem("format", "it is not given, or another one", f'Write "{FORMAT}"'))
     program = content.get("program", "the program")
     if not isinstance(program, str) or len(program) > 200:
-        wrong.append(Problem("program", "it is not a name", 'Write text, such as "Another 1.2"'))
+        problems.append(Problem("program", "it is not a name", 'Write text, such as "Another 1.2"'))
     answers = content.get("answers")
     if not isinstance(answers, Mapping) or not answers:
-        wrong.append(Problem("answers", "there are none", _FORM))
-        raise StudyError(wrong)
+        problems.append(Problem("answers", "there are none", _FORM))
+        raise StudyError(problems)
     asked, unknown = _asked(answers)
-    wrong += unknown
-    wrong += [
+    problems += unknown
+    problems += [
         Problem(
             f"answers.{name}"[:80], f"{str(value)[:40]} is not a number", "Write a number or null"
         )
         for name, value in answers.items()
         if not _is_answer(value)
     ]
-    if wrong:
-        raise StudyError(wrong[:MAX_PROBLEMS])
+    if problems:
+        raise StudyError(problems[:MAX_PROBLEMS])
     return ProgramAnswers(program, asked, answers)
 
 
@@ -113,21 +113,21 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
     """Return the problems of some names, and what is wrong with names that are of none."""
     letters = {name.partition("-")[0] for name in names}
     known = {problem.id: problem for problem in cases(letters & set(FAMILIES) or {"Q"})}
-    most, wrong = _random(names)
+    most, problems = _random(names)
     for (form, seed), count in most.items():
         known |= {problem.id: problem for problem in forms()[form].random(count, seed)}
-    told = {problem.place for problem in wrong}
-    unknown = [name for name in names if name not in known and f"answers.{name}" not in told]
-    wrong += [
+    reported = {problem.place for problem in problems}
+    unknown = [name for name in names if name not in known and f"answers.{name}" not in reported]
+    problems += [
         Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
         for name in unknown[:MAX_PROBLEMS]
     ]
-    return tuple(problem for name, problem in known.items() if name in names), wrong
+    return tuple(problem for name, problem in known.items() if name in names), problems
 
 
 def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Problem]]:
     """Return the largest number of each form and seed among some names, and what is too large."""
-    wrong: list[Problem] = []
+    problems: list[Problem] = []
     most: dict[tuple[str, int], int] = {}
     for name in names:
         found = _RANDOM.fullmatch(name)
@@ -137,7 +137,7 @@ def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Pr
         seeds = {seed for _, seed in most} | {key[1]}
         if number > MAX_RANDOM or len(seeds) > MAX_SEEDS:
             fix = f"Take numbers up to {MAX_RANDOM:,}, and at most {MAX_SEEDS} seeds"
-            wrong.append(Problem(f"answers.{name}", "it is too far out", fix))
+            problems.append(Problem(f"answers.{name}", "it is too far out", fix))
         else:
             most[key] = max(most.get(key, 0), number)
-    return most, wrong
+    return most, problems

@@ -72,13 +72,13 @@ def families_of(asked: Collection[str]) -> tuple[str, ...]:
         With every letter that is no family.
     """
     letters = [letter.strip().upper() for several in asked for letter in several.split(",")]
-    wrong = [
+    problems = [
         Problem("family", f"'{letter[:20]}' is not a family", f"Known: {', '.join(FAMILIES)}")
         for letter in letters
         if letter not in FAMILIES
     ]
-    if wrong:
-        raise StudyError(wrong)
+    if problems:
+        raise StudyError(problems)
     return tuple(letter for letter in FAMILIES if not letters or letter in letters)
 
 

@@ -155,20 +155,20 @@ def judge(case: Case, computed: CaseValues) -> Outcome:
     """Return the verdict on what was computed for a case; nothing is computed anew."""
     value, stated = computed.value, computed.stated
     status = ", ".join(sorted(computed.statuses))
-    wrong = Outcome(case, status=status)
+    failed = Outcome(case, status=status)
     if case.refused:
-        return replace(wrong, status="accepted", note=f"{case.refused} should be refused")
+        return replace(failed, status="accepted", note=f"{case.refused} should be refused")
     note = _incomplete(case, computed)
     if note:
-        return replace(wrong, note=note)
+        return replace(failed, note=note)
     if case.truth is None:
-        return replace(wrong, passed=True, note="judged by its status")
+        return replace(failed, passed=True, note="judged by its status")
     allowed = np.broadcast_to(case.truth.tolerance, np.shape(value))
     if stated is not None and _states_too_much(case, case.truth, value, stated):
-        return replace(wrong, note="the stated error is larger than what it is stated for")
+        return replace(failed, note="the stated error is larger than what it is stated for")
     if case.states_error:
         if stated is None:
-            return replace(wrong, note="no error is stated")
+            return replace(failed, note="no error is stated")
         allowed = allowed + np.where(np.isfinite(value), stated, 0.0)
     errors = case.errors(value)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

@@ -113,12 +113,12 @@ def _family_row(summary: Summary) -> tuple[str, ...]:
 def sentence(outcomes: Sequence[Outcome], program: str) -> str:
     """Return how many were right, in a sentence."""
     judged = [outcome for outcome in outcomes if outcome.judged]
-    wrong = sum(not outcome.passed for outcome in judged)
+    failures = sum(not outcome.passed for outcome in judged)
     shown = len(outcomes) - len(judged)
     more = f" {shown} more are shown and not judged." if shown else ""
-    if not wrong:
+    if not failures:
         return f"{program}: all of {len(judged):,} problems are right.{more}"
-    return f"{program}: {wrong:,} of {len(judged):,} problems are wrong.{more}"
+    return f"{program}: {failures:,} of {len(judged):,} problems are wrong.{more}"
 
 
 def document(outcomes: Sequence[Outcome], program: str) -> dict[str, Any]:

@@ -24,7 +24,7 @@ BAR = 8
 Formula = Callable[..., Any]
 
 
-def exact(formula: Formula, **given: float) -> Callable[[], Truth]:
+def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
     """Return what gives the exact value of a formula, with an error of 8 kappa ulp.
 
     kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
@@ -32,7 +32,7 @@ def exact(formula: Formula, **given: float) -> Callable[[], Truth]:
 
     def truth() -> Truth:
         with mp.workdps(DIGITS):
-            inputs = {name: mpf(value) for name, value in given.items()}
+            inputs = {name: mpf(value) for name, value in numbers.items()}
             value = formula(**inputs)
             total = abs(value)
             for name, number in inputs.items():
@@ -48,7 +48,7 @@ def exact(formula: Formula, **given: float) -> Callable[[], Truth]:
     return truth
 
 
-def exact_of_floats(formula: Formula, **given: float) -> Callable[[], Truth]:
+def exact_of_floats(formula: Formula, **values: float) -> Callable[[], Truth]:
     """Return what gives the exact value of a formula, with an error of 8 ulp of the value itself.
 
     For formulas whose inputs cancel without a rounding, so that their condition does not count: of
@@ -57,7 +57,7 @@ def exact_of_floats(formula: Formula, **given: float) -> Callable[[], Truth]:
 
     def truth() -> Truth:
         with mp.workdps(DIGITS):
-            value = float(formula(**{name: mpf(number) for name, number in given.items()}))
+            value = float(formula(**{name: mpf(number) for name, number in values.items()}))
         error = BAR * abs(value) * EPSILON + BAR * 5e-324
         return Truth(value, error, "closed form of the floats in 700 digits; 8 ulp")
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from core.atlas.cells import BITS, REGIMES_FOUND, Cells, exact, regime_of
+from core.atlas.cells import BITS, REGIMES_STORED, Cells, exact, regime_of
 from core.atlas.nodes import Axes, choose_nodes
 from core.atlas.numbers import AXES, Numbers
 from core.atlas.practice import PRACTICAL
@@ -198,7 +198,7 @@ def _labelled(
             + ", ".join(f"{bit} ({name})" for name, bit in BITS.items())
             + "; 0: no answer.",
         ),
-        "regime": stored(regime_of(cells.pattern), **regime_attributes(REGIMES_FOUND)),
+        "regime": stored(regime_of(cells.pattern), **regime_attributes(REGIMES_STORED)),
     }
     study = json.dumps(
         {

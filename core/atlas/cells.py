@@ -75,7 +75,7 @@ def _regime(pattern: int) -> int:
 
 _OF_PATTERN = np.array([_regime(pattern) for pattern in range(1 << len(BITS))], dtype=np.int8)
 
-REGIMES_FOUND = ("stick", "slip", "stick_slip", "hopping", "hop_after_hop", "unresolved")
+REGIMES_STORED = ("stick", "slip", "stick_slip", "hopping", "hop_after_hop", "unresolved")
 """The regimes that an atlas can hold."""
 
 

@@ -76,7 +76,7 @@ def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
     outside = np.logical_or.reduce(list(out_of_range(numbers).values()))
     base = np.zeros(count, dtype=np.intp)
     nearest = np.zeros(count, dtype=np.intp)
-    places, steps = [], []
+    fractions, steps = [], []
     for axis, (nodes, values) in enumerate(zip(atlas.axes, numbers, strict=True)):
         inside = np.where(outside, nodes[0], values)
         below = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, nodes.size - 2)
@@ -84,23 +84,23 @@ def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
         step = int(np.prod(atlas.shape[axis + 1 :], dtype=np.intp))
         base += below * step
         nearest += (below + (position > 0.5)) * step
-        places.append(position)
+        fractions.append(position)
         steps.append(step)
-    values, errors, sound = _corners(atlas, base, places, steps, atlas.patterns[nearest])
-    between = np.stack([4.0 * position * (1.0 - position) for position in places], axis=-1)
+    values, errors, agrees = _corners(atlas, base, fractions, steps, atlas.patterns[nearest])
+    between = np.stack([4.0 * position * (1.0 - position) for position in fractions], axis=-1)
     # What no neighbour tells is infinite, and counts where the number is no node.
     bends = np.where(between > 0, errors[:, : len(AXES)], 0.0) * between
     error = SAFETY * bends.sum(axis=-1) + 2.0 * 10.0**-VELOCITY_DIGITS
-    sound &= np.isfinite(error)
+    agrees &= np.isfinite(error)
     bend = np.where(between.max(axis=-1) > 0, np.minimum(errors[:, -1], 1.0), 0.0)
     share_error = np.minimum(SHARE_SAFETY * bend + 10.0**-SHARE_DIGITS, 1.0)
-    return _with_status(numbers, outside, sound, values, error, share_error, atlas, nearest)
+    return _with_status(numbers, outside, agrees, values, error, share_error, atlas, nearest)
 
 
 def _corners(
     atlas: Atlas,
     base: NDArray[np.intp],
-    places: list[NDArray[np.float64]],
+    fractions: list[NDArray[np.float64]],
     steps: list[int],
     pattern: NDArray[np.int8],
 ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.bool_]]:
@@ -108,11 +108,11 @@ def _corners(
     count = base.size
     values = np.zeros((count, len(VALUES)))
     errors = np.zeros((count, len(ERRORS)), dtype=np.float32)
-    sound = pattern > 0
+    agrees = pattern > 0
     for corner in product((0, 1), repeat=len(steps)):
         weight = np.ones(count)
-        for upper, place in zip(corner, places, strict=True):
-            weight *= place if upper else 1.0 - place
+        for upper, fraction in zip(corner, fractions, strict=True):
+            weight *= fraction if upper else 1.0 - fraction
         weighs = weight > 0
         if not weighs.any():
             continue
@@ -120,19 +120,19 @@ def _corners(
         if not weighs.all():  # an unused corner may lie beyond the last node
             at = np.where(weighs, at, base)
         record = atlas.records.take(at, axis=0)
-        sound &= ~weighs | (atlas.patterns.take(at) == pattern)
+        agrees &= ~weighs | (atlas.patterns.take(at) == pattern)
         values += weight[:, None] * record[:, : len(VALUES)]
         found = record[:, len(VALUES) :]
         if not weighs.all():
             found[~weighs] = 0.0
         np.maximum(errors, found, out=errors)
-    return values, errors, sound
+    return values, errors, agrees
 
 
 def _with_status(
     numbers: Numbers,
     outside: NDArray[np.bool_],
-    sound: NDArray[np.bool_],
+    agrees: NDArray[np.bool_],
     values: NDArray[np.float64],
     error: Array,
     share_error: Array,
@@ -142,7 +142,7 @@ def _with_status(
     """Return what was found, with nothing that is no answer, and rest where friction tells it."""
     status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
     held = rests(numbers) & ~outside
-    answered = held | (sound & ~outside)
+    answered = held | (agrees & ~outside)
     status = np.where(answered, STATUS["answered"], status).astype(np.int8)
     at_rest = np.array([0.0, *(float(name == "stick") for name in SHARES)])
     values = np.where(held[:, None], at_rest, values)

@@ -16,7 +16,7 @@ from core.atlas.practice import practical, spread_out
 from core.watch import Watch
 
 POPULATION = 20_000  # points that tell how often an interval is asked for
-ASIDE = 1e-6  # of a throw number at which the normal motion changes: a node on either side
+NODE_OFFSET = 1e-6  # of a throw number at which the normal motion changes: a node on either side
 BORDER = 0.02  # what an interval that crosses a border costs, as an error
 DIGITS = 10  # of a score: what is beyond differs from one processor to the next
 
@@ -63,8 +63,8 @@ def _first() -> Axes:
     """Return the nodes to begin with; the level track and one friction are among them."""
     throw, angle, slope, ratio = AXES.values()
     edges = (
-        throw.least, 0.1, 0.3, 0.6, HOP, HOP + ASIDE, 1.5, 2.2,
-        HOP_AFTER_HOP - ASIDE, HOP_AFTER_HOP + ASIDE, throw.largest,
+        throw.least, 0.1, 0.3, 0.6, HOP, HOP + NODE_OFFSET, 1.5, 2.2,
+        HOP_AFTER_HOP - NODE_OFFSET, HOP_AFTER_HOP + NODE_OFFSET, throw.largest,
     )  # fmt: skip
     return (
         np.array(edges),
@@ -97,7 +97,7 @@ def _costs(
     error = np.abs(between - (below + share * (above - below)))
     same = (found.pattern == found.pattern[..., :1]).all(axis=-1) & (found.pattern[..., 0] > 0)
     cost = np.where(same, error, BORDER).mean(axis=0)
-    return np.where(upper - lower <= 3 * ASIDE, 0.0, cost)
+    return np.where(upper - lower <= 3 * NODE_OFFSET, 0.0, cost)
 
 
 def _often(asked: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ from core.study.units import UnitError, read_number
 from core.suggestions import suggestion
 
 MAX_ROWS: Final = 2_000_000
-MAX_TOLD: Final = 20  # problems of cells
+MAX_REPORTED: Final = 20  # problems of cells
 
 _HEADING = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])])?\s*")
 
@@ -40,7 +40,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
                 "Correct the row")
         for number, row in enumerate(body, 1)
         if len(row) != len(heading)
-    ][:MAX_TOLD]  # fmt: skip
+    ][:MAX_REPORTED]  # fmt: skip
     if problems:
         raise StudyError(problems)
     columns = {
@@ -48,7 +48,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
         for k, (name, unit) in enumerate(zip(names, units, strict=True))
     }
     if problems:
-        raise StudyError(problems[:MAX_TOLD])
+        raise StudyError(problems[:MAX_REPORTED])
     return columns
 
 

@@ -1,4 +1,4 @@
-"""The last digits of the best values: least squares by scipy from the best point of a heap."""
+"""The last digits of the best values: least squares by scipy from the best point of a mode."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class LeastSquares:
         )
         variance = np.where(variance > 0, variance, 1.0)
         over = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
-        before = [one.away(points[:, k]) for k, one in enumerate(model.unknowns)]
+        before = [one.deviations_from_mean(points[:, k]) for k, one in enumerate(model.unknowns)]
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
 
     def _slopes(self, share: Array) -> Array:
@@ -84,5 +84,5 @@ class LeastSquares:
         residuals = self._residuals(np.concatenate([ahead, behind]))
         apart = np.diag(ahead - behind)
         change = residuals[: share.size] - residuals[share.size :]
-        found: Array = (change / apart[:, np.newaxis]).T
-        return found
+        slopes: Array = (change / apart[:, np.newaxis]).T
+        return slopes

@@ -25,7 +25,7 @@ BANDS = ("lower_68", "upper_68", "lower_95", "upper_95")
 CANDIDATE = "candidate_"
 LEFT = "deviation_after_"
 POINT_SECONDS = 4e-6  # of a point besides what following its motions takes, a run
-FEW_SECONDS = 1.5  # for densities, heaps and the last digits
+FEW_SECONDS = 1.5  # for densities, modes and the last digits
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from core.watch import Watch
 
 ENSEMBLE = 300  # points of the posterior
 MAX_CANDIDATES = 2_000
-PLACES = 240  # of a speed, at which densities are summed
+SPEED_NODES = 240  # of a speed, at which densities are summed
 AROUND = 4.0  # deviations beyond the least and the largest speed
 CANDIDATES_AT_A_TIME = 50
 BIT = np.log(2.0)
@@ -86,9 +86,9 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
     if not some.any():
         return gain, left
     value, spread, known = value[:, some], spread[:, some], known[:, some]
-    steps = (most - least)[some] / (PLACES - 1)
-    places = least[some] + steps * np.arange(PLACES)[:, np.newaxis]
-    away = (places[np.newaxis] - np.where(known, value, 0.0)[:, np.newaxis]) / spread[:, np.newaxis]
+    steps = (most - least)[some] / (SPEED_NODES - 1)
+    speeds = least[some] + steps * np.arange(SPEED_NODES)[:, np.newaxis]
+    away = (speeds[np.newaxis] - np.where(known, value, 0.0)[:, np.newaxis]) / spread[:, np.newaxis]
     density = np.exp(-0.5 * np.square(away)) / (np.sqrt(2.0 * np.pi) * spread[:, np.newaxis])
     density *= known[:, np.newaxis]
     left[:, some] = _left(density, points, steps)
@@ -107,7 +107,7 @@ def _left(density: Array, points: Array, steps: Array) -> Array:
 
     E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2 / sum_i p_i(y)), with the
     density p_i(y) of the measured speed y that point i of the ensemble predicts, shape (ensemble,
-    places, some). Points without a speed keep their share of the variance.
+    speeds, some). Points without a speed keep their share of the variance.
     """
     away = points - points.mean(axis=0)
     before = np.square(away).mean(axis=0)

@@ -105,7 +105,7 @@ class Unknown:
         far = MAX_DEVIATIONS * deviation
         return max(lower, mean - far), min(upper, mean + far)
 
-    def away(self, values: Array) -> Array:
+    def deviations_from_mean(self, values: Array) -> Array:
         """Return how far values are from the mean, in deviations; 0 where none is given."""
         if not isinstance(self.prior, Normal):
             return np.zeros(np.shape(values))
@@ -113,7 +113,7 @@ class Unknown:
 
     def log_prior(self, values: Array) -> Array:
         """Return the logarithm of the density before, but for a constant."""
-        return -0.5 * np.square(self.away(values))
+        return -0.5 * np.square(self.deviations_from_mean(values))
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,8 @@ class Runs:
     @property
     def measured(self) -> Mask:
         """Where a value was measured, shape (runs,)."""
-        found: Mask = np.isfinite(self.value)
-        return found
+        is_measured: Mask = np.isfinite(self.value)
+        return is_measured
 
     @property
     def watched(self) -> Mask:
@@ -258,7 +258,7 @@ class Model:
     def _predict(
         self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
     ) -> Predicted:
-        given = self._given(points, columns)
+        given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
             known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
             velocity, spread, error = (known[name] for name in OUTPUTS[:3])
@@ -284,7 +284,7 @@ class Model:
             )
         )
 
-    def _given(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
+    def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
         """Return the parameters of the plan, SI units, which broadcast to (points, runs)."""
         known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
         known |= {name: values[np.newaxis] for name, values in columns.items()}

@@ -10,13 +10,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.calibrate.leaves import Explored, Leaves, points_of
+from core.calibrate.boxes import Boxes, Explored, points_of
 from core.calibrate.scatter import Likelihood, summed
 from core.mechanics.arrays import Array
 
-POINTS = 60_000  # within the leaves, about
+POINTS = 60_000  # within the boxes, about
 MAX_NUMBERS = 4_000_000  # points times runs
-NEGLIGIBLE = 1e-7  # of the mass, in leaves that are left out
+NEGLIGIBLE = 1e-7  # of the mass, in boxes that are left out
 AXIS = {1: 201, 2: 81, 3: 41, 4: 21}
 """Values of each unknown at which densities are told, by their number."""
 SMOOTH = np.array([1.0, 8.0, 28.0, 56.0, 70.0, 56.0, 28.0, 8.0, 1.0]) / 256.0
@@ -24,9 +24,9 @@ SMOOTH = np.array([1.0, 8.0, 28.0, 56.0, 70.0, 56.0, 28.0, 8.0, 1.0]) / 256.0
 TAIL = 1e-4  # of the mass, on either side of these values
 BEYOND = 0.08  # of what they span, which they go further
 LEAST_LOG = -700.0  # whose exponential is a number yet
-HIGHEST = (0.9, 0.99)  # of the mass, within which separate heaps are modes
+HIGHEST = (0.9, 0.99)  # of the mass, within which separate modes are modes
 LEAST_MODE = 0.02
-DEEPEST = 50.0  # below the top of the logarithm of the density, where heaps are parted
+DEEPEST = 50.0  # below the top of the logarithm of the density, where modes are parted
 MAX_MODES = 6
 
 
@@ -39,13 +39,13 @@ class Posterior:
     likelihood : Likelihood
         Of what.
     explored : Explored
-        The leaves that the points lie in.
+        The boxes that the points lie in.
     points : ndarray, shape (points, unknowns)
         In the units of studies.
     weights : ndarray, shape (points,)
         They add up to 1.
     value, variance : ndarray, shape (points, runs)
-        What motions give there, by the slopes of the leaves.
+        What motions give there, by the slopes of the boxes.
     shown : ndarray, shape (points, watched runs)
         Whether parts do what was seen.
     log : ndarray, shape (points,)
@@ -72,8 +72,8 @@ class Posterior:
 
     def mean(self, values: Array) -> Array:
         """Return the mean of values at the points."""
-        found: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
-        return found
+        mean: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
+        return mean
 
     def covariance(self) -> Array:
         """Return the covariance of the unknowns, shape (unknowns, unknowns)."""
@@ -85,30 +85,30 @@ class Posterior:
         places = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
         chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
-        found: Array = self.points[order[np.minimum(chosen, len(order) - 1)]]
-        return found
+        points: Array = self.points[order[np.minimum(chosen, len(order) - 1)]]
+        return points
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
-    """Return the points of a posterior: some in each leaf that has a share of the mass."""
-    leaves, log_mass = explored.leaves, explored.log_mass
+    """Return the points of a posterior: some in each box that has a share of the mass."""
+    boxes, log_mass = explored.boxes, explored.log_mass
     top = log_mass.max()
-    mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(leaves))
+    mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(boxes))
     mass /= mass.sum()
     kept = mass > NEGLIGIBLE / len(mass)
-    leaves = leaves.only(kept)
-    most = min(POINTS, max(2_000, MAX_NUMBERS // max(1, leaves.value.shape[1])))
-    each = int(np.clip(most // len(leaves), 1, 512))
+    boxes = boxes.only(kept)
+    most = min(POINTS, max(2_000, MAX_NUMBERS // max(1, boxes.value.shape[1])))
+    each = int(np.clip(most // len(boxes), 1, 512))
     likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.sizes))
-    share, where = _within(leaves, each)
-    value = leaves.value[where] + np.einsum("prk,pk->pr", leaves.slope[where], share)
-    centre = leaves.centre[where] + share
+    share, where = _within(boxes, each)
+    value = boxes.value[where] + np.einsum("prk,pk->pr", boxes.slope[where], share)
+    centre = boxes.centre[where] + share
     points = points_of(likelihood, centre)
-    variance = (leaves.variance + leaves.rough)[where]
-    shown = leaves.shown[where]
+    variance = (boxes.variance + boxes.rough)[where]
+    shown = boxes.shown[where]
     log = likelihood.log(value, variance, shown, points)
     density = summed(log)
-    whole = density + leaves.log_volume[where]
+    whole = density + boxes.log_volume[where]
     top = whole.max()
     weights = np.exp(whole - top) if np.isfinite(top) else np.ones(len(whole))
     weights /= weights.sum()
@@ -117,20 +117,20 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
     return Posterior(likelihood, explored, points, weights, value, variance, shown, density, sizes)
 
 
-def _within(leaves: Leaves, each: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return points relative to the centres of their leaves, and the number of the leaf of each.
+def _within(boxes: Boxes, each: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return points relative to the centres of their boxes, and the number of the box of each.
 
-    A set that fills a cube evenly is shifted by other numbers in every leaf.
+    A set that fills a cube evenly is shifted by other numbers in every box.
     """
-    count = leaves.centre.shape[1]
+    count = boxes.centre.shape[1]
     if each == 1:
-        return np.zeros((len(leaves), count)), np.arange(len(leaves))
+        return np.zeros((len(boxes), count)), np.arange(len(boxes))
     random = np.random.default_rng(0)
     even = scipy.stats.qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
-    shift = random.random((len(leaves), 1, count))
+    shift = random.random((len(boxes), 1, count))
     share = (even + shift) % 1.0 - 0.5
-    share = share * leaves.width[:, np.newaxis, np.newaxis]
-    return share.reshape(-1, count), np.repeat(np.arange(len(leaves)), each)
+    share = share * boxes.width[:, np.newaxis, np.newaxis]
+    return share.reshape(-1, count), np.repeat(np.arange(len(boxes)), each)
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
@@ -142,8 +142,8 @@ def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -
     if not weights.sum() > 0:
         return np.full(len(shares), np.nan)
     below = np.cumsum(weights) - 0.5 * weights
-    found: Array = np.interp(np.asarray(shares) * weights.sum(), below, values)
-    return found
+    quantiles: Array = np.interp(np.asarray(shares) * weights.sum(), below, values)
+    return quantiles
 
 
 def axes_of(posterior: Posterior) -> list[Array]:
@@ -166,40 +166,40 @@ def axes_of(posterior: Posterior) -> list[Array]:
 def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
     """Return the logarithm of the density on a grid of the unknowns, 0 at most.
 
-    The values of motions follow from the leaf that a point lies in, and its slopes.
+    The values of motions follow from the box that a point lies in, and its slopes.
     """
-    likelihood, leaves = posterior.likelihood, posterior.explored.leaves
+    likelihood, boxes = posterior.likelihood, posterior.explored.boxes
     model = likelihood.model
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     points = grid.reshape(-1, len(axes))
     share = np.clip((points - model.lower) / model.width, 0.0, 1.0 - 1e-15)
-    where = _leaf_of(leaves, share)
+    where = _box_of(boxes, share)
     whole = np.empty(len(points))
-    step = max(1, MAX_NUMBERS // max(1, leaves.value.shape[1]))
+    step = max(1, MAX_NUMBERS // max(1, boxes.value.shape[1]))
     for start in range(0, len(points), step):
         some = slice(start, start + step)
         at = where[some]
-        away = share[some] - leaves.centre[at]
-        value = leaves.value[at] + np.einsum("prk,pk->pr", leaves.slope[at], away)
-        variance = (leaves.variance + leaves.rough)[at]
-        whole[some] = summed(likelihood.log(value, variance, leaves.shown[at], points[some]))
+        away = share[some] - boxes.centre[at]
+        value = boxes.value[at] + np.einsum("prk,pk->pr", boxes.slope[at], away)
+        variance = (boxes.variance + boxes.rough)[at]
+        whole[some] = summed(likelihood.log(value, variance, boxes.shown[at], points[some]))
     top = whole.max()
     whole = np.maximum(whole - (top if np.isfinite(top) else 0.0), LEAST_LOG)
     return whole.reshape(grid.shape[:-1])
 
 
-def _leaf_of(leaves: Leaves, share: Array) -> NDArray[np.int64]:
-    """Return the number of the leaf that each point lies in."""
-    leaf = np.zeros(len(share), dtype=np.int64)
-    for halvings in np.unique(leaves.halvings).tolist():
-        ours = np.flatnonzero(leaves.halvings == halvings)
-        keys = _keys(leaves.centre[ours], halvings)
+def _box_of(boxes: Boxes, share: Array) -> NDArray[np.int64]:
+    """Return the number of the box that each point lies in."""
+    box = np.zeros(len(share), dtype=np.int64)
+    for halvings in np.unique(boxes.halvings).tolist():
+        ours = np.flatnonzero(boxes.halvings == halvings)
+        keys = _keys(boxes.centre[ours], halvings)
         order = np.argsort(keys)
         asked = _keys(share, halvings)
         place = np.minimum(np.searchsorted(keys[order], asked), len(ours) - 1)
         hit = keys[order][place] == asked
-        leaf[hit] = ours[order][place][hit]
-    return leaf
+        box[hit] = ours[order][place][hit]
+    return box
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
@@ -256,7 +256,7 @@ def _binned(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -
 
 
 @dataclass(frozen=True)
-class Heap:
+class Mode:
     """Points of a posterior that hang together.
 
     Attributes
@@ -274,13 +274,13 @@ class Heap:
     mean: Array
 
 
-def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
-    """Return the separate heaps of a posterior, the heaviest first; at least one.
+def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[Mode]:
+    """Return the separate modes of a posterior, the heaviest first; at least one.
 
-    All points belong to one: those between the heaps to the one that they rise to.
+    All points belong to one: those between the modes to the one that they rise to.
     """
     count = len(axes)
-    places = np.stack(
+    nodes = np.stack(
         [
             np.clip(np.rint((posterior.points[:, k] - a[0]) / (a[1] - a[0])), 0, len(a) - 1)
             for k, a in enumerate(axes)
@@ -288,7 +288,7 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
         axis=1,
     ).astype(np.int64)
     shape = tuple(len(axis) for axis in axes)
-    flat = np.ravel_multi_index(tuple(places.T), shape)
+    flat = np.ravel_multi_index(tuple(nodes.T), shape)
     mass: Array = np.bincount(flat, posterior.weights, int(np.prod(shape))).astype(np.float64)
     order = np.argsort(-mass)
     below = np.cumsum(mass[order])
@@ -303,11 +303,11 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
     depth = np.full(mass.size, DEEPEST)
     np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
     steps = (np.iinfo(np.uint16).max / DEEPEST * depth.reshape(shape)).astype(np.uint16)
-    return _heaps(posterior, scipy.ndimage.watershed_ift(steps, best, around).ravel()[flat])
+    return _modes(posterior, scipy.ndimage.watershed_ift(steps, best, around).ravel()[flat])
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    """Return labels of the heaps that are heavy enough, from 1 on, and 0 elsewhere."""
+    """Return labels of the modes that are heavy enough, from 1 on, and 0 elsewhere."""
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
     heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]
@@ -316,13 +316,13 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
     return np.asarray(number[labels])
 
 
-def _heaps(posterior: Posterior, labels: NDArray[np.int16]) -> list[Heap]:
+def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[Mode]:
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)
-    heaps = []
+    modes = []
     for label in np.unique(labels).tolist():
         ours = np.flatnonzero(labels == label)
         mean = weights[ours] @ posterior.points[ours] / shares[label]
         best = posterior.points[ours[np.argmax(log[ours])]]
-        heaps.append(Heap(float(shares[label]), best, mean))
-    return sorted(heaps, key=lambda heap: -heap.share)
+        modes.append(Mode(float(shares[label]), best, mean))
+    return sorted(modes, key=lambda mode: -mode.share)

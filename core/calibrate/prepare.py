@@ -37,21 +37,21 @@ def prepare(study: CalibrateStudy) -> Calibration:
     StudyError
         With every problem of scene, method, parameters, observations, unknowns and candidates.
     """
-    problems = [*_misused(study), *_wrong_unknowns(study)]
-    columns, wrong = _columns(study)
-    problems += wrong
-    output, wrong = _observed(study.observations)
-    problems += wrong
-    error, wrong = _errors(study, output)
-    problems += wrong
+    problems = [*_misused(study), *_problems_of_unknowns(study)]
+    columns, more = _columns(study)
+    problems += more
+    output, more = _observed(study.observations)
+    problems += more
+    error, more = _errors(study, output)
+    problems += more
     values = {name: v for name, v in study.values().items() if isinstance(v, Fixed)}
     shared = {name: value.value for name, value in values.items()}
     unknowns = _unknowns(study)
     problems += _open(unknowns, shared, columns)
-    spans, wrong = _spans(unknowns, shared, columns)
-    problems += wrong
+    spans, more = _spans(unknowns, shared, columns)
+    problems += more
     asked = study.asked_next()
-    problems += _wrong_candidates(asked, shared, columns)
+    problems += _problems_of_candidates(asked, shared, columns)
     # What is wrong with values above is no reason to blame the names of a plan.
     named = {**dict.fromkeys(shared), **dict.fromkeys(columns), **dict.fromkeys(spans)}
     try:
@@ -109,7 +109,7 @@ def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
     return tuple(found)
 
 
-def _wrong_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
+def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
     """Yield why the unknowns of a study cannot be looked for."""
     count = len(study.priors())
     if not count:
@@ -237,7 +237,7 @@ def _spans(
     return spans, problems
 
 
-def _wrong_candidates(
+def _problems_of_candidates(
     asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
     for name in asked:

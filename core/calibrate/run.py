@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.calibrate.best import LeastSquares
+from core.calibrate.boxes import explore
 from core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
@@ -20,17 +21,16 @@ from core.calibrate.calibration import (
     Calibration,
 )  # fmt: skip
 from core.calibrate.candidates import information
-from core.calibrate.leaves import explore
+from core.calibrate.messages import Findings, summary
 from core.calibrate.posterior import (
     Posterior,
     axes_of,
-    heaps_of,
     log_density,
     marginal,
+    modes_of,
     pair,
     posterior_of,
 )
-from core.calibrate.words import Findings, summary
 from core.dataset.table import Table, TableVariable, quantity_attributes
 from core.mechanics.arrays import Array
 from core.plan.labels import global_attributes
@@ -58,8 +58,8 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
         found = information(prepared.model, posterior, grid, watch.part(1.0 - share))
         shape = tuple(grid.shape.values())
         names = ("information", "expected", "expected_deviation")
-        *told, left = found
-        arrays |= {name: v.reshape(shape) for name, v in zip(names, told, strict=True)}
+        *densities, left = found
+        arrays |= {name: v.reshape(shape) for name, v in zip(names, densities, strict=True)}
         for name, share in zip(prepared.model.names, left, strict=True):
             arrays[f"{LEFT}{name}"] = (share * arrays[f"deviation_{name}"]).reshape(shape)
     axis = dict(zip(prepared.model.names, axes, strict=True))
@@ -79,7 +79,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
         name: TableVariable(prepared.dims[name], arrays[name], attributes[name])
         for name in prepared.units
     }
-    words = {
+    dataset_attributes = {
         **global_attributes(prepared, f"calibration, method {prepared.plan.variant}"),
         "title": prepared.study.title
         or f"What {len(model.runs)} runs say about "
@@ -89,7 +89,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
         "findings": computed.notes["findings"],
         FOLLOWED: float(computed.notes[FOLLOWED]),
     }
-    return Table(_coordinates(prepared, arrays), variables, words)
+    return Table(_coordinates(prepared, arrays), variables, dataset_attributes)
 
 
 def _summed_up(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
@@ -124,15 +124,15 @@ def _summed_up(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
 def _best(
     prepared: Calibration, posterior: Posterior, axes: list[Array], watch: Watch
 ) -> dict[str, Array]:
-    """Return the most likely values of each heap, to the last digit, and those of the best."""
+    """Return the most likely values of each mode, to the last digit, and those of the best."""
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
     if model.runs.errors_known and posterior.sizes[0] > 0.5:
         size = 0.0
     squares = LeastSquares(model, size, watch)
-    heaps = heaps_of(posterior, axes)
-    polished = np.array([squares.polished(heap.best) for heap in heaps])
-    arrays: dict[str, Array] = {"mode_share": np.array([heap.share for heap in heaps])}
+    modes = modes_of(posterior, axes)
+    polished = np.array([squares.polished(mode.best) for mode in modes])
+    arrays: dict[str, Array] = {"mode_share": np.array([mode.share for mode in modes])}
     arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}
     arrays |= {f"best_{name}": polished[0, k] for k, name in enumerate(model.names)}
     return arrays

@@ -162,5 +162,5 @@ def summed(log: Array) -> Array:
     top = log.max(axis=-1, keepdims=True)
     top = np.where(np.isfinite(top), top, 0.0)
     with np.errstate(divide="ignore"):
-        found: Array = np.log(np.exp(log - top).sum(axis=-1)) + top[..., 0]
-    return found
+        total: Array = np.log(np.exp(log - top).sum(axis=-1)) + top[..., 0]
+    return total

@@ -54,7 +54,7 @@ class ChunkFile:
         self._file: h5py.File = h5py.File(self._disk, "r+")
         self._pool = ThreadPoolExecutor(threads or os.cpu_count(), thread_name_prefix="chunks")
         self._encoders: dict[str, Encode] = {}
-        self._rooms: dict[str, NDArray[Any]] = {}
+        self._buffers: dict[str, NDArray[Any]] = {}
 
     def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
         """Write the arrays of a tile; return the lengths of its chunks, and a checksum of them."""
@@ -121,19 +121,19 @@ class ChunkFile:
         for name in tile.field.names:
             encode, values = self._encoder(name), arrays[name]
             boxes = [inside(chunk, tile.box) for chunk in chunks]
-            room = self._room(name, (len(chunks), *layout.chunk), values.dtype)
+            room = self._buffer(name, (len(chunks), *layout.chunk), values.dtype)
             data = self._pool.map(encode, repeat(values), boxes, room)
             encoded[name] = zip(chunks, data, strict=True)
         return encoded
 
-    def _room(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+    def _buffer(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
         """Return room for the chunks of a tile, the same again: new memory costs as much as a copy.
 
         What it held is on its way to the disk when the next tile comes.
         """
-        if name not in self._rooms or len(self._rooms[name]) < shape[0]:
-            self._rooms[name] = np.empty(shape, dtype)
-        return self._rooms[name][: shape[0]]
+        if name not in self._buffers or len(self._buffers[name]) < shape[0]:
+            self._buffers[name] = np.empty(shape, dtype)
+        return self._buffers[name][: shape[0]]
 
     def _encoder(self, name: str) -> Encode:
         if name not in self._encoders:
@@ -146,12 +146,12 @@ class ChunkFile:
 def encoder(filters: Sequence[int]) -> Encode:
     """Return what makes the bytes of a chunk, for HDF5's filters of an array."""
     if not filters:
-        return lambda values, box, room: chunk_of(values, box, room).data.cast("B")
+        return lambda values, box, buffer: chunk_of(values, box, buffer).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
 
-    def deflated(values: NDArray[Any], box: Box, room: NDArray[Any]) -> Any:
-        chunk = chunk_of(values, box, room)
+    def deflated(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> Any:
+        chunk = chunk_of(values, box, buffer)
         if chunk.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
             octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.itemsize)
             chunk = np.ascontiguousarray(octets.T)
@@ -160,15 +160,15 @@ def encoder(filters: Sequence[int]) -> Encode:
     return deflated
 
 
-def chunk_of(values: NDArray[Any], box: Box, room: NDArray[Any]) -> NDArray[Any]:
-    """Return `room`, filled with a chunk of a tile; what is beyond the end of an axis is 0."""
+def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[Any]:
+    """Return `buffer`, filled with a chunk of a tile; what is beyond the end of an axis is 0."""
     part = values[tuple(slice(*ends) for ends in box)]
-    if part.shape == room.shape:
-        room[...] = part
+    if part.shape == buffer.shape:
+        buffer[...] = part
     else:
-        room[...] = 0
-        room[tuple(map(slice, part.shape))] = part
-    return room
+        buffer[...] = 0
+        buffer[tuple(map(slice, part.shape))] = part
+    return buffer
 
 
 def inside(chunk: Box, tile: Box) -> Box:

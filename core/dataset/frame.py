@@ -126,8 +126,8 @@ class Frame:
         shape = [size if dim in own else 1 for dim, size in self.sizes.items()]
         values = column.values.transpose(order).reshape(shape)
         whole = np.broadcast_to(values, tuple(self.sizes.values()))
-        found: NDArray[Any] = whole.flat[start : start + rows]
-        return found
+        piece: NDArray[Any] = whole.flat[start : start + rows]
+        return piece
 
 
 def check_rows(sizes: Mapping[str, int], most: int | None) -> None:

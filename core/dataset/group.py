@@ -12,7 +12,7 @@ import numpy as np
 from core.dataset.files import partial
 from core.dataset.netcdf import tiles_of
 from core.dataset.read import check_size
-from core.dataset.shards import GrowingZarr, open_store, told_plainly
+from core.dataset.shards import GrowingZarr, open_store, plain_errors
 from core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
     store = zarr.storage.ObjectStore(
         open_store(where if "://" in where else Path(where)), read_only=True
     )
-    with told_plainly():
+    with plain_errors():
         group = zarr.open_group(store, mode="r")
         arrays = dict(group.arrays())
         check_size(sum(array.nbytes for array in arrays.values()), most_bytes)

@@ -198,13 +198,13 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
 def _cut_alike(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
     """Return lengths as nearly equal as the axes allow, each axis in nearly equal pieces."""
     lengths = [1] * len(shape)
-    room = most
+    budget = most
     # Short axes first: what they leave over goes to the long ones.
     for done, position in enumerate(sorted(range(len(shape)), key=lambda p: shape[p])):
-        fair = max(1, int(room ** (1 / (len(shape) - done)) + 1e-9))
+        fair = max(1, int(budget ** (1 / (len(shape) - done)) + 1e-9))
         pieces = -(-shape[position] // fair)
         lengths[position] = -(-shape[position] // pieces)
-        room //= lengths[position]
+        budget //= lengths[position]
     return tuple(lengths)
 
 
@@ -215,12 +215,12 @@ def _padding(size: int, length: int) -> float:
 
 def _tile_shape(shape: tuple[int, ...], chunk: tuple[int, ...], most: int) -> tuple[int, ...]:
     """Return the shape of tiles: trailing axes as long as they may be, tiles nearly equal."""
-    room = max(1, most // math.prod(chunk))
+    budget = max(1, most // math.prod(chunk))
     tile: list[int] = []
     for size, length in zip(reversed(shape), reversed(chunk), strict=True):
         chunks = -(-size // length)
-        pieces = -(-chunks // min(chunks, room))
+        pieces = -(-chunks // min(chunks, budget))
         each = -(-chunks // pieces)
         tile.insert(0, each * length)
-        room //= each
+        budget //= each
     return tuple(tile)

@@ -97,9 +97,9 @@ def _array(variable: TableVariable) -> NDArray[Any]:
 def _list(texts: Iterable[str]) -> NDArray[Any]:
     """Return a cell array of one row."""
     known = list(texts)
-    found = np.empty((1, len(known)), dtype=object)
-    found[0, :] = known
-    return found
+    cells = np.empty((1, len(known)), dtype=object)
+    cells[0, :] = known
+    return cells
 
 
 def _texts(

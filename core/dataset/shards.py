@@ -96,7 +96,7 @@ class GrowingZarr:
         self.digests: dict[str, str] = {}
         self._shared = shared
         self._behind = Behind()
-        with told_plainly():
+        with plain_errors():
             self._begin(where, identity, resume=resume)
 
     def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
@@ -134,7 +134,7 @@ class GrowingZarr:
 
         The group's document is under another name, so that nobody takes it for complete.
         """
-        with told_plainly():
+        with plain_errors():
             self._write_untiled()
             said = self._table.attributes.get("comment", "")
             attributes = {**self._table.attributes, "comment": f"{UNDER_WAY} {said}".rstrip()}
@@ -162,7 +162,7 @@ class GrowingZarr:
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Write what is no tile, and let the group appear; `price` is left out after a resume."""
-        with told_plainly():
+        with plain_errors():
             self._finish(price)
 
     def _finish(self, price: Mapping[str, float]) -> None:
@@ -238,7 +238,7 @@ class GrowingZarr:
         return bytes(self._store.get(key).bytes())
 
     def _put(self, key: str, data: bytes) -> None:
-        with told_plainly():
+        with plain_errors():
             self._store.put(key, data)
         if self._folder is not None:
             self._behind.start(sync, self._folder / key)
@@ -250,13 +250,13 @@ def attributes_at(where: str) -> dict[str, Any]:
         path = Path(where) / GROUP
         return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
     store = open_store(where)
-    with contextlib.suppress(FileNotFoundError), told_plainly():
+    with contextlib.suppress(FileNotFoundError), plain_errors():
         return dict(json.loads(bytes(store.get(GROUP).bytes()))["attributes"])
     return {}
 
 
 @contextlib.contextmanager
-def told_plainly() -> Iterator[None]:
+def plain_errors() -> Iterator[None]:
     """Turn the errors of object stores into those of files."""
     from obstore.exceptions import BaseError
 
@@ -273,7 +273,7 @@ def open_store(where: str | Path) -> ObjectStore:
 
     if isinstance(where, Path):
         return LocalStore(where, mkdir=True)
-    with told_plainly():
+    with plain_errors():
         return from_url(where)
 
 

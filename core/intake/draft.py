@@ -14,7 +14,7 @@ from core.intake.section import Stranger
 from core.intake.sections import SECTIONS
 from core.kinds import KINDS
 from core.plan.plan import plan_scene, scene_parameters
-from core.plan.prepared import Prepared, names_meant
+from core.plan.prepared import Prepared, names_intended
 from core.plan.sketch import Sketch
 from core.study.grid_study import MAX_OUTPUTS, PARAMETERS, Study
 from core.suggestions import nearest
@@ -141,7 +141,7 @@ class Draft:
                 section.names(self.content.get(key), parameters)
                 for key, section in sections.items()
             )
-            return [*dict.fromkeys(names_meant(name for some in problems for name in some))]
+            return [*dict.fromkeys(names_intended(name for some in problems for name in some))]
 
         try:
             sketch = Sketch(scene, variant, method, outputs, names(()))

@@ -19,12 +19,12 @@ from core.study.values import MAX_POINTS
 KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
 """The keys that a study of any kind has beside its parameters."""
 
-Given = Study | Mapping[str, Any] | str | os.PathLike[str]
+StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 """What stands for a study; a text is the path of a TOML or JSON file."""
 
 
 def gather(
-    study: Given | None, keywords: Mapping[str, Any], kind: str | None = None
+    study: StudyLike | None, keywords: Mapping[str, Any], kind: str | None = None
 ) -> Study | dict[str, Any]:
     """Return the study that was given, or the content of the one that is described.
 

@@ -146,11 +146,11 @@ def _problem(
     if error["type"] == "missing":
         name = str(path[-1])[:60] if path else ""
         return Problem(key, "it is missing", f"Add {name}")
-    message, fix = _wrong_value(error["type"], error.get("input"), context)
+    message, fix = _value_message(error["type"], error.get("input"), context)
     return Problem(key, message or error["msg"].removesuffix("."), fix)
 
 
-def _wrong_value(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
+def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
     """Return what is wrong with a value, by pydantic's name of the error, and what would be right.
 
     The message is empty where pydantic has to say it.

@@ -148,7 +148,7 @@ def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
             yield from (name for name in row if name not in OWN)
 
 
-def _place(path: Sequence[Any]) -> str:
+def _problem_path(path: Sequence[Any]) -> str:
     """Return where a problem is; rows as people count them."""
     if len(path) < 2:
         return dotted(path)
@@ -164,7 +164,7 @@ def _unknown_column(stranger: Stranger) -> Problem:
 OBSERVATIONS: Final = Section(
     names=_names,
     outputs=lambda _: OBSERVED[:1],
-    place=_place,
+    place=_problem_path,
     unknown=_unknown_column,
     beside=beside,
     resolve=with_rows,

@@ -14,7 +14,7 @@ from core.study.optimise_study import ANGLES, CRITERIA
 from core.study.reduction import LevelSet, Reduction
 
 
-def _given(parameters: Any, known: Collection[str]) -> Iterable[str]:
+def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
     del known
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
@@ -43,10 +43,10 @@ def _no_key_of_reduce(stranger: Stranger) -> Problem:
 
 
 SECTIONS: Final[Mapping[str, Section]] = {
-    "parameters": Section(names=_given, unknown=no_parameter, by_parameter=True),
+    "parameters": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
     "uncertain": UNCERTAIN,
     "variables": Section(names=_open, unknown=no_parameter, by_parameter=True),
-    "unknowns": Section(names=_given, unknown=no_parameter, by_parameter=True),
+    "unknowns": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
     "offsets": Section(unknown=no_parameter, by_parameter=True),
     "factors": Section(unknown=no_parameter, by_parameter=True),
     "candidates": Section(unknown=no_parameter, by_parameter=True),

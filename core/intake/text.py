@@ -16,7 +16,7 @@ from core.intake.sections import SECTIONS
 DEEPEST = 32  # levels; a study has 5, an execute request around it 2
 # What no study comes near: who sends more is refused before it is looked at closely.
 MAX_KEYS = 1_000  # of one object of JSON
-ONE = "Send one JSON object, a study"
+EXPECTED = "Send one JSON object, a study"
 SYNTAX = "Fix the syntax there"
 NO_STUDIES = {
     ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
@@ -85,13 +85,13 @@ def read_json(text: str | bytes) -> object:
         # By itself json would let halves of characters through, and take other encodings.
         text = text if isinstance(text, str) else text.decode("utf-8")
         if text.count("[") + text.count("{") > MAX_BRACKETS:
-            _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", ONE)
+            _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
         content: object = json.loads(
             text, object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        _fail("body", f"it is not JSON: {reason}"[:300], ONE, error)
+        _fail("body", f"it is not JSON: {reason}"[:300], EXPECTED, error)
     # What is no text can stand there as an escape only, or as itself in what Python hands over.
     _check_values(content, texts="\\u" in text or not text.isascii())
     return content
@@ -140,7 +140,7 @@ def _check_values(content: object, *, texts: bool) -> None:
         if not below:
             return
         level = below
-    _fail(level[0][0][:100] or "body", "it is nested too deeply", ONE)
+    _fail(level[0][0][:100] or "body", "it is nested too deeply", EXPECTED)
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:

@@ -53,13 +53,13 @@ def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool
     more than a step or two; a period may have two crests, so that the widest gap between heights
     does not count.
     """
-    places = np.flatnonzero(held[1:-1]) + 1
-    if places.size < VISITS:
+    crests = np.flatnonzero(held[1:-1]) + 1
+    if crests.size < VISITS:
         return False
-    before, at, after = values[places - 1], values[places], values[places + 1]
+    before, at, after = values[crests - 1], values[crests], values[crests + 1]
     bend, lean = 2.0 * at - before - after, after - before
-    tenth = places.size // 10
-    over = np.sort(lean**2 / (8.0 * bend))[tenth : places.size - tenth]
+    tenth = crests.size // 10
+    over = np.sort(lean**2 / (8.0 * bend))[tenth : crests.size - tenth]
     # The steps near the top: what is printed with so many digits has finer ones near zero.
     upper = np.unique(values[values >= values.max() - 0.25 * np.ptp(values)])
     return bool(np.ptp(over) - np.diff(over).max() > STEPS * np.diff(upper).min(initial=np.inf))

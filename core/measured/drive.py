@@ -79,7 +79,7 @@ class Fit:
         If a line frequency is given.
     amplitudes, phases : ndarray, shape (axes, orders)
         A_k >= 0 [m] and phi_k in [-pi, pi) [rad].
-    told : ndarray of bool, shape (axes, orders)
+    significant : ndarray of bool, shape (axes, orders)
         Which the recording tells from zero; if their number was given, all are stated.
     covariance : ndarray, shape (1 + 2 axes orders, 1 + 2 axes orders)
         Of the frequency [Hz], then A_k cos(phi_k) and A_k sin(phi_k) [m] by axis and order.
@@ -106,7 +106,7 @@ class Fit:
     clock: Clock | None
     amplitudes: Array
     phases: Array
-    told: NDArray[np.bool_]
+    significant: NDArray[np.bool_]
     covariance: Array = field(repr=False)
     constant: Array
     drift: Array
@@ -177,9 +177,9 @@ class Fit:
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
         named = {"frequency": frequency}
-        for axis, row, kept in zip(self.axes, displacement, self.told, strict=True):
-            for order, wave, told in zip(self.orders, row, kept, strict=True):
-                if told:
+        for axis, row, kept in zip(self.axes, displacement, self.significant, strict=True):
+            for order, wave, significant in zip(self.orders, row, kept, strict=True):
+                if significant:
                     named[f"amplitude_{axis}_{order}"] = float(np.abs(wave))
                     named[f"phase_{axis}_{order}"] = float(
                         np.degrees(wrapped(float(np.angle(wave))))

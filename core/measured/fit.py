@@ -48,14 +48,14 @@ def fit_signal(signal: Signal) -> Fit:
     if signal.harmonics is not None:
         orders = orders[: signal.harmonics]
     solution, noise = _weighted(samples, start, orders, DRIFT, signal.resolution)
-    significant, degree = _told(samples, solution, noise)
+    significant, degree = _significant(samples, solution, noise)
     if signal.harmonics is None:
         orders = tuple(np.array(orders)[significant.any(axis=0)].tolist()) or (1,)
     solution, noise = _weighted(samples, solution.frequency, orders, degree, signal.resolution)
-    significant, _ = _told(samples, solution, noise)
+    significant, _ = _significant(samples, solution, noise)
     check_fit(signal, samples, solution, noise, bool(significant.any()))
     fit = _stated(signal, samples, solution, noise, significant)
-    return fit if signal.harmonics is None else replace(fit, told=np.ones_like(significant))
+    return fit if signal.harmonics is None else replace(fit, significant=np.ones_like(significant))
 
 
 def _weighted(
@@ -64,12 +64,14 @@ def _weighted(
     """Return the solution with each axis weighted by its own noise, and the noise."""
     even = solved(samples, start, orders, degree)
     weights = noise_of(samples, even, resolution).weights
-    found = solved(samples, even.frequency, orders, degree, weights)
+    solution = solved(samples, even.frequency, orders, degree, weights)
     # The weights that were used, not those that would be next: the errors are those of this fit.
-    return found, noise_of(samples, found, resolution)._replace(weights=weights)
+    return solution, noise_of(samples, solution, resolution)._replace(weights=weights)
 
 
-def _told(samples: Samples, solution: Solution, noise: Noise) -> tuple[NDArray[np.bool_], int]:
+def _significant(
+    samples: Samples, solution: Solution, noise: Noise
+) -> tuple[NDArray[np.bool_], int]:
     """Return which orders of each axis are told from zero, and the degree of the drift that is."""
     covariance = covariance_of(samples, solution, noise)
     axes, size = solution.coefficients.shape
@@ -78,10 +80,10 @@ def _told(samples: Samples, solution: Solution, noise: Noise) -> tuple[NDArray[n
     pairs = own[:, first:, first:].reshape(axes, len(solution.orders), 2, len(solution.orders), 2)
     waves = np.stack([solution.waves.real, solution.waves.imag], axis=-1)
     inverse = np.linalg.pinv(np.einsum("jkakb->jkab", pairs), hermitian=True)
-    told = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * fine
+    significant = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * fine
     variance = np.diagonal(own, axis1=1, axis2=2)[:, :first]
     degree = int(np.flatnonzero((solution.drift**2 > fine * variance).any(axis=0)).max(initial=0))
-    return told, degree
+    return significant, degree
 
 
 def _stated(
@@ -117,7 +119,7 @@ def _stated(
         clock=None if line is None else Clock(solution.frequency / line - 1.0, error / line),
         amplitudes=np.abs(displacement),
         phases=wrapped(np.angle(displacement)),
-        told=significant,
+        significant=significant,
         covariance=_turned(covariance, solution, displacement, theta, (largest, lowest), line),
         constant=solution.drift[:, 0],
         drift=drift,

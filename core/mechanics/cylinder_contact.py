@@ -96,7 +96,7 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
     high = np.minimum(-ahead + chord, other.half)
     # Faces: the discs meet if their centres are near enough.
     face_centre = across(apart, u)
-    room = np.where(
+    overlap = np.where(
         flat,
         base.radius + other.radius - norm(face_centre),
         np.where(line, np.where(beside <= base.radius, high - low, -size), base.radius - off),
@@ -109,9 +109,9 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
         vectors.where(line, plus(bottom, other.axis, low), rim),
         vectors.where(line, plus(bottom, other.axis, high), rim),
         line,
-        flat | (np.abs(room) <= ALIKE * size),
+        flat | (np.abs(overlap) <= ALIKE * size),
         # Deeper than the base is thick, the point need not be in it.
-        (room >= -ALIKE * size) & (gap > -2 * base.half),
+        (overlap >= -ALIKE * size) & (gap > -2 * base.half),
     )
 
 
@@ -147,15 +147,15 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
             n = vectors.direction(off, vectors.any_across(base.axis))
             n = vectors.direction(across(n, base.axis), n)
             gap = distance - base.radius
-            room = base.half - np.abs(dot(rim, base.axis))
+            overlap = base.half - np.abs(dot(rim, base.axis))
             point = plus(base.centre, rim)
             # The rim point has to be the one that comes first along n.
             first = np.abs(separation(other, base, n) - gap) <= ALIKE * size
             forms.append(
                 _Form(
                     gap, np.asarray(float(RIM_ON_SIDE)), np.asarray(number), n, point, point,
-                    np.zeros(np.shape(gap), dtype=np.bool_), np.abs(room) <= ALIKE * size,
-                    first & (room >= -ALIKE * size),
+                    np.zeros(np.shape(gap), dtype=np.bool_), np.abs(overlap) <= ALIKE * size,
+                    first & (overlap >= -ALIKE * size),
                 )
             )  # fmt: skip
     return forms
@@ -180,7 +180,7 @@ def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
         np.minimum(d_2 + body_1.half, body_2.half),
     )
     room_1, room_2 = body_1.half - np.abs(s), body_2.half - np.abs(t)
-    room = np.where(line, high - low, np.minimum(room_1, room_2))
+    overlap = np.where(line, high - low, np.minimum(room_1, room_2))
     # One end on a side has the normal of that side; two ends have none.
     end = np.abs(np.where(line, high - low, np.maximum(room_1, room_2)))
     surface = plus(body_2.centre, n, body_2.radius + gap / 2)
@@ -192,8 +192,8 @@ def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
         plus(surface, body_2.axis, np.where(line, low, t)),
         plus(surface, body_2.axis, np.where(line, high, t)),
         line,
-        (end <= ALIKE * size) & (room >= -ALIKE * size),
-        room >= -ALIKE * size,
+        (end <= ALIKE * size) & (overlap >= -ALIKE * size),
+        overlap >= -ALIKE * size,
     )
 
 
@@ -210,16 +210,16 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
     """Return the proven form of contact; else the distance of rims, or a bound of their overlap."""
     body_1, body_2 = cylinder_1, cylinder_2
     size = np.hypot(body_1.radius, body_1.half) + np.hypot(body_2.radius, body_2.half)
-    to_one = [
+    to_first = [
         _on_face(2.0, body_2, body_1, size),
         *_on_side(2.0, body_2, body_1, size),
         _sides(body_1, body_2, size),
     ]
-    to_two = [_on_face(1.0, body_1, body_2, size), *_on_side(1.0, body_1, body_2, size)]
-    to_one += [form._replace(normal=scaled(form.normal, -1.0)) for form in to_two]
-    best = to_one[0]
+    to_second = [_on_face(1.0, body_1, body_2, size), *_on_side(1.0, body_1, body_2, size)]
+    to_first += [form._replace(normal=scaled(form.normal, -1.0)) for form in to_second]
+    best = to_first[0]
     bound = separation(body_1, body_2, best.normal)
-    for form in to_one[1:]:
+    for form in to_first[1:]:
         bound = np.maximum(bound, separation(body_1, body_2, form.normal))
         # At the ends of a line or a face, points touch as well: the line or face comes first.
         ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size

@@ -134,7 +134,7 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
     """
     first = vectors.any_across(body.axis)
     radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
-    places: list[Nearest] = []
+    candidates: list[Nearest] = []
     for sign in (-1.0, 1.0):
         middle = plus(vectors.minus(body.centre, base.centre), body.axis, sign * body.half)
         rim = Rim(middle, *radii)
@@ -152,10 +152,10 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
             n = vectors.direction(way, body.axis)
             proven = (gap > 0) & (np.abs(separation(body, base, n) - gap) <= ALIKE * size)
             point = plus(base.centre, vectors.minus(rim.at(angle), way))
-            places.append(Nearest(gap, n, point, proven))
-    best = places[0]
-    for place in places[1:]:
-        best = chosen(best.proven, best, place)
+            candidates.append(Nearest(gap, n, point, proven))
+    best = candidates[0]
+    for candidate in candidates[1:]:
+        best = chosen(best.proven, best, candidate)
     return best
 
 

@@ -183,7 +183,7 @@ def outlet_share(
 # --- orders
 
 
-def place_in_order(order: Array, count: int) -> list[Array]:
+def devices_in_order(order: Array, count: int) -> list[Array]:
     """Return which device stands at each place, from 0, in one of the count! orders.
 
     Orders count from 1 as in a dictionary: 1 is 1, 2, 3, ...; the last one goes backwards. The
@@ -246,10 +246,10 @@ def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
 
 def leaving_wanted(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the arriving parts that leave in the wanted aspect [1]."""
-    found = line.leaving[0]
+    wanted = line.leaving[0]
     for place, share in enumerate(line.leaving[1:], 2):
-        found = np.where(wanted_aspect == place, share, found)
-    return found
+        wanted = np.where(wanted_aspect == place, share, wanted)
+    return wanted
 
 
 def purity(*, leaving_wanted: Array, line: PassedShares) -> Array:

@@ -76,17 +76,17 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
 
     The second is what is wrong with them.
     """
-    given = tuple(names)
-    found = [match for match in map(_NUMBERED.fullmatch, given) if match]
-    if not found:
+    names_given = tuple(names)
+    matches = [match for match in map(_NUMBERED.fullmatch, names_given) if match]
+    if not matches:
         return None, []
     own = {
-        stem: tuple(sorted(int(match[2]) for match in found if match[1] == stem))
+        stem: tuple(sorted(int(match[2]) for match in matches if match[1] == stem))
         for stem in OF_STRETCHES
     }
     count = max(n for which in own.values() for n in which)
-    problems = [] if of_bowl else [_without_bowl(found[0][0])]
-    problems += [*_missing(own, count), *_twice(own, given)]
+    problems = [] if of_bowl else [_without_bowl(matches[0][0])]
+    problems += [*_missing(own, count), *_twice(own, names_given)]
     return (None if problems else Track(count, own)), problems
 
 
@@ -103,11 +103,11 @@ def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
             yield Problem(f"parameters.{stem}_1", message, "Add it")
 
 
-def _twice(own: Mapping[str, Sequence[int]], given: Collection[str]) -> Iterator[Problem]:
+def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator[Problem]:
     """Yield the parameters that follow from stretches."""
     for stem, others in GIVES_WAY.items():
         for name in others:
-            if own[stem] and name in given:
+            if own[stem] and name in names:
                 message = f"it follows from {stem}_{own[stem][0]}"
                 yield Problem(f"parameters.{name}", message, f"Remove it, or all of {stem}")
 
@@ -146,14 +146,14 @@ class AllStretches:
     def __signature__(self) -> inspect.Signature:
         return keywords(self.inputs)
 
-    def __call__(self, **given: Any) -> Stretches:
+    def __call__(self, **inputs: Any) -> Stretches:
         """Return the stretches."""
         radii, turns = (
-            [given[name] for name in self.track.names(stem)]
+            [inputs[name] for name in self.track.names(stem)]
             for stem in ("stretch_radius", "stretch_turns")
         )
-        climbs = [given[name] for name in self.climbs]
-        return stretches_of(given["start_radius"], radii, turns, climbs)
+        climbs = [inputs[name] for name in self.climbs]
+        return stretches_of(inputs["start_radius"], radii, turns, climbs)
 
 
 @dataclass(frozen=True)
@@ -170,10 +170,10 @@ class AtFraction:
     def __signature__(self) -> inspect.Signature:
         return keywords(("track_fraction", "stretches", *self.track.names(self.stem)))
 
-    def __call__(self, **given: Any) -> Array:
+    def __call__(self, **inputs: Any) -> Array:
         """Return the value of the stretch."""
-        values = [given[name] for name in self.track.names(self.stem)]
-        return picked(given["track_fraction"], given["stretches"], values)
+        values = [inputs[name] for name in self.track.names(self.stem)]
+        return picked(inputs["track_fraction"], inputs["stretches"], values)
 
 
 def track_radius(*, track_fraction: Array, stretches: Stretches) -> Array:
@@ -271,11 +271,11 @@ class AlongTrack:
         """One argument a quantity."""
         return keywords(self.needs)
 
-    def __call__(self, **given: Any) -> Passage:
+    def __call__(self, **inputs: Any) -> Passage:
         """Return the passage of each cell."""
-        settings = {name: given[name] for name in self.needs if name in SETTINGS}
+        settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
         names = [name for name in self.needs if name not in settings]
-        columns = np.broadcast_arrays(*(np.asarray(given[name], dtype=float) for name in names))
+        columns = np.broadcast_arrays(*(np.asarray(inputs[name], dtype=float) for name in names))
         shape = columns[0].shape
         flat = [column.reshape(-1, 1) for column in columns]
         step = max(1, PIECE // self.nodes)
@@ -330,7 +330,7 @@ STALLS = Condition(
 )
 
 
-def at_places(track: Track) -> tuple[Equation, ...]:
+def along_track(track: Track) -> tuple[Equation, ...]:
     """Return the equations of radius, climb and friction at a share of the track's length."""
     own = {
         "stretch_climb": ("gamma",),

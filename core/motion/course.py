@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.groups import Groups
-from core.motion.waves import ALONG, NORMAL, place
+from core.motion.waves import ALONG, NORMAL, position_at
 from core.quantities import MOTION_MODES, Flag
 from core.watch import Watch
 
@@ -77,7 +77,9 @@ class TrajectoryRequest(NamedTuple):
             swing = length * np.sin(phases)
             along, normal = groups.drive_number_along * swing, groups.drive_number_normal * swing
         else:
-            along, normal = (length * place(groups.wave, axis, phases) for axis in (ALONG, NORMAL))
+            along, normal = (
+                length * position_at(groups.wave, axis, phases) for axis in (ALONG, NORMAL)
+            )
         return {"track_along": along, "track_normal": normal}
 
     def course(

@@ -19,7 +19,7 @@ from core.mechanics.arrays import Array
 from core.motion import compiled, planar
 from core.motion.cells import run_cells
 from core.motion.groups import Contacts, Groups, cells_of, in_plane
-from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
+from core.motion.kernels.planar.slope_tables import DERIVED, DERIVED_BY
 from core.motion.result import COLUMNS, STATUS, Energy, Motion, motion_of
 from core.motion.systems import CONTACTS
 from core.plan.derivatives import (
@@ -50,7 +50,7 @@ BY = (
 )  # fmt: skip
 """The groups that a motion in the plane is derived by, in the order of the kernel."""
 ACROSS = ("drive_number_across", "gravity_number_across", "curvature_number")
-DERIVED = ("velocity", "stick", "forward", "backward", "flight", "landing_speed", "hop_height")
+MOTION_MEANS = ("velocity", "stick", "forward", "backward", "flight", "landing_speed", "hop_height")
 """The fields of `Motion` that are derived, in the order of the kernel; those of `Energy` follow."""
 
 SLOPED = Energy._fields.index("swing")
@@ -86,27 +86,27 @@ class PlanarRules:
         """The rules, by what the equations give."""
         return {"motion": self.motion, "energy": self.spent}
 
-    def motion(self, given: Mapping[str, Any]) -> Ruled:
+    def motion(self, inputs: Mapping[str, Any]) -> Ruled:
         """Return the motion with its derivative, and how that was found."""
-        groups: Groups = given["groups"]
-        table, status = self._followed(groups, given["tolerance"], given["max_periods"])
+        groups: Groups = inputs["groups"]
+        table, status = self._followed(groups, inputs["tolerance"], inputs["max_periods"])
         motion = motion_of(table[:, :COLUMNS], status, (len(status),))
-        slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)
+        slopes = table[:, COLUMNS:-1].reshape(-1, len(DERIVED), DERIVED_BY)
         by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
         fields = motion._asdict()
-        for place, name in enumerate(DERIVED):
+        for place, name in enumerate(MOTION_MEANS):
             fields[name] = Dual(fields[name], _chained(slopes[:, place], by), [])
         for name in ("spread", "error", "impacts", "multiple", "across"):
             fields[name] = Dual(fields[name], 0.0, [])
         jump = np.isnan(slopes[:, 0, BY.index("restitution")]) & (by[-1] != 0)
         return Motion(**fields), self._status(groups, motion, np.where(jump, 0.0, table[:, -1]))
 
-    def spent(self, given: Mapping[str, Any]) -> Ruled:
+    def spent(self, inputs: Mapping[str, Any]) -> Ruled:
         """Return the energies with their derivative; the motion tells how they were found."""
-        groups: Groups = given["groups"]
-        settings = (given["tolerance"], given["max_periods"])
+        groups: Groups = inputs["groups"]
+        settings = (inputs["tolerance"], inputs["max_periods"])
         table, _ = self._followed(groups, *settings)
-        slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)[:, len(DERIVED) :]
+        slopes = table[:, COLUMNS:-1].reshape(-1, len(DERIVED), DERIVED_BY)[:, len(MOTION_MEANS) :]
         if self._spent is None or self._spent[0] is not table:
             cells, width = self._cells(groups, *settings), len(Energy._fields)
             found, _ = run_cells(planar.spend_cells, cells, columns=width, watch=self._silent)
@@ -185,8 +185,8 @@ def groups_at(plan: Plan, values: Mapping[str, Any]) -> Groups | None:
             break
         before.append(equation)
     known: dict[str, Any] = {name: np.asarray(value) for name, value in plan.defaults.items()}
-    found: Groups | None = run(before, known | dict(values)).get("groups")
-    return found
+    groups: Groups | None = run(before, known | dict(values)).get("groups")
+    return groups
 
 
 def derivatives_at(
@@ -225,23 +225,23 @@ def derivatives_at(
     exact = np.zeros(shape, dtype=bool)
     if groups is not None:
         exact |= is_exact(plan, groups)
-    found = {(o, p): _nothing(shape) for p in parameters for o in plan.outputs}
+    slopes_at = {(o, p): _nothing(shape) for p in parameters for o in plan.outputs}
     share = exact.mean()
     if exact.any():
         energy = any(equation.gives == "energy" for equation in plan.equations)
         rules = PlanarRules(CONTACTS[plan.scene.name], energy, watch.part(share)).rules
         some = {name: value[exact] for name, value in values.items()}
         for key, derived in derivatives(plan, some, parameters, rules).items():
-            found[key].put(exact, derived)
+            slopes_at[key].put(exact, derived)
         watch.advance(share)
     for cell in np.flatnonzero(~exact):
         if watch.stopped():
             break
         one = {name: value[cell : cell + 1] for name, value in values.items()}
         for key, derived in _by_differences(plan, one, parameters).items():
-            found[key].put(np.arange(exact.size) == cell, derived)
+            slopes_at[key].put(np.arange(exact.size) == cell, derived)
         watch.advance(1.0 / exact.size)
-    return found
+    return slopes_at
 
 
 def _nothing(shape: tuple[int, ...]) -> Derived:
@@ -271,7 +271,7 @@ def _by_differences(
     settings = {name: value for name, value in plan.defaults.items() if name in more.defaults}
     plan = replace(more, defaults={**more.defaults, **settings})
     steps = LARGEST_STEP * 0.5 ** np.arange(HALVINGS)
-    found: Derivatives = {}
+    derivatives: Derivatives = {}
     for parameter in parameters:
         at = float(values[parameter][0])
         step = steps * (abs(at) or 1.0)
@@ -281,14 +281,14 @@ def _by_differences(
         for output in outputs:
             results = np.broadcast_to(known[output], around.shape)
             if same is None:
-                found[output, parameter] = _lost(results[0], "not_periodic")
+                derivatives[output, parameter] = _lost(results[0], "not_periodic")
                 continue
             inside = np.broadcast_to(same, around.shape)
             inside = inside[1 : 1 + HALVINGS] & inside[1 + HALVINGS :]
             low, high = results[1 : 1 + HALVINGS], results[1 + HALVINGS :]
             differences = ((high - low) / (2 * step))[inside]
-            found[output, parameter] = _extrapolated(float(results[0]), differences)
-    return found
+            derivatives[output, parameter] = _extrapolated(float(results[0]), differences)
+    return derivatives
 
 
 def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) -> Any:
@@ -316,19 +316,19 @@ def _extrapolated(value: float, differences: Array) -> Derived:
         above = row
     if not math.isfinite(best) or error > TRUSTED * abs(best):
         return _lost(value, "unsettled")
-    return _one(value, best, error, "differences")
+    return _single_cell(value, best, error, "differences")
 
 
 def _lost(value: float, status: str) -> Derived:
-    return _one(value, math.nan, math.nan, status)
+    return _single_cell(value, math.nan, math.nan, status)
 
 
-def _one(value: float, slope: float, error: float, status: str) -> Derived:
-    one = _nothing((1,))
-    one.value[:], one.slope[:], one.error[:], one.status[:] = (
+def _single_cell(value: float, slope: float, error: float, status: str) -> Derived:
+    single = _nothing((1,))
+    single.value[:], single.slope[:], single.error[:], single.status[:] = (
         value,
         slope,
         error,
         DERIVATIVE_STATUS[status],
     )
-    return one
+    return single

@@ -29,7 +29,7 @@ from core.scenes import SCENES, Condition, Equation, Scene
 from core.scenes.scene import fields
 
 SOURCE = "theory 15.5"
-GIVEN = frozenset(name for name, quantity in DRIVE_UNIT.items() if quantity.parameter)
+PARAMETERS_OF_UNIT = frozenset(name for name, quantity in DRIVE_UNIT.items() if quantity.parameter)
 OF_BOWLS = ("spring_radius", "moving_inertia", "base_inertia")
 OF_TURNING = ("offset_along", "offset_upward", "spot_along", "spot_upward")
 FOLLOWS = tuple(name for name in SINE if name != "alpha")
@@ -53,17 +53,17 @@ class HalfWave:
     defaults: ClassVar = {"alpha": 0.0, "drive_factor": 1.0}
     orders = 2
 
-    def wave(self, **given: Any) -> Wave:
+    def wave(self, **inputs: Any) -> Wave:
         """As in `Shape`: the push has w^2 A sin(tau)/g and 4 w^2 A (s, c)/g at twice of it."""
-        ratio = given.pop("track_harmonic")
-        given = {name: np.asarray(value, dtype=float) for name, value in given.items()}
-        rate = np.square(given["circular_frequency"]) / given["gravity"]
-        size = given["drive_factor"] * given["amplitude"] * rate
-        level = size * cosine(given["beta"])
-        axes = (level * cosine(given["alpha"]), level * sine(given["alpha"]))
+        ratio = inputs.pop("track_harmonic")
+        inputs = {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
+        rate = np.square(inputs["circular_frequency"]) / inputs["gravity"]
+        size = inputs["drive_factor"] * inputs["amplitude"] * rate
+        level = size * cosine(inputs["beta"])
+        axes = (level * cosine(inputs["alpha"]), level * sine(inputs["alpha"]))
         parts = [
             [[one, 4.0 * one * ratio[0]], [0.0 * one, 4.0 * one * ratio[1]]]
-            for one in (*axes, size * sine(given["beta"]))
+            for one in (*axes, size * sine(inputs["beta"]))
         ]
         shape = np.broadcast_shapes(*(np.shape(n) for axis in parts for part in axis for n in part))
         harmonics = np.array(
@@ -95,50 +95,50 @@ class ChosenUnit(NamedTuple):
     track: Track | None = None
 
 
-def unit_of(given: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
+def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
     """Return the drive unit that the names of a study's parameters give, None if they give none.
 
     The second is what is wrong with them.
     """
-    names = tuple(given)
-    told = [name for name in names if name in GIVEN]
-    track, problems_of_track = track_of(names, of_bowl=bool({*OF_BOWLS} & {*told}))
-    if not told:
+    names = tuple(parameters)
+    of_unit = [name for name in names if name in PARAMETERS_OF_UNIT]
+    track, problems_of_track = track_of(names, of_bowl=bool({*OF_BOWLS} & {*of_unit}))
+    if not of_unit:
         return None, problems_of_track
-    name = "bowl-drive-unit" if {*OF_BOWLS} & {*told} else "linear-drive-unit"
-    variant = "measured" if "ring_down_frequency" in told else "springs"
-    turns = [one for one in told if one in OF_TURNING]
-    if turns and name == "linear-drive-unit":
+    name = "bowl-drive-unit" if {*OF_BOWLS} & {*of_unit} else "linear-drive-unit"
+    variant = "measured" if "ring_down_frequency" in of_unit else "springs"
+    turning = [one for one in of_unit if one in OF_TURNING]
+    if turning and name == "linear-drive-unit":
         variant += "_turning"
-    loaded = "conveyed_mass" in told
+    loaded = "conveyed_mass" in of_unit
     problems = [
         Problem(
             f"parameters.{other}",
-            f"it follows from the drive unit that {told[0]} belongs to",
-            f"Remove it, or all of {', '.join(told)}",
+            f"it follows from the drive unit that {of_unit[0]} belongs to",
+            f"Remove it, or all of {', '.join(of_unit)}",
         )
         for other in names
         if other in FOLLOWS or other in DRIVE
     ]
     if loaded:
-        problems += _problems_of_parts(told, turns)
-    shape = HalfWave() if "force_harmonic" in told else None
+        problems += _problems_of_parts(of_unit, turning)
+    shape = HalfWave() if "force_harmonic" in of_unit else None
     problems += problems_of_track
     return ChosenUnit(SCENES[name], variant, loaded, shape, track), problems
 
 
-def _problems_of_parts(told: list[str], turns: list[str]) -> list[Problem]:
+def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
     """Return why what conveyed parts do to a unit is not known."""
     problems = []
-    if turns:
+    if turning:
         message = "what parts do to a unit that turns is not known"
-        fix = f"Give load_mass in its place, or leave out {', '.join(turns)}"
+        fix = f"Give load_mass in its place, or leave out {', '.join(turning)}"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if "force_harmonic" in told:
+    if "force_harmonic" in of_unit:
         message = "what parts do to a unit is known for a force of one harmonic"
         fix = "Give load_mass in its place, or leave out force_harmonic"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if "load_damping" in told:
+    if "load_damping" in of_unit:
         message = "it follows from the motion of the parts, whose conveyed_mass is given"
         problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
     return problems
@@ -224,7 +224,7 @@ class _Spliced:
             of_part = under_wave(unit.shape, of_part)
         of_track: tuple[Equation, ...] = ()
         if unit.track is not None:
-            of_track = bowl_track.at_places(unit.track)
+            of_track = bowl_track.along_track(unit.track)
             of_unit = tuple(_ON_TRACK.get(one.gives, one) for one in of_unit)
         if unit.loaded:
             of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
@@ -242,15 +242,19 @@ class _Spliced:
     def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
         """Return those of the unit that matter, of the whole track, then those of the part."""
         unit = self.unit
-        found = tuple(one for one in unit.scene.conditions[unit.variant] if one.regime in SERIOUS)
+        kept = tuple(
+            condition
+            for condition in unit.scene.conditions[unit.variant]
+            if condition.regime in SERIOUS
+        )
         if unit.track is not None:
-            found = (*found, bowl_track.STALLS)
+            kept = (*kept, bowl_track.STALLS)
         if not unit.loaded:
-            return (*found, *of_part)
-        any_result = frozenset().union(*(one.outputs for one in of_part))
+            return (*kept, *of_part)
+        any_result = frozenset().union(*(condition.outputs for condition in of_part))
         unresolved, rest = of_part[:1], of_part[1:]
         return (
-            *found,
+            *kept,
             *unresolved,
             Condition("hunting", hunts, any_result),
             Condition("several_amplitudes", has_several_amplitudes, any_result),

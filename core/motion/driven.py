@@ -38,9 +38,9 @@ class _WaveOf:
         """One argument a quantity."""
         return keywords(self.shape.inputs)
 
-    def __call__(self, **given: Any) -> Wave:
+    def __call__(self, **inputs: Any) -> Wave:
         """Return the wave."""
-        return self.shape.wave(**given)
+        return self.shape.wave(**inputs)
 
 
 def drive_number(*, wave: Wave) -> Array:
@@ -131,13 +131,13 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
     """Return the equations of a system with a wave in the place of the plain sine."""
     changed = []
-    for one in known:
-        if one.gives == "groups":
-            one = replace(one, function=_with_wave(one.function))
-        if one.gives == "motion":
-            one = replace(one, function=_where_driven(one.function))
-        if one.gives != "vibration_acceleration":
-            changed.append(_OTHERS.get(one.gives, one))
+    for equation in known:
+        if equation.gives == "groups":
+            equation = replace(equation, function=_with_wave(equation.function))
+        if equation.gives == "motion":
+            equation = replace(equation, function=_where_driven(equation.function))
+        if equation.gives != "vibration_acceleration":
+            changed.append(_OTHERS.get(equation.gives, equation))
     return (Equation("wave", _WaveOf(shape), "theory 13.14"), *changed)
 
 

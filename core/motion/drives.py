@@ -48,7 +48,7 @@ class Shape(Protocol):
     def orders(self) -> int:
         """Its highest order, 1 for steps: what its motion costs goes with that."""
 
-    def wave(self, **given: Array) -> Wave:
+    def wave(self, **inputs: Array) -> Wave:
         """Return the wave of these quantities, SI units, arrays that broadcast."""
 
 
@@ -83,15 +83,15 @@ class Harmonics:
         """As in `Shape`."""
         return max(k for _, k in self.terms)
 
-    def wave(self, **given: Array) -> Wave:
+    def wave(self, **inputs: Array) -> Wave:
         """As in `Shape`: the push has k^2 w^2 A_k sin(k tau + phi_k)/g."""
-        given = _aligned(given)
-        shape = np.broadcast_shapes(*(value.shape for value in given.values()))
+        inputs = _aligned(inputs)
+        shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
         harmonics = np.zeros((3, 2, self.orders, *shape))
-        unit = given["drive_factor"] * np.square(TURN * given["frequency"]) / given["gravity"]
+        unit = inputs["drive_factor"] * np.square(TURN * inputs["frequency"]) / inputs["gravity"]
         for axis, k in self.terms:
-            size = k * k * given[f"amplitude_{axis}_{k}"] * unit
-            phase = given[f"phase_{axis}_{k}"]
+            size = k * k * inputs[f"amplitude_{axis}_{k}"] * unit
+            phase = inputs[f"phase_{axis}_{k}"]
             harmonics[AXES.index(axis), 0, k - 1] = size * cosine(phase)
             harmonics[AXES.index(axis), 1, k - 1] = size * sine(phase)
         return Wave(harmonics, np.zeros((4, 0, *shape)))
@@ -138,30 +138,30 @@ class Steps:
         """As in `Shape`."""
         return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
 
-    def wave(self, **given: Array) -> Wave:
+    def wave(self, **inputs: Array) -> Wave:
         """As in `Shape`; NaN in cells where the mean acceleration is not 0."""
-        given = _aligned(given)
-        shape = np.broadcast_shapes(*(value.shape for value in given.values()))
-        last = np.stack([np.broadcast_to(given[f"duration_{n}"], shape)
+        inputs = _aligned(inputs)
+        shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
+        last = np.stack([np.broadcast_to(inputs[f"duration_{n}"], shape)
                          for n in range(1, self.count + 1)])  # fmt: skip
         last = ratio(last, last.sum(axis=0), np.nan)
         last = np.where(last < SHORTEST, 0.0, last)
         last = last / last.sum(axis=0)
         steps = np.zeros((4, self.count, *shape))
         for axis in dict.fromkeys(axis for axis, _ in self.levels):
-            steps[AXES.index(axis)] = self._levels(axis, given, last)
+            steps[AXES.index(axis)] = self._levels(axis, inputs, last)
         ends = TURN * np.cumsum(last, axis=0)
         ends[-1] = np.where(np.isnan(ends[-1]), np.nan, TURN)
         steps[waves.ENDS] = ends
         return Wave(np.zeros((3, 2, 0, *shape)), steps)
 
-    def _levels(self, axis: str, given: dict[str, Array], last: Array) -> Array:
+    def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
         """Return the push of every step along an axis, in g; `last` are shares of the period."""
         levels = np.zeros_like(last)
         closing = self.closing.get(axis, 0)
         for n in range(1, self.count + 1):
             if n != closing:
-                levels[n - 1] = given[f"acceleration_{axis}_{n}"]
+                levels[n - 1] = inputs[f"acceleration_{axis}_{n}"]
         if closing:
             levels[closing - 1] = ratio(-(levels * last).sum(axis=0), last[closing - 1], 0.0)
         mean = (levels * last).sum(axis=0)
@@ -171,11 +171,11 @@ class Steps:
             levels[n] = np.where(last[n] == 0.0, levels[n - 1], levels[n])
         for n in range(self.count - 2, -1, -1):
             levels[n] = np.where(last[n] == 0.0, levels[n + 1], levels[n])
-        return -levels * given["drive_factor"] / given["gravity"]
+        return -levels * inputs["drive_factor"] / inputs["gravity"]
 
 
-def _aligned(given: dict[str, Array]) -> dict[str, Array]:
-    return {name: np.asarray(value, dtype=float) for name, value in given.items()}
+def _aligned(inputs: dict[str, Array]) -> dict[str, Array]:
+    return {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
 
 
 def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
@@ -196,13 +196,13 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     return [Problem(f"parameters.acceleration_{axis}_1", message, fix)]
 
 
-def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
+def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     """Return which drive the names of a study's parameters give, None for the plain sine.
 
     The second is what is wrong with them.
     """
     known = {*DRIVE, *SINE}
-    names = [name for name in given if name in known]
+    names = [name for name in parameters if name in known]
     terms = {(m[1], int(m[2])) for m in filter(None, map(_HARMONIC.fullmatch, names))}
     steps = list(filter(None, map(_STEP.fullmatch, names)))
     sines = [name for name in SINE if name in names]

@@ -60,8 +60,8 @@ def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
     way = np.where(velocity > 0, value["forwards"], value["backwards"])
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     known = np.where(rests | motion.only("stick"), value["rests"], way)
-    found: NDArray[np.int8] = np.where(answered & ~np.isnan(velocity), known, value["unknown"])
-    return found
+    direction: NDArray[np.int8] = np.where(answered & ~np.isnan(velocity), known, value["unknown"])
+    return direction
 
 
 RESULTS = (
@@ -95,15 +95,15 @@ def _rolling_in_words(table: Table) -> str:
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
     runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]
-    found = []
+    sentences = []
     for share, words in (
         (float(np.mean(runs)), f"it runs down at {_between(down[down > 0])}"),
         (float(np.mean(stays)), "nothing conveys it, and it keeps the speed that it has"),
     ):
         if share:
             where = "" if share == 1 else f" in {percent(share)} of the cells"
-            found.append(f"The part does not travel{where}: {words}.")
-    return " ".join(found)
+            sentences.append(f"The part does not travel{where}: {words}.")
+    return " ".join(sentences)
 
 
 def _between(values: NDArray[np.float64]) -> str:
@@ -114,20 +114,20 @@ def _between(values: NDArray[np.float64]) -> str:
 
 def _share_backwards(table: Table) -> float:
     """Return the share of the cells that travel backwards."""
-    found = {name: variable.values for name, variable in table.variables.items()}
-    if "direction" in found:
-        return float(np.mean(found["direction"] == DIRECTIONS["backwards"].value))
-    if "conveying_velocity" in found:
-        error = found.get("conveying_velocity_error")
+    values = {name: variable.values for name, variable in table.variables.items()}
+    if "direction" in values:
+        return float(np.mean(values["direction"] == DIRECTIONS["backwards"].value))
+    if "conveying_velocity" in values:
+        error = values.get("conveying_velocity_error")
         least = SLOWEST
         if error is not None and table.variables["conveying_velocity_error"].dims == (
             table.variables["conveying_velocity"].dims
         ):
             least = np.fmax(error, SLOWEST)
-        return float(np.mean(found["conveying_velocity"] < -least))
-    if "feed_rate" in found:
+        return float(np.mean(values["conveying_velocity"] < -least))
+    if "feed_rate" in values:
         # Of parts of a metre: shorter ones give a higher rate at the same speed.
-        return float(np.mean(found["feed_rate"] < -60.0 * SLOWEST))
+        return float(np.mean(values["feed_rate"] < -60.0 * SLOWEST))
     return 0.0
 
 

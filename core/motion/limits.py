@@ -72,15 +72,15 @@ def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
 
 def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
     number, place = f"drive_number_{axis}", AXES.index(axis)
-    given = "wave" if drive == "wave" else number
+    drive_input = "wave" if drive == "wave" else number
 
     def value(**known: Array) -> Array:
-        one = known.pop(given)
+        drive_value = known.pop(drive_input)
         scale = limit.scale(**known)
-        if isinstance(one, Wave):
-            return limit.of_wave(one, place) * scale
-        return limit.of_sine * np.abs(one) * scale
+        if isinstance(drive_value, Wave):
+            return limit.of_wave(drive_value, place) * scale
+        return limit.of_sine * np.abs(drive_value) * scale
 
-    value.__signature__ = taking(limit.scale, given)  # type: ignore[attr-defined]
+    value.__signature__ = taking(limit.scale, drive_input)  # type: ignore[attr-defined]
     value.__doc__ = f"Return the {limit.says.format(WHERE[axis])}."
     return value

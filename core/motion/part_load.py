@@ -80,7 +80,7 @@ class Load(NamedTuple):
     thrown: Mask
 
 
-class Place(Protocol):
+class PartLocation(Protocol):
     """Tells where the parts are that load a unit, of which a study looks at parts all along."""
 
     @property
@@ -102,7 +102,7 @@ def part_load(
     of_unit: Collection[Equation],
     of_part: Collection[Equation],
     contacts: Contacts,
-    place: Place | None = None,
+    location: PartLocation | None = None,
 ) -> PartLoad:
     """Return the function of the equation that gives the `Load` of parts on a unit.
 
@@ -112,19 +112,19 @@ def part_load(
         From a load to amplitude and angle of the track, and from these to the groups of a part.
     contacts : Contacts
         What a part can touch.
-    place : Place, optional
+    location : PartLocation, optional
         Where the parts are; the place of the study if left out.
     """
-    at = place.gives if place else ()
+    at = location.gives if location else ()
     respond = between(of_unit, ("part_load", *at), ("track_amplitude", "vibration_angle"))
     turn = between(of_part, ("amplitude", "beta", *at), ("groups",))
-    given = {"conveyed_mass", "moving_mass", "circular_frequency"}
-    given |= {name for one in (*respond, *turn) for name in one.inputs}
-    given -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta", *at}
+    inputs = {"conveyed_mass", "moving_mass", "circular_frequency"}
+    inputs |= {name for one in (*respond, *turn) for name in one.inputs}
+    inputs -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta", *at}
     if not any(one.gives == "vibration_angle" for one in respond):
-        given.add("vibration_angle")
-    given |= {*place.inputs} if place else set()
-    return PartLoad(respond, turn, contacts, tuple(sorted(given)), place)
+        inputs.add("vibration_angle")
+    inputs |= {*location.inputs} if location else set()
+    return PartLoad(respond, turn, contacts, tuple(sorted(inputs)), location)
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class PartLoad:
     turn: tuple[Equation, ...]
     contacts: Contacts
     needs: tuple[str, ...]
-    place: Place | None = None
+    location: PartLocation | None = None
 
     def __post_init__(self) -> None:
         says = "Return what the unit feels of the parts, at the amplitude at which both agree."
@@ -160,10 +160,10 @@ class PartLoad:
         """One argument a quantity."""
         return keywords(self.needs)
 
-    def __call__(self, **given: Any) -> Load:
+    def __call__(self, **inputs: Any) -> Load:
         """Return the load of each cell."""
         columns = np.broadcast_arrays(
-            *(np.asarray(given[name], dtype=float) for name in self.needs)
+            *(np.asarray(inputs[name], dtype=float) for name in self.needs)
         )
         shape = columns[0].shape
         flat = [column.ravel() for column in columns]
@@ -198,7 +198,7 @@ class PartLoad:
 
     def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
         """Return what is known, at the place of the load."""
-        return {**known, **(self.place(known) if self.place else {})}
+        return {**known, **(self.location(known) if self.location else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
         """Return the load of cells, arrays of one dimension."""
@@ -219,11 +219,11 @@ class PartLoad:
         apart = exact[rows, first] | (last - first > SCATTERED)
         several = ((falls | rises).sum(axis=1) > 1) & apart
 
-        def agreed(place: NDArray[np.intp]) -> tuple[Array, Array, Array, Mask]:
+        def agreed(index: NDArray[np.intp]) -> tuple[Array, Array, Array, Mask]:
             ends = [
-                tuple(part[rows, place + end] for part in (nodes, mass, damping)) for end in (0, 1)
+                tuple(part[rows, index + end] for part in (nodes, mass, damping)) for end in (0, 1)
             ]
-            return self._agreement(known, ends, exact[rows, place])
+            return self._agreement(known, ends, exact[rows, index])
 
         _, *load, hunts = agreed(first)
         none = ~falls.any(axis=1)
@@ -256,13 +256,13 @@ class PartLoad:
         jumps = np.zeros_like(exact)
         for _ in range(2):
             here = (exact & ~jumps, *line)
-            found = elementwise.find_root(self._excess, (low, high), args=(*here, *columns)).x
-            mass, damping = self._load(found, known, *here)
-            left = np.abs(self._left(known, mass, damping, found))
+            root = elementwise.find_root(self._excess, (low, high), args=(*here, *columns)).x
+            mass, damping = self._load(root, known, *here)
+            left = np.abs(self._left(known, mass, damping, root))
             jumps |= left > AGREES
             if not jumps.any():
                 break
-        return np.exp(found), mass, damping, jumps
+        return np.exp(root), mass, damping, jumps
 
     def _load(
         self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
@@ -291,8 +291,8 @@ class PartLoad:
 
     def _sticking(self, known: dict[str, Array], share: float) -> Array:
         mass = share * known["conveyed_mass"]
-        found: Array = self.amplitude(known, mass, np.zeros_like(mass))[0]
-        return found
+        amplitude: Array = self.amplitude(known, mass, np.zeros_like(mass))[0]
+        return amplitude
 
 
 def _cut(columns: list[Array]) -> Iterator[list[Array]]:

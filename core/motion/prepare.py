@@ -114,17 +114,25 @@ def price_of(
     likely, most = seconds_of(
         method.seconds_a_cell, lambda: some_cells(plan, grid, settings, contacts, free or {})
     )
-    rounds = sum(one.takes_long for one in plan.equations) if method.name == plan.variant else 1
-    along = [one.function.nodes for one in plan.equations if isinstance(one.function, AlongTrack)]
-    loaded = any(one.gives == "part_load" for one in plan.equations)
+    rounds = (
+        sum(equation.takes_long for equation in plan.equations)
+        if method.name == plan.variant
+        else 1
+    )
+    along = [
+        equation.function.nodes
+        for equation in plan.equations
+        if isinstance(equation.function, AlongTrack)
+    ]
+    loaded = any(equation.gives == "part_load" for equation in plan.equations)
     likely, most = (
-        (rounds + sum(along)) * one + (price_of_load(one) if loaded else 0.0)
-        for one in (likely, most)
+        (rounds + sum(along)) * equation + (price_of_load(equation) if loaded else 0.0)
+        for equation in (likely, most)
     )
     return likely * pace(), most * pace()
 
 
-def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
+def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:
     """Return a system with the drive and floor of the given parameters, and the method in force.
 
     The drive is a sine, another wave, or a drive unit; the floor is rigid, or as `on_soft_floor`
@@ -136,28 +144,28 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
         If there is no such system, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
-    names = tuple(given)
+    names = tuple(parameters)
     if name == ROW:
-        scene, wrong = choose_row(scene, names)
-        if wrong:
-            raise StudyError([*problems, *wrong])
+        scene, more_problems = choose_row(scene, names)
+        if more_problems:
+            raise StudyError([*problems, *more_problems])
     if name not in CONTACTS and name != ROW:
         return scene, method, problems
     if name in CONTACTS:
         scene = on_soft_floor(name, names)
-    unit, wrong = unit_of(names)
+    unit, more_problems = unit_of(names)
     if name == ROW:
         shape, more = None, of_unit(unit, names)  # its drive is in place
     else:
         shape, more = shape_of(names) if unit is None else (None, [])
-    if wrong or more:  # of which drive the others are missing, or too many, nobody knows
-        raise StudyError([*problems, *wrong, *more])
+    if more_problems or more:  # of which drive the others are missing, or too many, nobody knows
+        raise StudyError([*problems, *more_problems, *more])
     if unit is not None:
         return on_unit(scene, unit, CONTACTS.get(name, Contacts())), method, problems
     return (driven(scene, shape) if shape else scene), method, problems
 
 
-def _wrong_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
     """Yield the settings that a method does not use, or that follow from parameters."""
     settings = study.settings()
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
@@ -188,8 +196,11 @@ def prepare(study: SimulateStudy) -> Simulation:
     asked = tuple(dict.fromkeys((*study.outputs, *more)))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
-    problems = [*_wrong_settings(study, scene, method), *_wrong_course(study, scene, method)]
-    problems += _wrong_reduction(study)
+    problems = [
+        *_problems_of_settings(study, scene, method),
+        *_problems_of_trajectory(study, scene, method),
+    ]
+    problems += _problems_of_reduction(study)
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
@@ -229,7 +240,7 @@ def _derivable(prepared: Simulation) -> Simulation:
 def _all_exact(prepared: Simulation) -> bool:
     """True if nothing pushes a part of a simulation across, whatever the cell."""
     grid, scene = prepared.grid, prepared.plan.scene
-    is_sine = all(one.gives != "wave" for one in prepared.plan.equations)
+    is_sine = all(equation.gives != "wave" for equation in prepared.plan.equations)
     level = all(
         grid.bounds(name) == (0.0, 0.0)
         for name in ("alpha", "delta")
@@ -238,7 +249,7 @@ def _all_exact(prepared: Simulation) -> bool:
     if scene.name not in CONTACTS:
         return False
     straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
-    falls = any(one.gives == "impact_damping" for one in prepared.plan.equations)
+    falls = any(equation.gives == "impact_damping" for equation in prepared.plan.equations)
     in_plane = level and straight and not falls
     return prepared.plan.variant == "events" and is_sine and in_plane
 
@@ -255,7 +266,7 @@ def who_uses(scene: Scene, setting: str) -> str:
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 
 
-def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
+def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
     """Return why a study cannot show the course of a part in time, if it asks for that."""
     if study.trajectory is None:
         return []
@@ -274,7 +285,7 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
     return problems
 
 
-def _wrong_reduction(study: SimulateStudy) -> list[Problem]:
+def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
     """Return what is wrong with what a study asks for in place of its cells, if it does."""
     if study.reduce is None:
         return []

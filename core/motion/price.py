@@ -16,7 +16,7 @@ import numpy as np
 from core.mechanics.arrays import Array, Mask
 from core.motion.groups import Contacts, Groups, in_plane
 from core.plan.equations import run
-from core.plan.grid import Grid, random_places
+from core.plan.grid import Grid, random_positions
 from core.plan.plan import Plan
 from core.scenes.graph import behind
 
@@ -53,8 +53,8 @@ class Priced:
     @property
     def groups(self) -> Groups:
         """The groups of the parts."""
-        found: Groups = self.known["groups"]
-        return found
+        groups: Groups = self.known["groups"]
+        return groups
 
     def setting(self, name: str) -> Array:
         """Return a setting in force."""
@@ -129,18 +129,18 @@ def some_cells(
         Parameters that are not on the grid, and between which values they lie, SI units.
     """
     count = CELLS if free else min(CELLS, grid.cells)
-    places = random_places(grid, count, 0)
+    places = random_positions(grid, count, 0)
     found = min(count, grid.cells)
     on_grid = grid.at(places, found, plan.parameters)
-    given = {name: np.resize(values, count) for name, values in on_grid.items()}
+    sampled = {name: np.resize(values, count) for name, values in on_grid.items()}
     random = np.random.default_rng(0)
     for name, (low, high) in free.items():
-        given[name] = random.uniform(low, high, count)
-    by_name = {one.gives: one for one in plan.equations}
-    long = next(one for one in plan.equations if one.takes_long)
+        sampled[name] = random.uniform(low, high, count)
+    by_name = {equation.gives: equation for equation in plan.equations}
+    long = next(equation for equation in plan.equations if equation.takes_long)
     needed = behind([n for n in long.inputs if n in by_name], by_name.get)
     known: dict[str, Any] = {name: np.asarray(value) for name, value in plan.defaults.items()}
     known |= {name: np.asarray(value) for name, value in settings.items()}
-    equations = [one for one in plan.equations if one.gives in needed]
+    equations = [equation for equation in plan.equations if equation.gives in needed]
     with np.errstate(all="ignore"):
-        return Priced(run(equations, known | given), contacts)
+        return Priced(run(equations, known | sampled), contacts)

@@ -8,7 +8,7 @@ from core.motion import prepare as whole
 from core.motion.prepare import Simulation
 from core.motion.verify import accuracy, verified_at
 from core.plan.labels import global_attributes
-from core.plan.sample import Sample, chosen_places
+from core.plan.sample import Sample, chosen_positions
 from core.reduce.reduced import Reduced
 from core.study.simulate_study import SimulateStudy
 from core.watch import Watch
@@ -44,7 +44,7 @@ class ReducedSimulation(Reduced, Simulation):
         """As in `Reduced`: the cells are followed each by itself."""
         if self.study.verify is None:
             return {}
-        places, count = chosen_places(self)
+        places, count = chosen_positions(self)
         return verified_at(self, Sample(self.grid, places, count, count), None, watch)
 
 

@@ -175,7 +175,7 @@ def rolling_scenes(
     scales_of_drive: tuple[Equation, ...], driven_within: Constraint
 ) -> dict[str, Scene]:
     """Return the systems of round parts, by name."""
-    planar = tuple(one for one in scales_of_drive if one.gives != "drive_number_along")
+    planar = tuple(each for each in scales_of_drive if each.gives != "drive_number_along")
     planar = (
         *planar,
         Equation("drive_number_along", drive_number_along, SOURCE),
@@ -189,7 +189,7 @@ def rolling_scenes(
         Equation("mean_acceleration", mean_acceleration, SOURCE),
     )
     at_wall = (
-        *(one for one in planar if one.gives != "gravity_number_normal"),
+        *(each for each in planar if each.gives != "gravity_number_normal"),
         Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
         Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
         Equation("wall_friction", scales.wall_friction, "theory 13.1"),
@@ -221,7 +221,7 @@ def rolling_scenes(
             },
             constraints=(
                 STATIC_ABOVE_KINETIC, driven_within,
-                *(one for method in METHODS["rolling"].values() for one in method.refuses),
+                *(each for method in METHODS["rolling"].values() for each in method.refuses),
             ),
             choice="method",
             variant_defaults={m.name: m.defaults for m in METHODS["rolling"].values()},
@@ -242,12 +242,12 @@ def rolling_scenes(
 
 def _followed(method: Method, *, slips: bool) -> tuple[Equation, ...]:
     """Return the equations of the motion by a method, and of its results."""
-    found = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
+    equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
     if slips:
         block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)
-        found += [
+        equations += [
             Equation("slip_groups", slip_groups, SOURCE),
             Equation("slip_motion", of_slip(block), SOURCE),
             Equation("slip_velocity", slip_velocity, SOURCE),
         ]
-    return tuple(found)
+    return tuple(equations)

@@ -32,15 +32,15 @@ SPRUNG = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA":
 
 def on_soft_floor(name: str, names: Collection[str]) -> Scene:
     """Return the system of a conveyed part, by its name, on the floor of a study's parameters."""
-    given = set(names)
-    if not given & {FALLING, LINING, DAMPED}:
+    parameters = set(names)
+    if not parameters & {FALLING, LINING, DAMPED}:
         return _plain(name)
     system = SYSTEMS[name]
-    if FALLING in given:
-        system = _falling(system, given)
-    if LINING in given:
+    if FALLING in parameters:
+        system = _falling(system, parameters)
+    if LINING in parameters:
         system = _lined(system)
-    return _damped(system, given)
+    return _damped(system, parameters)
 
 
 @cache
@@ -51,7 +51,7 @@ def _plain(name: str) -> Scene:
 # --- restitution that falls with speed
 
 
-def _falling(system: Scene, given: Collection[str]) -> Scene:
+def _falling(system: Scene, parameters: Collection[str]) -> Scene:
     """Return the system with Hunt and Crossley's law, by one restitution at one speed."""
     law = Equation("impact_damping", soft_contact.impact_damping, SOURCE)
 
@@ -69,7 +69,7 @@ def _falling(system: Scene, given: Collection[str]) -> Scene:
             for name, known in system.variants.items()
         },
         defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
-        constraints=(*system.constraints, *_refusals(system, given)),
+        constraints=(*system.constraints, *_refusals(system, parameters)),
     )
 
 
@@ -90,7 +90,7 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
     return falling
 
 
-def _refusals(system: Scene, given: Collection[str]) -> list[Constraint]:
+def _refusals(system: Scene, parameters: Collection[str]) -> list[Constraint]:
     """Return what a study of this law must respect."""
     message = "restitution that falls with speed is known for motion in the plane of the track"
     nothing = [
@@ -102,7 +102,7 @@ def _refusals(system: Scene, given: Collection[str]) -> list[Constraint]:
         )
         for name in ("alpha", "delta")
     ]
-    across = [n for n in given if n == "radius" or "_across_" in n]
+    across = [n for n in parameters if n == "radius" or "_across_" in n]
     nothing += [
         Constraint((FALLING, name), lambda *_: False, message, f"Leave it or {name} out")
         for name in across
@@ -167,18 +167,18 @@ def _lined(system: Scene) -> Scene:
 # --- a spring and a damper
 
 
-def _damped(system: Scene, given: Collection[str]) -> Scene:
+def _damped(system: Scene, parameters: Collection[str]) -> Scene:
     """Return the system whose sprung floors tell damping by restitution, and take either."""
-    told: tuple[Equation, ...] = (
+    equations: tuple[Equation, ...] = (
         Equation("damping_of_restitution", soft_contact.damping_of_restitution, SOURCE),
         Equation("restitution_of_damping", soft_contact.restitution_of_damping, SOURCE),
     )
-    if DAMPED in given:
-        told = (*told, Equation("restitution", _restitution, SOURCE))
+    if DAMPED in parameters:
+        equations = (*equations, Equation("restitution", _restitution, SOURCE))
     return replace(
         system,
         variants={
-            name: (*told, *known) if name in SPRUNG else known
+            name: (*equations, *known) if name in SPRUNG else known
             for name, known in system.variants.items()
         },
     )

@@ -22,8 +22,8 @@ KINDS = {
 
 def _power(kind: str) -> Callable[..., Array]:
     def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
-        found: Array = getattr(energy, kind) * (gravity * velocity_scale)
-        return found
+        power: Array = getattr(energy, kind) * (gravity * velocity_scale)
+        return power
 
     power.__doc__ = f"Return {KINDS[kind]}, mean over the cycle, per mass [W kg-1]."
     return power

@@ -209,13 +209,13 @@ def _conveying(
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
     def equations(method: Method) -> tuple[Equation, ...]:
-        found = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        conveying = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
         if not contacts.rolling:
-            found.append(ACROSS)
+            conveying.append(ACROSS)
         if method.energy is not None:
             energy = Equation("energy", method.energy(contacts), spending.SOURCE)
-            found += [energy, *spending.RESULTS]
-        return (*in_space, *found)
+            conveying += [energy, *spending.RESULTS]
+        return (*in_space, *conveying)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
         more = [LEAVES_THE_WALL] if contacts.wall else []
@@ -223,10 +223,10 @@ def _conveying(
             more.append(spending.UNBOUNDED)
         # They give way to what has no answer, as that of the efficiency does.
         place = [one.regime for one in CONDITIONS].index("unbounded")
-        found = (*CONDITIONS[:place], *more, *CONDITIONS[place:])
+        kept = (*CONDITIONS[:place], *more, *CONDITIONS[place:])
         if not contacts.rolling:
-            return found
-        return tuple(replace(one, outputs=one.outputs - {ACROSS.gives}) for one in found)
+            return kept
+        return tuple(replace(one, outputs=one.outputs - {ACROSS.gives}) for one in kept)
 
     return Scene(
         name=name,

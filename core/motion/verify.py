@@ -22,7 +22,7 @@ from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.watch import Watch
 
-SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
+EXACT_MEANS = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 """Statuses of motions all of whose outputs two methods should agree on."""
 
 MEANS = [STATUS[name] for name in ANSWERED]
@@ -155,20 +155,20 @@ def compare(
         ours = {**_followed(scene, plan.variant, tuple(judging), cells, count, silent), **got}
     both = ours["motion_status"], theirs["motion_status"]
     evaluated = both[1] != STATUS["not_computed"]
-    sound = np.isin(both[0], SOUND) & np.isin(both[1], SOUND)
+    exact = np.isin(both[0], EXACT_MEANS) & np.isin(both[1], EXACT_MEANS)
     apart, stated = _apart(ours, theirs)
-    means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~sound & np.isfinite(stated)
-    other = sound & _other_multiple(got, theirs)
+    means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~exact & np.isfinite(stated)
+    other = exact & _other_multiple(got, theirs)
     agreement = Comparison(
         method,
         evaluated,
-        sound | means,
+        exact | means,
         means=int(means.sum()),
         strain=float(np.max((apart / stated)[means], initial=0.0)),
-        failed=int(((sound | means) & ~(apart <= stated) | other).sum()),
-        silent=_reasons(method, *(status[evaluated & ~sound & ~means] for status in both)),
+        failed=int(((exact | means) & ~(apart <= stated) | other).sum()),
+        silent=_reasons(method, *(status[evaluated & ~exact & ~means] for status in both)),
     )
-    return _with_worst(agreement, outputs, got, theirs, sound) if sound.any() else agreement
+    return _with_worst(agreement, outputs, got, theirs, exact) if exact.any() else agreement
 
 
 def _with_worst(
@@ -176,23 +176,23 @@ def _with_worst(
     outputs: Sequence[str],
     got: Mapping[str, Array],
     theirs: Mapping[str, Array],
-    sound: NDArray[np.bool_],
+    exact: NDArray[np.bool_],
 ) -> Comparison:
     """Return a comparison with the output that differs most, as a share of its size."""
     for name in outputs:
-        right = np.where(sound, theirs[name], 0.0)
+        right = np.where(exact, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
-        error = np.where(sound, np.abs(got[name] - right), 0.0)
+        error = np.where(exact, np.abs(got[name] - right), 0.0)
         error = np.where(np.isnan(error), np.inf, error)  # a value that only one method has
         cell = int(np.argmax(error))
         share = float(error[cell]) / size
         if not agreement.output or share > agreement.share:
-            told = np.nan
+            stated = np.nan
             if name == VELOCITY and ERROR in theirs:
-                told = float(theirs[ERROR][cell])
+                stated = float(theirs[ERROR][cell])
             agreement = replace(
                 agreement, output=name, cell=cell, error=float(error[cell]), share=share,
-                stated=told,
+                stated=stated,
             )  # fmt: skip
     return agreement
 
@@ -200,15 +200,15 @@ def _with_worst(
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
     """Return why cells of such statuses cannot be judged, and how many."""
     names = {value: name for name, value in STATUS.items()}
-    found = Counter[str]()
+    reasons = Counter[str]()
     for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
-        if mine not in SOUND and mine not in MEANS:
-            found[names[mine]] += 1
-        elif other not in SOUND and other not in MEANS:
-            found[f"{names[other]} by {method}"] += 1
+        if mine not in EXACT_MEANS and mine not in MEANS:
+            reasons[names[mine]] += 1
+        elif other not in EXACT_MEANS and other not in MEANS:
+            reasons[f"{names[other]} by {method}"] += 1
         else:
-            found["without a stated error"] += 1
-    return dict(found.most_common())
+            reasons["without a stated error"] += 1
+    return dict(reasons.most_common())
 
 
 def _followed(
@@ -284,19 +284,19 @@ def verified_at(
     assert other is not None  # the study would have been refused
     against = f"the method {other.name}"
     if not sample.count or watch.stopped():
-        return sample.told(against)
-    cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
+        return sample.verification_attributes(against)
+    cells = prepared.grid.at(sample.positions, sample.count, plan.parameters)
     if arrays is None:
         known = run_equations(plan, cells, replace(watch, progress=None))
         at = {name: np.broadcast_to(known[name], sample.count) for name in plan.outputs}
     else:
         at = {name: sample.at(arrays[name], prepared.dims[name]) for name in plan.outputs}
     got = {name: np.asarray(from_si(name, values)) for name, values in at.items()}
-    found = compare(plan, cells, got, other.name, watch)
-    left = sum(found.silent.values())
+    comparison = compare(plan, cells, got, other.name, watch)
+    left = sum(comparison.silent.values())
     more: dict[str, str | int] = {NOT_JUDGED: left} if left else {}
-    evaluated, compared = int(found.evaluated.sum()), int(found.compared.sum())
-    worst = found.in_words(sample.where(found.cell)) if evaluated else ""
-    return more | sample.told(
-        against, worst, evaluated=evaluated, compared=compared, failed=found.failed
+    evaluated, compared = int(comparison.evaluated.sum()), int(comparison.compared.sum())
+    worst = comparison.in_words(sample.where(comparison.cell)) if evaluated else ""
+    return more | sample.verification_attributes(
+        against, worst, evaluated=evaluated, compared=compared, failed=comparison.failed
     )

@@ -108,7 +108,7 @@ def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     return total
 
 
-def place(wave: Wave, axis: int, phase: ArrayLike) -> Array:
+def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the displacement of the track, in g/w^2."""
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 2)
@@ -199,8 +199,8 @@ COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {
     "push back": (lambda *at: -push(*at), 0),
     "push size": (lambda *at: np.abs(push(*at)), 0),
     "speed": (lambda *at: np.abs(speed(*at)), 1),
-    "place": (place, 2),
-    "place back": (lambda *at: -place(*at), 2),
+    "place": (position_at, 2),
+    "place back": (lambda *at: -position_at(*at), 2),
     "jerk size": (lambda wave, axis, at: np.abs(_harmonic(wave, axis, np.asarray(at), -1)), -1),
 }
 """What has a largest value: a function of wave, axis and phase, and how often it integrates."""

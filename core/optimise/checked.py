@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.optimise import known_answers
+from core.optimise import known_optima
 from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
-from core.optimise.found import Optima
 from core.optimise.front import knee
-from core.optimise.grid import dense_grid, standing_grid
+from core.optimise.grid import dense_grid, reliable_grid
 from core.optimise.methods import METHODS
+from core.optimise.optima import Optima
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, ROUNDING, OptimisationProblem, chosen_cells
 from core.optimise.single import spread
@@ -36,16 +36,16 @@ AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
 
 def checked(
     prepared: Optimisation,
-    found: Optima,
+    optima: Optima,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> dict[str, NDArray[Any]]:
     """Return every variable of the result, in the units of studies; arrays of shape (cells,)."""
     problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
-    cells = found.status.shape
-    lost: NDArray[np.bool_] = np.asarray(np.isnan(found.x).any(axis=0))
+    cells = optima.status.shape
+    lost: NDArray[np.bool_] = np.asarray(np.isnan(optima.x).any(axis=0))
     # Without an optimum the outputs are those of the lower bounds, and left out below.
-    x = np.where(lost, problem.lower[:, None], found.x)
+    x = np.where(lost, problem.lower[:, None], optima.x)
     longest = problem.longer()
     known = longest.known(x, design)
     size = problem.scale(scales)
@@ -55,15 +55,15 @@ def checked(
 
     uncertain = problem.uncertain is not None
     value = whole(longest.judged(x, design, scales)[0] if uncertain else problem.objective(known))
-    if found.value is not None:
+    if optima.value is not None:
         # At the edge of stick the outputs are those of a part at rest.
-        held = found.status == STATUS["not_attained"]
-        value = np.where(held, found.value, value)
+        held = optima.status == STATUS["not_attained"]
+        value = np.where(held, optima.value, value)
     robust = uncertain and isinstance(problem.criterion, Maximise)
     forward = value if robust else problem.output(problem.criterion.output, known)
-    status = _status(problem, found.status, known, design, scales, forward)
+    status = _status(problem, optima.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
-        f"best_{name}": from_si(name, found.x[i]) for i, name in enumerate(problem.names)
+        f"best_{name}": from_si(name, optima.x[i]) for i, name in enumerate(problem.names)
     }
     arrays["objective"] = problem.sign * value
     arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
@@ -74,10 +74,10 @@ def checked(
         arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
     arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
     here, near = _of_each_point(problem, known, design)
-    if found.residual is None:
+    if optima.residual is None:
         left = residual(here, x, near, scales, max(tolerance, AT_BOUND))
     else:
-        left = found.residual / size
+        left = optima.residual / size
     # A worst case has kinks of its own: first-order conditions of one value do not speak of it.
     no_slope = lost | uncertain
     arrays["optimality_residual"] = np.where(no_slope, np.nan, left)
@@ -86,13 +86,13 @@ def checked(
     left_open = np.full(cells, max(tolerance, MISSED))
     if problem.states_error:
         # Chance is taken as large as the shorter runs show it, of which this one was the best.
-        doubts = (one.judged_and_doubt(x, design, scales)[2] for one in (problem, longest))
+        doubts = (one.judged_with_error(x, design, scales)[2] for one in (problem, longest))
         unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
     missed = (status == STATUS["optimal"]) & (gap > left_open)
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
-    arrays["evaluations"] = np.broadcast_to(np.asarray(found.evaluations, np.float64), cells)
+    arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
     if isinstance(problem.criterion, Pareto):
         points = problem.criterion.points
         pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])
@@ -174,17 +174,17 @@ def _gap(
         # A limit of nothing, which rounding may just break, would leave no answer.
         design = {**design, LIMIT: design[LIMIT] + ROUNDING * scales[problem.against]}
     reference = np.full(lost.shape, np.nan)
-    if method != "exact" and known_answers.is_closed(problem):
-        answer = known_answers.by_closed_form(problem, design)
+    if method != "exact" and known_optima.is_closed(problem):
+        answer = known_optima.by_closed_form(problem, design)
         reference = np.asarray(answer.value)
-    elif method != "newton" and known_answers.is_compiled(problem):
-        answer = known_answers.by_newton(problem, design)
+    elif method != "newton" and known_optima.is_compiled(problem):
+        answer = known_optima.by_newton(problem, design)
         reference = np.asarray(answer.value)
     rest = np.flatnonzero(np.isnan(reference) & ~lost)
     if rest.size:
         others, sizes = chosen_cells(design, rest), chosen_cells(scales, rest)
         if problem.is_motion:
-            best = standing_grid(problem, others, sizes, GAP_POINTS_MOTION)
+            best = reliable_grid(problem, others, sizes, GAP_POINTS_MOTION)
         else:
             best = dense_grid(problem, others, sizes, GAP_POINTS)
         reference[rest] = np.where(np.isfinite(best), best, np.nan)

@@ -32,27 +32,33 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
         if name in values:
             fix = f"Remove it there, or under parameters.{name}"
             yield Problem(f"variables.{name}", "it is also given as a parameter", fix)
-    yield from _wrong_constraints(study)
+    yield from _problems_of_constraints(study)
 
 
-def _wrong_constraints(study: OptimiseStudy) -> Iterable[Problem]:
+def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
     """Yield what is wrong with each constraint, and with two bounds of one name."""
     seen: set[str] = set()
-    for number, one in enumerate(study.constraints):
-        place = f"constraints.{number}"
-        if one.lower is None and one.upper is None:
-            yield Problem(place, "it bounds nothing", "Give lower, upper or both")
-        elif one.lower is not None and one.upper is not None and one.lower > one.upper:
-            yield Problem(place, "lower is above upper", "Swap them")
-        if one.absolute and one.upper is not None and one.upper < 0:
-            yield Problem(f"{place}.upper", "no absolute value is below 0", "Give 0 or more")
-        for name, _ in one.ends():
+    for number, constraint in enumerate(study.constraints):
+        path = f"constraints.{number}"
+        if constraint.lower is None and constraint.upper is None:
+            yield Problem(path, "it bounds nothing", "Give lower, upper or both")
+        elif (
+            constraint.lower is not None
+            and constraint.upper is not None
+            and constraint.lower > constraint.upper
+        ):
+            yield Problem(path, "lower is above upper", "Swap them")
+        if constraint.absolute and constraint.upper is not None and constraint.upper < 0:
+            yield Problem(f"{path}.upper", "no absolute value is below 0", "Give 0 or more")
+        for name, _ in constraint.ends():
             if name in seen:
-                yield Problem(place, f"{one.output} has such a bound already", "Remove one of them")
+                yield Problem(
+                    path, f"{constraint.output} has such a bound already", "Remove one of them"
+                )
             seen.add(name)
 
 
-def wrong_intervals(
+def problems_of_intervals(
     study: OptimiseStudy,
     intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],

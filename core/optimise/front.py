@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, ratio
-from core.optimise import known_answers
+from core.optimise import known_optima
 from core.optimise.codes import STATUS
-from core.optimise.found import Optima
 from core.optimise.methods import METHODS
+from core.optimise.optima import Optima
 from core.optimise.problem import LIMIT, OptimisationProblem, cells_of
 from core.study.optimise_study import Pareto, Weighted
 from core.study.spacing import evenly
@@ -41,7 +41,7 @@ def find_front(
     assert isinstance(criterion, Pareto)
     points = criterion.points
     if method == "exact":
-        return known_answers.by_closed_front(problem, design, points)
+        return known_optima.by_closed_front(problem, design, points)
     solve = METHODS[method].solve
     inner, scale = problem.limited(), scales[criterion.against]
     ends = replace(watch, progress=None)  # the many points between them are the progress
@@ -54,13 +54,13 @@ def find_front(
     wide = {name: np.repeat(values, points) for name, values in scales.items()}
     slack = 0.0 if method == "newton" else SLACK
     repeated[LIMIT] = np.where(np.isnan(levels), WIDE, levels + slack * scale[:, None]).ravel()
-    found = solve(inner, repeated, wide, watch)
-    x = found.x.reshape(len(problem.names), -1, points).copy()
-    status = found.status.reshape(-1, points).copy()
+    optima = solve(inner, repeated, wide, watch)
+    x = optima.x.reshape(len(problem.names), -1, points).copy()
+    status = optima.status.reshape(-1, points).copy()
     for place, end in ((0, top), (-1, least)):
         x[:, :, place], status[:, place] = end.x, end.status
     return replace(
-        found, x=x.reshape(found.x.shape), status=status.ravel(), value=None, residual=None
+        optima, x=x.reshape(optima.x.shape), status=status.ravel(), value=None, residual=None
     )
 
 
@@ -96,11 +96,11 @@ def _least(
     return Optima(x, status)
 
 
-def _other(problem: OptimisationProblem, found: Optima, design: Mapping[str, Array]) -> Array:
+def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
     """Return the other output's absolute value at an end; NaN without one."""
     assert problem.against is not None
-    lost = np.isnan(found.x).any(axis=0)
-    x = np.where(lost, problem.lower[:, None], found.x)
+    lost = np.isnan(optima.x).any(axis=0)
+    x = np.where(lost, problem.lower[:, None], optima.x)
     value = np.abs(problem.output(problem.against, problem.known(x, design)))
     return np.where(lost, np.nan, np.broadcast_to(value, lost.shape))
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.found import Optima, status_of
+from core.optimise.optima import Optima, status_of
 from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
+from core.optimise.reliable import most_reliable
 from core.optimise.single import spread
-from core.optimise.standing import standing
 from core.watch import Watch
 
 FIRST_POINTS = 40_000  # of the first grid of a design
@@ -67,7 +67,7 @@ def by_grid(
 
 def with_best_rest(
     problem: OptimisationProblem,
-    found: Optima,
+    optima: Optima,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     watch: Watch,
@@ -78,10 +78,10 @@ def with_best_rest(
     rests; where it slides back at every choice, a grid tells which one is the best, or that none
     keeps the limits.
     """
-    still = np.flatnonzero((found.status == STATUS["no_motion"]) & np.isnan(found.x).any(axis=0))
+    still = np.flatnonzero((optima.status == STATUS["no_motion"]) & np.isnan(optima.x).any(axis=0))
     if not still.size:
-        return found
-    x, status, count = found.x.copy(), found.status.copy(), len(problem.names)
+        return optima
+    x, status, count = optima.x.copy(), optima.status.copy(), len(problem.names)
     here, sizes = chosen_cells(design, still), chosen_cells(scales, still)
     shares = _filled(count, still.size, REST_POINTS)[:, np.newaxis]
     unit = np.broadcast_to(shares, (count, still.size, shares.shape[2]))
@@ -93,7 +93,7 @@ def with_best_rest(
         others, left = np.flatnonzero(~rests), still[~rests]
         best = by_grid(problem, chosen_cells(here, others), chosen_cells(sizes, others), watch)
         x[:, left], status[left] = best.x, best.status
-    return replace(found, x=x, status=status)
+    return replace(optima, x=x, status=status)
 
 
 def dense_width(variables: int, cells: int, points: int) -> int:
@@ -122,7 +122,7 @@ def _top(
     """Return the place of the best of points (variables, cells, n), its violation and value."""
     cells = unit.shape[1]
     step = max(1, BLOCK // (unit.shape[2] * problem.nodes))
-    place = np.zeros(cells, dtype=np.intp)
+    position = np.zeros(cells, dtype=np.intp)
     beyond, value = np.empty(cells), np.empty(cells)
     span = (problem.upper - problem.lower)[:, None, None]
     for start in range(0, cells, step):
@@ -135,11 +135,11 @@ def _top(
         v = np.where(b == least, v, -np.inf)
         here = v.argmax(axis=1)
         rows = np.arange(len(here))
-        place[piece], beyond[piece], value[piece] = here, b[rows, here], v[rows, here]
-    return place, beyond, value
+        position[piece], beyond[piece], value[piece] = here, b[rows, here], v[rows, here]
+    return position, beyond, value
 
 
-def standing_grid(
+def reliable_grid(
     problem: OptimisationProblem,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
@@ -152,10 +152,10 @@ def standing_grid(
     best = np.full(cells, -np.inf)
     for cell in range(cells):
         here = slice(cell, cell + 1)
-        one, sizes = chosen_cells(design, here), chosen_cells(scales, here)
-        judged = problem.judged_and_doubt(x, one, sizes)
+        inputs, sizes = chosen_cells(design, here), chosen_cells(scales, here)
+        judged = problem.judged_with_error(x, inputs, sizes)
         if judged[1].min() <= 0:
-            best[cell] = standing(problem, unit, judged, one, sizes)[1]
+            best[cell] = most_reliable(problem, unit, judged, inputs, sizes)[1]
     return best
 
 

@@ -39,7 +39,7 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     variables = {
         name: TableVariable(dims, arrays[name], attributes[name]) for name in prepared.units
     }
-    words = {
+    dataset_attributes = {
         **_global_attributes(prepared),
         "message": _message(prepared, arrays),
         "accuracy": accuracy(arrays["optimum_gap"]),
@@ -47,13 +47,13 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
         **computed.notes,
         **verified(prepared, arrays, watch),
     }
-    return Table(coordinates_of(prepared.plan, prepared.grid), variables, words)
+    return Table(coordinates_of(prepared.plan, prepared.grid), variables, dataset_attributes)
 
 
 def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:
     """Return the CF attributes of every variable."""
     problem = prepared.problem
-    words = criterion_in_words(problem)
+    sentence = criterion_in_words(problem)
     attributes: dict[str, dict[str, Any]] = {}
     for name in prepared.units:
         if name in QUANTITIES:
@@ -76,7 +76,7 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
     output = problem.criterion.output
     attributes["objective"] |= {
         "units": QUANTITIES[output].unit,
-        "comment": f"At the optimum: {words}.",
+        "comment": f"At the optimum: {sentence}.",
         "criterion": problem.criterion.kind,
         "output": output,
     }
@@ -120,12 +120,12 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     text = f"{name}: {description}"
     if np.isnan(arrays["objective"][0]):
         return text
-    found = [
+    clauses = [
         f"{n} = {arrays[f'best_{n}'][0]:.6g} {QUANTITIES[n].unit}" for n in prepared.problem.names
     ]
     binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
     tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
-    return f"{text}; {', '.join(found)}{tight}"
+    return f"{text}; {', '.join(clauses)}{tight}"
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:

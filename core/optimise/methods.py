@@ -10,15 +10,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from core.mechanics.arrays import Array
-from core.optimise import known_answers, scipy_methods
-from core.optimise.found import Optima, Solver
+from core.optimise import known_optima, scipy_methods
 from core.optimise.grid import MAX_GRIDDED, by_grid, with_best_rest
+from core.optimise.optima import Optima, Solver
 from core.optimise.population import by_population
 from core.optimise.problem import OptimisationProblem
 from core.watch import Watch
 
 
-def _known(answer: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:
+def _known(solver: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:
     """Return the method that takes known answers, and where nothing moves the best rest."""
 
     def solve(
@@ -27,7 +27,7 @@ def _known(answer: Callable[[OptimisationProblem, Mapping[str, Array]], Optima])
         scales: Mapping[str, Array],
         watch: Watch,
     ) -> Optima:
-        optima = with_best_rest(problem, answer(problem, design), design, scales, watch)
+        optima = with_best_rest(problem, solver(problem, design), design, scales, watch)
         watch.advance(1.0)
         return optima
 
@@ -58,10 +58,10 @@ class OptimisationMethod:
 
 METHODS: dict[str, OptimisationMethod] = {
     "exact": OptimisationMethod(
-        _known(known_answers.by_closed_form), 1e-10, "closed form", at_once=True
+        _known(known_optima.by_closed_form), 1e-10, "closed form", at_once=True
     ),
     "newton": OptimisationMethod(
-        _known(known_answers.by_newton), 1e-10, "compiled batch solver", at_once=True
+        _known(known_optima.by_newton), 1e-10, "compiled batch solver", at_once=True
     ),
     "population": OptimisationMethod(
         by_population, 1e-8, "differential evolution of all designs at once", at_once=True
@@ -112,9 +112,9 @@ def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
     """Return why a method cannot solve a problem and what could, or None if it can."""
     if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
         return "the worst case has kinks, and it needs slopes", "Leave method out"
-    if name == "exact" and not known_answers.is_closed(problem):
+    if name == "exact" and not known_optima.is_closed(problem):
         return "there is no closed form of this problem", "Leave method out"
-    if name == "newton" and not known_answers.is_compiled(problem):
+    if name == "newton" and not known_optima.is_compiled(problem):
         return "the batch solver does not know this problem", "Leave method out"
     if name == "minimize_scalar" and len(problem.names) != 1:
         return f"it takes one variable, not {len(problem.names)}", "Leave method out"
@@ -129,7 +129,7 @@ def default_method(problem: OptimisationProblem, cells: int) -> str:
     The known answers where there are; else what `benchmarks/optimise.py` shows to be the fastest
     of those that miss nothing.
     """
-    front = known_answers.is_front(problem)
+    front = known_optima.is_front(problem)
     order = ("exact", "newton") if front else ("newton", "exact")
     for name in order:
         if refusal(name, problem) is None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.found import Optima
+from core.optimise.optima import Optima
 from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells, columns
 from core.optimise.robust import NODES
 from core.optimise.single import spread
@@ -67,7 +67,7 @@ def _evolve(
     here, sizes = columns(design), columns(scales)
     unit, beyond, value = _first(problem, here, sizes, members)
     done = np.zeros(cells, dtype=np.bool_)
-    told = 0.0
+    reported = 0.0
     for generation in range(MAX_GENERATIONS):
         if watch.stopped():
             break
@@ -80,9 +80,9 @@ def _evolve(
         narrow = widths < SMALL
         last = generation == MAX_GENERATIONS - 1
         share = _share_done(widths, cells) if not last else 1.0
-        if share > told:
-            watch.advance((share - told) * cells / all_cells)
-            told = share
+        if share > reported:
+            watch.advance((share - reported) * cells / all_cells)
+            reported = share
         ended = narrow | last
         if ended.any():
             cell = alive[ended]
@@ -167,13 +167,13 @@ def _trial(unit: Array, beyond: Array, value: Array, random: np.random.Generator
     count, _, members = unit.shape
     top = np.lexsort((-value, beyond), axis=-1)[:, 0]
     best = np.take_along_axis(unit, top[None, :, None], axis=2)
-    one, two = _others(members, random), _others(members, random)
+    first, second = _others(members, random), _others(members, random)
     share = random.uniform(0.4, 1.0, members)
     # Half go towards the best, half do their own search: the rest keeps hills apart.
     towards = np.where(random.random(members) < 0.5, share, 0.0)
     third = _others(members, random)
     base = np.where(towards > 0, unit, unit[:, :, third])
-    moved = base + towards * (best - base) + share * (unit[:, :, one] - unit[:, :, two])
+    moved = base + towards * (best - base) + share * (unit[:, :, first] - unit[:, :, second])
     crossed = random.random((count, 1, members)) < CROSSED
     crossed[random.integers(count, size=members), 0, np.arange(members)] = True
     # What leaves the box is put onto its edge: maxima there are met exactly.

@@ -10,7 +10,7 @@ import numpy as np
 from core.errors import Problem, StudyError
 from core.motion.prepare import choose_system
 from core.motion.systems import CONTACTS, SYSTEMS
-from core.optimise.checks import misplaced, of_other_drive, wrong_intervals
+from core.optimise.checks import misplaced, of_other_drive, problems_of_intervals
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import CONTACT_OUTPUTS, LIMIT, Kept, OptimisationProblem, Variable
@@ -44,20 +44,20 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     scene, variant, _ = chosen = _chosen(study, asked)
     kept = tuple(_kept(study, scene, variant))
-    concerned = dict.fromkeys((*asked, *(one.output for one in kept)))
+    concerned = dict.fromkeys((*asked, *(each.output for each in kept)))
     outputs = tuple(name for name in concerned if name != "regime")
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
     problems = [
         *misplaced(study, values),
-        *_wrong_count(bounds),
-        *_wrong_whole(bounds),
-        *wrong_intervals(study, intervals, values, bounds),
+        *_problems_of_count(bounds),
+        *_problems_of_whole_bounds(bounds),
+        *problems_of_intervals(study, intervals, values, bounds),
     ]
     spans = _spans(bounds, intervals, values)
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
-        problems += (placed(of_other_drive(one, scene), study) for one in error.problems)
+        problems += (placed(of_other_drive(each, scene), study) for each in error.problems)
     problems += _unknown_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
@@ -65,7 +65,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     how = study.robust or "worst"
     unsure = uncertain_of(intervals, how, study.quantile) if intervals else None
     problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
-    middles = {name: Fixed(nominal(one)) for name, one in intervals.items()}
+    middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})
     method = _method(study, problem, designs)
     if isinstance(study.criterion, Pareto):
@@ -94,12 +94,12 @@ def _unknown_method(name: str | None) -> Iterable[Problem]:
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
     """Return scene and variant of a study; raise for those that it does not have."""
-    named = (*asked, *(one.output for one in study.constraints))
+    named = (*asked, *(each.output for each in study.constraints))
     given = (*study.values(), *study.bounds(), *study.intervals())
     try:
         chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
-        raise StudyError(placed(one, study) for one in error.problems) from None
+        raise StudyError(placed(each, study) for each in error.problems) from None
     scene = chosen[0]
     if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
         fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
@@ -107,7 +107,7 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
     return chosen
 
 
-def _wrong_whole(bounds: Mapping[str, Between]) -> Iterable[Problem]:
+def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
     """Yield what is wrong with the bounds of what is counted."""
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
@@ -116,7 +116,7 @@ def _wrong_whole(bounds: Mapping[str, Between]) -> Iterable[Problem]:
             yield Problem(f"variables.{name}", message, fix)
 
 
-def _wrong_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
+def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
     """Yield what is wrong with the number of variables."""
     if not bounds:
         message = "nothing is left to choose"
@@ -148,11 +148,11 @@ def _variable(name: str, between: Between) -> Variable:
 
 
 def choose_problem_scene(
-    name: str, variant: str | None, outputs: Iterable[str], given: Iterable[str] = ()
+    name: str, variant: str | None, outputs: Iterable[str], parameters: Iterable[str] = ()
 ) -> Chosen:
     """Return the closed-form scene with its variant; or the system, if an output asks for it.
 
-    So does a drive that is no plain sine, of which the closed forms know nothing: `given` are the
+    So does a drive that is no plain sine, of which the closed forms know nothing: `parameters` are
     names of all parameters, variables among them. The third is what is wrong with the variant,
     which then gives way to the default.
 
@@ -164,15 +164,17 @@ def choose_problem_scene(
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
-        system, method, _ = choose_system(name, None, given)
+        system, method, _ = choose_system(name, None, parameters)
         # A wave, a drive unit and a floor that gives have equations of their own.
         plain = system.variants[method] == SYSTEMS[name].variants[method]
         if not plain or any(o not in closed and o in system.outputs(method) for o in outputs):
             fix = (
                 "Remove it, or ask for outputs of the closed forms alone" if plain else "Remove it"
             )
-            told = [Problem("variant", "motion in time has no variants", fix)] if variant else []
-            return system, method, told
+            refusals = (
+                [Problem("variant", "motion in time has no variants", fix)] if variant else []
+            )
+            return system, method, refusals
     return scene, chosen, problems
 
 

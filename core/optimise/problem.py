@@ -221,9 +221,9 @@ class OptimisationProblem:
         Where an output has no value the objective is -inf and the violation inf: a NaN would end
         scipy's differential evolution.
         """
-        return self.judged_and_doubt(x, design, scales, watch)[:2]
+        return self.judged_with_error(x, design, scales, watch)[:2]
 
-    def judged_and_doubt(
+    def judged_with_error(
         self,
         x: Array,
         design: Mapping[str, Array],
@@ -238,10 +238,10 @@ class OptimisationProblem:
         """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
-        values, beyond, doubt = self._judged(x, self.over(design, x), scales, watch)
+        values, beyond, chance_error = self._judged(x, self.over(design, x), scales, watch)
         lost = np.isinf(values).any(axis=0)
         value = self.uncertain.counts(np.where(lost, 0.0, values), self.sign)
-        return np.where(lost, -np.inf, value), beyond.max(axis=0), doubt.max(axis=0)
+        return np.where(lost, -np.inf, value), beyond.max(axis=0), chance_error.max(axis=0)
 
     @property
     def states_error(self) -> bool:
@@ -256,8 +256,8 @@ class OptimisationProblem:
         plan = replace(self.plan, defaults={**self.plan.defaults, "max_periods": most})
         return replace(self, plan=plan)
 
-    def doubt(self, known: Arrays) -> Array:
-        """Return how far chance may have moved the objective, as `judged_and_doubt` tells it."""
+    def chance_error(self, known: Arrays) -> Array:
+        """Return how far chance may have moved the objective, as `judged_with_error` tells it."""
         motion = known.get("motion")
         if not isinstance(motion, Motion):
             return np.zeros(())
@@ -307,8 +307,8 @@ class OptimisationProblem:
         for kept, margin in zip(self.kept, self.margins(known, design), strict=True):
             beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
         lost = np.isnan(value) | np.isnan(beyond)
-        doubt = np.broadcast_to(self.doubt(known), shape)
-        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), doubt
+        chance_error = np.broadcast_to(self.chance_error(known), shape)
+        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), chance_error
 
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
         """Return the largest size of each output that takes part, for each design.

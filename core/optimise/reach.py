@@ -65,12 +65,12 @@ def nearest(study: Study) -> list[Reach]:
     return [reach for one, reach in reaches if reach is not None and _is_beyond(reach.value, one)]
 
 
-def _reach(study: OptimiseStudy, one: Bound) -> Reach | None:
+def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
     """Return how far an output goes towards its bound while others are kept; None if unknown."""
-    limit, end = one
+    limit, end = named_bound
     kept = []
     for other, side in _single(study):
-        if (other, side) != one:
+        if (other, side) != named_bound:
             more = {"absolute": other.absolute, side: getattr(other, side)}
             kept.append(OutputLimit(output=other.output, **more))
     criterion = (Minimise if end == "upper" else Maximise)(output=limit.output)
@@ -95,9 +95,9 @@ def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
     return values
 
 
-def _is_beyond(value: float, one: Bound) -> bool:
+def _is_beyond(value: float, named_bound: Bound) -> bool:
     """True where a value does not keep a bound."""
-    limit, end = one
+    limit, end = named_bound
     bound = float(getattr(limit, end))
     return value > bound if end == "upper" else value < bound
 
@@ -149,7 +149,7 @@ def ways(study: Study) -> list[Way]:
     """Return what would keep all limits: another frequency, more friction, an ellipse."""
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
-    found = []
+    reached = []
     for change, other in (
         ("another frequency", _with_frequency(study)),
         ("more friction", _with_friction(study)),
@@ -159,8 +159,8 @@ def ways(study: Study) -> list[Way]:
         if table is not None and other is not None:
             choice = {name: float(table[f"best_{name}"]) for name in other.bounds()}
             wanted = study.criterion.output
-            found.append(Way(change, wanted, float(table["objective"]), choice))
-    return found
+            reached.append(Way(change, wanted, float(table["objective"]), choice))
+    return reached
 
 
 def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:

@@ -18,7 +18,7 @@ from core.study.distributions import Distribution, tolerance
 from core.study.values import Between
 
 NODES = 9  # over the interval of an uncertain parameter
-DRAWN = 64  # points drawn from several distributions, or from one that is not uniform
+SAMPLES = 64  # points drawn from several distributions, or from one that is not uniform
 LEVELS = {1: NODES, 2: 5, 3: 3}
 """Nodes of each of so many parameters, all with all, for the worst case; of more the two ends."""
 MAX_UNCERTAIN = 6
@@ -107,7 +107,7 @@ def uncertain_of(
     if how == "worst":
         values = _box(distributions)
     else:
-        values = values_at(distributions, draws.points(len(distributions), DRAWN, 0)[:, 0])
+        values = values_at(distributions, draws.points(len(distributions), SAMPLES, 0)[:, 0])
     return Uncertain(distributions, values, how, None, 0.5 if quantile is None else quantile)
 
 
@@ -118,8 +118,8 @@ def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
     nodes = np.array(list(product(shares, repeat=count)))
     if shares.size == 2:
         nodes = np.concatenate([nodes, np.full((1, count), 0.5)])
-    found = {}
+    bounds = {}
     for (name, one), share in zip(distributions.items(), nodes.T, strict=True):
         lower, upper = tolerance(name, one)
-        found[name] = parameter_to_si(name, lower + (upper - lower) * share)
-    return found
+        bounds[name] = parameter_to_si(name, lower + (upper - lower) * share)
+    return bounds

@@ -49,14 +49,14 @@ def _solved(
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
-        found = find_front(problem, design, scales, method, watch)
+        optima = find_front(problem, design, scales, method, watch)
         points = problem.criterion.points
         design = {name: np.repeat(values, points) for name, values in design.items()}
         scales = {name: np.repeat(values, points) for name, values in scales.items()}
     else:
-        found = METHODS[method].solve(problem, design, scales, watch)
-    found = replace(found, x=problem.whole(found.x))
-    return checked(prepared, found, design, scales), found.says
+        optima = METHODS[method].solve(problem, design, scales, watch)
+    optima = replace(optima, x=problem.whole(optima.x))
+    return checked(prepared, optima, design, scales), optima.says
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:

@@ -14,13 +14,13 @@ import scipy
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.found import Optima, Solver, status_of
+from core.optimise.optima import Optima, Solver, status_of
 from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
 from core.optimise.search import parts_of, search_maximum
 from core.optimise.single import NO_VALUE, Single, spread
 from core.watch import Watch
 
-One = Callable[[Single], tuple[Array, str]]
+DesignSearch = Callable[[Single], tuple[Array, str]]
 """Takes one design; returns the best point of the unit box, and what the method says."""
 
 STARTS = 8  # of the optimisers that follow slopes
@@ -102,7 +102,7 @@ def slsqp(single: Single) -> tuple[Array, str]:
     constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
     ends, said = [], []
     for start in _starts(single):
-        answer = scipy.optimize.minimize(
+        result = scipy.optimize.minimize(
             smooth.value,
             smooth.start(start),
             jac=smooth.slope,
@@ -111,8 +111,8 @@ def slsqp(single: Single) -> tuple[Array, str]:
             constraints=[constraints] if smooth.constrained else [],
             options={"ftol": 1e-15, "maxiter": 200},
         )
-        ends.append(answer.x[: single.variables])
-        said.append(str(answer.message))
+        ends.append(result.x[: single.variables])
+        said.append(str(result.message))
     return _best(single, ends, 1e-9), max(set(said), key=said.count)
 
 
@@ -134,7 +134,7 @@ def trust_constr(single: Single) -> tuple[Array, str]:
         warnings.simplefilter("ignore")  # of flat steps, which are no harm
         for start in _starts(single, 4):
             try:
-                answer = scipy.optimize.minimize(
+                result = scipy.optimize.minimize(
                     smooth.value,
                     smooth.start(start),
                     jac=smooth.slope,
@@ -147,8 +147,8 @@ def trust_constr(single: Single) -> tuple[Array, str]:
                 said = str(error)
                 ends.append(start)
                 continue
-            ends.append(answer.x[: single.variables])
-            said = str(answer.message)
+            ends.append(result.x[: single.variables])
+            said = str(result.message)
     return _best(single, ends, 1e-7), said
 
 
@@ -162,7 +162,7 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
             return rows if np.ndim(unit) > 1 else rows[:, 0]
 
         constraints = scipy.optimize.NonlinearConstraint(kept, 0.0, np.inf)
-    answer = scipy.optimize.differential_evolution(
+    result = scipy.optimize.differential_evolution(
         single.lost,
         [(0.0, 1.0)] * single.variables,
         constraints=constraints,
@@ -176,7 +176,7 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
         polish=False,
         rng=1,
     )
-    return np.asarray(answer.x), str(answer.message)
+    return np.asarray(result.x), str(result.message)
 
 
 def search_budget(variables: int) -> int:
@@ -190,26 +190,26 @@ def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
     seen: list[tuple[Array, ...]] = []
 
     def ranked(points: Array) -> Array:
-        value, beyond, doubt = single.judged_and_doubt(points.T)
-        seen.append((points.T, value, beyond, doubt))
+        value, beyond, chance_error = single.judged_with_error(points.T)
+        seen.append((points.T, value, beyond, chance_error))
         # Anything that keeps the constraints beats anything that does not.
         worse = np.where(np.isfinite(beyond), -NO_VALUE - beyond, np.nan)
         return np.where(beyond > 0, worse, value)
 
     ends = np.zeros(single.variables), np.ones(single.variables)
-    found = search_maximum(ranked, *ends, budget=budget, watch=single.watch)
-    if found.status == "stopped":
+    result = search_maximum(ranked, *ends, budget=budget, watch=single.watch)
+    if result.status == "stopped":
         raise SearchStoppedError
-    if single.problem.is_motion and np.isfinite(found.value):
+    if single.problem.is_motion and np.isfinite(result.value):
         unit, *judged = (np.concatenate(parts, axis=-1) for parts in zip(*seen, strict=True))
-        return unit[:, single.standing(unit, *judged)], found.message
-    return np.nan_to_num(found.point), found.message  # without any value, the lower bounds
+        return unit[:, single.most_reliable(unit, *judged)], result.message
+    return np.nan_to_num(result.point), result.message  # without any value, the lower bounds
 
 
 def shgo(single: Single) -> tuple[Array, str]:
     """Return the best end of the simplicial homology search."""
     # Its local searches need numbers; its sampling leaves out what the constraints refuse.
-    answer = scipy.optimize.shgo(
+    result = scipy.optimize.shgo(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
         constraints=(
@@ -222,13 +222,13 @@ def shgo(single: Single) -> tuple[Array, str]:
         sampling_method="sobol",
         minimizer_kwargs={"method": "SLSQP", "options": {"ftol": 1e-14}},
     )
-    found = answer.x if answer.x is not None else _starts(single, 1)[0]
-    return _best(single, [found, *_starts(single, 2)], 1e-9), str(answer.message)
+    found = result.x if result.x is not None else _starts(single, 1)[0]
+    return _best(single, [found, *_starts(single, 2)], 1e-9), str(result.message)
 
 
 def direct(single: Single) -> tuple[Array, str]:
     """Return the end of dividing rectangles, with a price on violations."""
-    answer = scipy.optimize.direct(
+    result = scipy.optimize.direct(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
         maxfun=MAX_DIRECT,
@@ -236,7 +236,7 @@ def direct(single: Single) -> tuple[Array, str]:
         locally_biased=True,
         vol_tol=1e-24,
     )
-    return np.asarray(answer.x), str(answer.message)
+    return np.asarray(result.x), str(result.message)
 
 
 def minimize_scalar(single: Single) -> tuple[Array, str]:
@@ -244,19 +244,21 @@ def minimize_scalar(single: Single) -> tuple[Array, str]:
     points = np.linspace(0.0, 1.0, DENSE)
     values = single.penalised(points[None, :])
     ends = [points[[values.argmin()]]]
-    for place in np.argsort(values)[:3]:
-        bracket = points[max(place - 1, 0)], points[min(place + 1, DENSE - 1)]
-        answer = scipy.optimize.minimize_scalar(
+    for points_in_box in np.argsort(values)[:3]:
+        bracket = points[max(points_in_box - 1, 0)], points[min(points_in_box + 1, DENSE - 1)]
+        result = scipy.optimize.minimize_scalar(
             lambda unit: float(single.penalised(np.array([unit]))),
             bounds=bracket,
             method="bounded",
             options={"xatol": 1e-13},
         )
-        ends += [np.array([answer.x]), np.array([bracket[0]]), np.array([bracket[1]])]
+        ends += [np.array([result.x]), np.array([bracket[0]]), np.array([bracket[1]])]
     return _best(single, ends, 1e-9), "the best of the grid's deepest dips"
 
 
-def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solver:
+def one_by_one(
+    search_design: DesignSearch, tolerance: float, about: Callable[[int], int]
+) -> Solver:
     """Return the solver that takes one design after the other.
 
     `about` tells of a number of variables how many evaluations a design takes, or nearly so.
@@ -286,7 +288,7 @@ def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solve
                 points,
             )
             try:
-                unit, says = one(single)
+                unit, says = search_design(single)
             except SearchStoppedError:
                 break
             if problem.is_motion and watch.stopped():
@@ -294,7 +296,7 @@ def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solve
             value, beyond = single.judged(unit)
             status[cell] = status_of(float(value[0]), float(beyond[0]), tolerance)
             if status[cell] == STATUS["optimal"]:
-                x[:, cell] = single.place(unit)[:, 0]
+                x[:, cell] = single.points_in_box(unit)[:, 0]
             evaluations[cell] = single.evaluations
             single.end()
         return Optima(x, status, evaluations=evaluations, says=says)

@@ -111,7 +111,7 @@ def search_maximum(
         search.look_around()
     except _StoppedError:
         status = "stopped"
-    return search.found(status)
+    return search.result_of(status)
 
 
 def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
@@ -150,7 +150,7 @@ class _Search:
         """Return the values at points (n, free); -inf where there is none."""
         if self.watch.stopped():
             raise _StoppedError
-        values = np.asarray(self.evaluate(self.place(unit)), dtype=np.float64)
+        values = np.asarray(self.evaluate(self.points_in_box(unit)), dtype=np.float64)
         if values.shape != unit.shape[:1]:
             raise ValueError(f"{len(unit)} points gave values of shape {values.shape}")
         values = np.where(np.isfinite(values), values, -np.inf)
@@ -161,7 +161,7 @@ class _Search:
             self.point, self.value = unit[best], float(values[best])
         return values
 
-    def place(self, unit: Array) -> Array:
+    def points_in_box(self, unit: Array) -> Array:
         """Return points of the unit box (n, free) in the box (n, d); both ends are met exactly."""
         points = np.tile(self.lower, (len(unit), 1))
         low, high = self.lower[self.free], self.upper[self.free]
@@ -181,11 +181,11 @@ class _Search:
         nearby = self.values(np.clip(np.nan_to_num(self.point) + NEARBY * self.around, 0.0, 1.0))
         self.drop = self.value - float(nearby.min())
 
-    def found(self, status: SearchStatus) -> SearchResult:
+    def result_of(self, status: SearchStatus) -> SearchResult:
         """Return what is known."""
         point, value = np.full(self.lower.size, np.nan), math.nan
         if math.isfinite(self.value):
-            point, value = self.place(self.point[None])[0], self.value
+            point, value = self.points_in_box(self.point[None])[0], self.value
         if status != "stopped" and self.least == self.value:
             status = "flat" if math.isfinite(value) else "no_value"
         return SearchResult(point, value, self.drop, self.used, status, MESSAGES[status])

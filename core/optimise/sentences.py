@@ -19,17 +19,17 @@ def _over_interval(problem: OptimisationProblem) -> str:
         return ""
     how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
     how = how or f"of the {problem.uncertain.quantile:g} quantile"
-    told = (_known(name, one) for name, one in problem.uncertain.distributions.items())
-    return f", {how} over {', '.join(told)}"
+    names = (_known(name, one) for name, one in problem.uncertain.distributions.items())
+    return f", {how} over {', '.join(names)}"
 
 
-def _known(name: str, one: Distribution) -> str:
+def _known(name: str, distribution: Distribution) -> str:
     """Return how well a parameter is known, in words."""
     unit = "" if QUANTITIES[name].unit == "1" else f" {QUANTITIES[name].unit}"
-    if isinstance(one, Between):
-        return f"{name} from {one.lower:g} to {one.upper:g}{unit}"
-    lower, upper = tolerance(name, one)
-    return f"{name} about {nominal(one):g} ({lower:.4g} to {upper:.4g}){unit}"
+    if isinstance(distribution, Between):
+        return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
+    lower, upper = tolerance(name, distribution)
+    return f"{name} about {nominal(distribution):g} ({lower:.4g} to {upper:.4g}){unit}"
 
 
 def _looked_for(problem: OptimisationProblem) -> str:

@@ -9,12 +9,12 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise.problem import OptimisationProblem, columns
-from core.optimise.standing import standing
+from core.optimise.reliable import most_reliable
 from core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
 NO_VALUE = 1e6  # stands in for an output without a value where an optimiser needs a number
-MAX_TOLD = 0.98  # of a design while it is evaluated: how often is only about known
+MAX_SHARE = 0.98  # of a design while it is evaluated: how often is only about known
 PENALTY = 100.0  # of a violation, where an optimiser knows no constraints
 
 
@@ -41,7 +41,7 @@ class Single:
     ):
         self.problem = problem
         self.watch = watch and replace(watch, progress=None)  # evaluations are the progress
-        self._progress, self._about, self._told = watch or Watch(), about, 0.0
+        self._progress, self._about, self._reported = watch or Watch(), about, 0.0
         self.design, self.scales = columns(design), columns(scales)
         self.size = float(problem.scale(scales)[0])
         self.evaluations = 0
@@ -50,7 +50,7 @@ class Single:
 
     def _count(self, points: int) -> None:
         """Count evaluations, and tell those before them: they are done."""
-        self._tell(min(self.evaluations / self._about, MAX_TOLD))
+        self._tell(min(self.evaluations / self._about, MAX_SHARE))
         self.evaluations += points
 
     def end(self) -> None:
@@ -58,16 +58,16 @@ class Single:
         self._tell(1.0)
 
     def _tell(self, share: float) -> None:
-        if share > self._told:
-            self._progress.advance(share - self._told)
-            self._told = share
+        if share > self._reported:
+            self._progress.advance(share - self._reported)
+            self._reported = share
 
     @property
     def variables(self) -> int:
         """Number of variables."""
         return len(self.problem.names)
 
-    def place(self, unit: Array) -> Array:
+    def points_in_box(self, unit: Array) -> Array:
         """Return points of the unit box in SI units; both ends are met exactly."""
         lower, upper = self.problem.lower[:, None], self.problem.upper[:, None]
         unit = np.reshape(unit, (self.variables, -1))
@@ -75,23 +75,23 @@ class Single:
 
     def judged(self, unit: Array) -> tuple[Array, Array]:
         """Return objective over its scale and violation of points, each (n,)."""
-        return self.judged_and_doubt(unit)[:2]
+        return self.judged_with_error(unit)[:2]
 
-    def judged_and_doubt(self, unit: Array) -> tuple[Array, Array, Array]:
+    def judged_with_error(self, unit: Array) -> tuple[Array, Array, Array]:
         """Return the same, and over the objective's scale how far chance may have moved it."""
-        x = self.place(unit)
+        x = self.points_in_box(unit)
         self._count(x.shape[1])
-        value, beyond, doubt = self.problem.judged_and_doubt(
+        value, beyond, chance_error = self.problem.judged_with_error(
             x[:, None, :], self.design, self.scales, self.watch
         )
-        return value[0] / self.size, beyond[0], doubt[0] / self.size
+        return value[0] / self.size, beyond[0], chance_error[0] / self.size
 
-    def standing(self, unit: Array, value: Array, beyond: Array, doubt: Array) -> int:
+    def most_reliable(self, unit: Array, value: Array, beyond: Array, chance_error: Array) -> int:
         """Return the place of the best of evaluated points that stands."""
         design = {name: values[:, 0] for name, values in self.design.items()}
         scales = {name: values[:, 0] for name, values in self.scales.items()}
-        value, doubt = value * self.size, doubt * self.size
-        return standing(self.problem, unit, (value, beyond, doubt), design, scales)[0]
+        value, chance_error = value * self.size, chance_error * self.size
+        return most_reliable(self.problem, unit, (value, beyond, chance_error), design, scales)[0]
 
     def lost(self, unit: Array) -> Array:
         """Return what is to be least, (n,) or a number; inf where an output has no value."""
@@ -109,7 +109,7 @@ class Single:
         key = unit.tobytes()
         if key == self._at:
             return self._rows
-        x = self.place(unit)[:, None, :]
+        x = self.points_in_box(unit)[:, None, :]
         self._count(x.shape[2])
         problem = self.problem
         known = problem.known(x, self.design, self.watch)

@@ -45,7 +45,7 @@ def _derive(
     x: Array,
     design: Mapping[str, Array],
     kept: NDArray[np.bool_],
-    found: Mapping[str, Array],
+    derivatives: Mapping[str, Array],
 ) -> None:
     """Fill the derivatives by those of some names that the output depends on."""
     output = problem.criterion.output
@@ -53,8 +53,10 @@ def _derive(
     cells = {name: design[name][kept] for name in used if name in design}
     cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
     plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
-    names = tuple(name for name in found if name in used)
+    names = tuple(name for name in derivatives if name in used)
     values = values_of(plan, cells, names)
     for (_, name), derived in derivatives_at(plan, cells, names).items():
         exponents = derived.logarithmic(values[name])
-        found[name][kept] = np.where(derived.status < DERIVATIVE_STATUS["kink"], exponents, np.nan)
+        derivatives[name][kept] = np.where(
+            derived.status < DERIVATIVE_STATUS["kink"], exponents, np.nan
+        )

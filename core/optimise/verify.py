@@ -64,16 +64,16 @@ def verified(
     smooth = answered[known["optimum_status"][answered] != STATUS["not_attained"]]
     rival = _rival(prepared)
     watch = watch.part(0.5 if rival else 1.0)
-    against, words = [], []
+    against, sentences = [], []
     judged, lost, left = np.zeros((3, sample.count), dtype=np.bool_)
     failed = 0
     if smooth.size:
-        found, by = _outputs(prepared, design, x, known, smooth, watch)
+        agreement, by = _outputs(prepared, design, x, known, smooth, watch)
         against.append(by)
-        judged[smooth], lost[smooth], left[smooth] = True, ~found.compared, ~found.evaluated
-        failed = found.failed
-        if found.evaluated.any():
-            words.append(found.in_words(sample.where(int(smooth[found.cell]))))
+        judged[smooth], lost[smooth], left[smooth] = True, ~agreement.compared, ~agreement.evaluated
+        failed = agreement.failed
+        if agreement.evaluated.any():
+            sentences.append(agreement.in_words(sample.where(int(smooth[agreement.cell]))))
     if rival and answered.size:
         solved, cell, better = _better(prepared, rival, design, known, answered, watch)
         against.append(f"answers of the method {rival}")
@@ -84,12 +84,12 @@ def verified(
             unit = QUANTITIES[prepared.problem.criterion.output].unit
             more = f"{better:.2g}{'' if unit == '1' else f' {unit}'} more"
             more = more if better else "nothing better"
-            words.append(f"objective {sample.where(cell)}: {rival} finds {more}")
+            sentences.append(f"objective {sample.where(cell)}: {rival} finds {more}")
     if sample.count and not answered.size:
-        words.append("none of the cells has an answer")
-    return sample.told(
+        sentences.append("none of the cells has an answer")
+    return sample.verification_attributes(
         " and ".join(against) or "nothing",
-        "; ".join(words),
+        "; ".join(sentences),
         evaluated=sample.count - int(left.sum()),
         compared=int((judged & ~lost).sum()),
         failed=failed,
@@ -99,7 +99,7 @@ def verified(
 def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
     """Return the designs of chosen cells, SI units, with the limit that each answer keeps."""
     problem = prepared.problem
-    design = prepared.designs.at(sample.places, sample.count, prepared.plan.parameters)
+    design = prepared.designs.at(sample.positions, sample.count, prepared.plan.parameters)
     criterion = problem.criterion
     limit = np.full(sample.count, criterion.limit if isinstance(criterion, Limited) else np.inf)
     if isinstance(criterion, Pareto):
@@ -164,13 +164,13 @@ def _better(
     if LIMIT in (kept.name for kept in problem.kept) and problem.against:
         # A limit of nothing, which rounding may just break, would leave no answer.
         here[LIMIT] = here[LIMIT] + ROUNDING * scales[problem.against]
-    found = METHODS[rival].solve(problem, here, scales, watch)
-    lost = np.isnan(found.x).any(axis=0)
-    x = np.where(lost, problem.lower[:, None], found.x)
+    optima = METHODS[rival].solve(problem, here, scales, watch)
+    lost = np.isnan(optima.x).any(axis=0)
+    x = np.where(lost, problem.lower[:, None], optima.x)
     theirs, beyond = problem.judged(x, here, scales)
     sound = ~lost & (beyond <= METHODS[rival].tolerance)
     ours = problem.sign * known["objective"][chosen]
     more = np.where(sound, theirs - ours, -np.inf)
     worst = int(np.argmax(more))
-    solved = found.status != STATUS["not_computed"]
+    solved = optima.status != STATUS["not_computed"]
     return solved, int(chosen[worst]), float(max(more[worst], 0.0))

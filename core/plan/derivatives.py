@@ -120,7 +120,7 @@ def derivatives(
         doubtful = np.zeros(values[parameter].shape, dtype=bool)
         for carried in middle.values():
             doubtful |= carried.is_doubtful
-        sides: list[dict[str, _One]] = []
+        sides: list[dict[str, _Slope]] = []
         if doubtful.any():
             near = {name: value[doubtful] for name, value in values.items()}
             sides = _beside(plan, near, parameter, rules or {})
@@ -151,7 +151,7 @@ def values_of(
     return {n: np.broadcast_to(c, shape) for n, c in zip(values, columns, strict=True)}
 
 
-class _One(NamedTuple):
+class _Slope(NamedTuple):
     """Value, slope and status of an output; of a cell at a switch the status is `both_sides`."""
 
     value: Array
@@ -168,7 +168,7 @@ class _One(NamedTuple):
 
 def _carried(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
-) -> dict[str, _One]:
+) -> dict[str, _Slope]:
     """Return value, derivative and status of each output."""
     ties: list[Any] = []
     cells = values[parameter].size
@@ -188,7 +188,7 @@ def _carried(
         status[equation.gives] = reduce(np.maximum, [rule_status, *before, *switches])
     shape = values[parameter].shape
     return {
-        name: _One(
+        name: _Slope(
             np.broadcast_to(np.asarray(value_of(known[name]), np.float64), shape),
             np.broadcast_to(np.asarray(slope_of(known[name]), np.float64), shape),
             np.broadcast_to(np.asarray(status.get(name, 0), np.int8), shape),
@@ -222,7 +222,7 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
         ) from error
 
 
-def _away_from_switches(carried: _One) -> Derived:
+def _away_from_switches(carried: _Slope) -> Derived:
     """Return value and derivative where no switch is near."""
     lost = ~np.isfinite(carried.value) & (carried.status < DERIVATIVE_STATUS["kink"])
     status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), carried.status)
@@ -242,7 +242,7 @@ def _size(at: Array) -> Array:
 
 def _beside(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
-) -> list[dict[str, _One]]:
+) -> list[dict[str, _Slope]]:
     """Return the derivatives at two points below and two above each cell, from below."""
     at = values[parameter]
     step = SIDE * _size(at)
@@ -253,7 +253,7 @@ def _beside(
 
 
 def _from_both_sides(
-    value: Array, step: Array, far_below: _One, below: _One, above: _One, far_above: _One
+    value: Array, step: Array, far_below: _Slope, below: _Slope, above: _Slope, far_above: _Slope
 ) -> Derived:
     """Return the derivative next to a switch, if it tends to one number from both sides."""
     with np.errstate(all="ignore"):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from core.plan.derivatives import Derivatives
     from core.plan.grid import Grid
 
-PLACE = "sensitivities"
+SECTION = "sensitivities"
 MAX_DERIVED = 2_000_000
 """Cells times outputs times parameters of a study that asks for derivatives."""
 
@@ -173,18 +173,18 @@ def asked_of(
     known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
     names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
     problems = [
-        Problem(PLACE, f"no output is computed from '{name[:60]}'", suggestion(name, known))
+        Problem(SECTION, f"no output is computed from '{name[:60]}'", suggestion(name, known))
         for name in names
         if name not in known
     ]
     if not outputs:
         message = "none of the outputs is a number that could be derived"
-        problems.append(Problem(PLACE, message, "Leave it out, or ask for another output"))
+        problems.append(Problem(SECTION, message, "Leave it out, or ask for another output"))
     values = cells * len(outputs) * len(names)
     if values > MAX_DERIVED:
         message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
         fix = "Give fewer cells, outputs or names of parameters"
-        problems.append(Problem(PLACE, message, fix))
+        problems.append(Problem(SECTION, message, fix))
     if problems:
         raise StudyError(problems)
     return Asked(outputs, names)

@@ -124,16 +124,16 @@ class Grid:
         return known
 
     def at(
-        self, places: Mapping[str, NDArray[np.int64]], count: int, names: Iterable[str]
+        self, positions: Mapping[str, NDArray[np.int64]], count: int, names: Iterable[str]
     ) -> dict[str, NDArray[np.float64]]:
         """Return the named parameters of some cells, SI units, shape (count,).
 
-        `places` has the position on each axis, shape (count,). No axis is made as a whole: it may
-        have a hundred million values.
+        `positions` has the position on each axis, shape (count,). No axis is made as a whole: it
+        may have a hundred million values.
         """
         wanted = set(names)
         cells = {
-            name: np.array([axis.array(int(k), int(k) + 1)[0] for k in places[name]])
+            name: np.array([axis.array(int(k), int(k) + 1)[0] for k in positions[name]])
             for name, axis in self.axes.items()
             if name in wanted
         }
@@ -141,15 +141,15 @@ class Grid:
         return {name: parameter_to_si(name, values) for name, values in cells.items()}
 
 
-def random_places(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
+def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
     """Return positions on each axis of random cells, all different; the same for equal seeds.
 
     There are `count` of them, or as many as the grid has, in random order. A grid of any size
     costs no more.
     """
     chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
-    places: dict[str, NDArray[np.int64]] = {}
+    positions: dict[str, NDArray[np.int64]] = {}
     left = np.array(chosen, dtype=np.int64)
     for name, size in reversed(grid.shape.items()):
-        left, places[name] = np.divmod(left, size)
-    return places
+        left, positions[name] = np.divmod(left, size)
+    return positions

@@ -157,7 +157,7 @@ class Parts(ABC):
         self.records.clear()
         return table
 
-    def answers(self, watch: Watch | None = None) -> Table | None:
+    def joined_table(self, watch: Watch | None = None) -> Table | None:
         """Return what all parts tell as a whole, and write nothing; None where that is a group.
 
         Raises
@@ -183,7 +183,7 @@ class Parts(ABC):
         return record is not None and own.items() <= record.fields.items()
 
     def _check(
-        self, watch: Watch, is_sound: Callable[[Record], bool] = lambda _: True
+        self, watch: Watch, is_usable: Callable[[Record], bool] = lambda _: True
     ) -> list[Mapping[str, Any]]:
         """Return what all parts tell; raise if one is missing or damaged, or is not sound."""
         missing, damaged, fields = [], [], []
@@ -197,7 +197,7 @@ class Parts(ABC):
             elif not self._is_ours(record, part):
                 damaged.append(part)
             elif record is not None:
-                if not is_sound(record):
+                if not is_usable(record):
                     damaged.append(part)
                 fields.append(record.fields)
             watch.advance(1 / self.count)

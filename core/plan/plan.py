@@ -11,9 +11,9 @@ from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
-from core.scenes.aliases import GIVEN_BY, NEEDS, WRITTEN_AS
+from core.scenes.aliases import ALTERNATIVES, NEEDS, WRITTEN_AS
 from core.scenes.graph import behind
-from core.suggestions import Suggestions, meant, suggestion
+from core.suggestions import Suggestions, by_synonym, suggestion
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
         gives = name in RESULTS or name in FEEDING
     if not gives:
         return None
-    other = meant(name, scene.outputs(variant))
+    other = by_synonym(name, scene.outputs(variant))
     message = f"a {there} gives {name}"
     if other is None:
         return Problem("outputs", f"{message}, a {here} does not", f'Set kind = "{kind}"', name)
@@ -272,7 +272,7 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 def _doubled(parameters: Collection[str]) -> list[Problem]:
     """Return what is wrong with parameters that are given twice, or without what they need."""
     problems = []
-    for name, others in GIVEN_BY.items():
+    for name, others in ALTERNATIVES.items():
         doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
             problems.append(

@@ -277,7 +277,7 @@ def plan_study(
     return plan, grid
 
 
-def names_meant(parameters: Iterable[object]) -> list[str]:
+def names_intended(parameters: Iterable[object]) -> list[str]:
     """Return the parameters that a user means, who may have misspelt some; unknown ones go."""
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]

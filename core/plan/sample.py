@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.plan.grid import Grid, random_places
+from core.plan.grid import Grid, random_positions
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
 
@@ -20,16 +20,16 @@ FAILED = "verified_failed"
 """The attribute that tells how many verified cells are further off than their error allows; none if
 all are within it, or nothing is known of it."""
 
-Places = Mapping[str, NDArray[np.int64]]
+Positions = Mapping[str, NDArray[np.int64]]
 
 
-def chosen_places(prepared: Prepared) -> tuple[Places, int]:
+def chosen_positions(prepared: Prepared) -> tuple[Positions, int]:
     """Return the position on each axis of the cells to verify, and their number.
 
     They are all different, and the same for equal studies.
     """
     grid, asked = prepared.grid, prepared.study.verify or 0
-    return random_places(grid, asked, prepared.study.key()), min(asked, grid.cells)
+    return random_positions(grid, asked, prepared.study.key()), min(asked, grid.cells)
 
 
 @dataclass(frozen=True)
@@ -49,26 +49,26 @@ class Sample:
     """
 
     grid: Grid
-    places: Places
+    positions: Positions
     count: int
     chosen: int
 
     def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
         """Return an array over some axes of the grid at these cells, shape (count,)."""
-        chosen = values[tuple(self.places[name] for name in dims)]
+        chosen = values[tuple(self.positions[name] for name in dims)]
         return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
         """Return where one of them lies, such as ``at frequency 50 Hz, beta 30 degree``."""
         parts = []
         for name, axis in self.grid.axes.items():
-            k = int(self.places[name][cell])
+            k = int(self.positions[name][cell])
             unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
             value = float(axis.array(k, k + 1)[0])
             parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
         return f"at {', '.join(parts)}" if parts else "at the only cell"
 
-    def told(
+    def verification_attributes(
         self,
         against: str,
         worst: str = "",
@@ -110,11 +110,11 @@ def sample_of(
 
     `unfinished` are the status, among what was computed, and its value where a stop left a cell.
     """
-    places, chosen = chosen_places(prepared)
-    sample = Sample(prepared.grid, places, chosen, chosen)
+    positions, chosen = chosen_positions(prepared)
+    sample = Sample(prepared.grid, positions, chosen, chosen)
     if unfinished is None:
         return sample
     name, value = unfinished
     finished = sample.at(arrays[name], prepared.dims[name]) != value
-    places = {axis: place[finished] for axis, place in places.items()}
-    return replace(sample, places=places, count=int(finished.sum()))
+    positions = {axis: position[finished] for axis, position in positions.items()}
+    return replace(sample, positions=positions, count=int(finished.sum()))

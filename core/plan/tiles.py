@@ -48,13 +48,15 @@ class Tiled:
         computed = self._evaluated(self._plans[tile.field], tile.where)
         return {name: self._prepared.in_files(name, computed[name]) for name in tile.field.names}
 
-    def at(self, places: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
+    def at(self, positions: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
         """Return the outputs at some cells, SI units, shape (count,); each cell by itself.
 
-        `places` has the position on each axis of the study, shape (count,).
+        `positions` has the position on each axis of the study, shape (count,).
         """
         cells = [
-            self._evaluated(self._plan, {d: (int(p[k]), int(p[k]) + 1) for d, p in places.items()})
+            self._evaluated(
+                self._plan, {d: (int(p[k]), int(p[k]) + 1) for d, p in positions.items()}
+            )
             for k in range(count)
         ]
         return {

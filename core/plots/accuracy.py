@@ -18,7 +18,7 @@ from core.plots.text import words
 
 MARKERS = "osD^vPX*ph<"
 NOTHING = 1e-18  # stands for no error at all
-NO_ANSWER = 10.0  # stands for an answer that was not found
+NOT_SOLVED = 10.0  # stands for an answer that was not found
 MAX_RATIO = 30.0
 LEAST_ULPS, MAX_ULPS = 1e-2, 1e16  # no error, and no digit right
 
@@ -241,8 +241,8 @@ def _line(
     floor: float = NOTHING,
 ) -> None:
     """Draw a curve: a mark at each median, a stroke up to each largest error."""
-    low = np.clip(np.where(np.isfinite(median), median, NO_ANSWER), floor, NO_ANSWER)
-    high = np.clip(np.where(np.isfinite(largest), largest, NO_ANSWER), floor, NO_ANSWER)
+    low = np.clip(np.where(np.isfinite(median), median, NOT_SOLVED), floor, NOT_SOLVED)
+    high = np.clip(np.where(np.isfinite(largest), largest, NOT_SOLVED), floor, NOT_SOLVED)
     axes.vlines(cost, low, high, color=colour, lw=1.2)
     axes.plot(cost, high, "_", color=colour, ms=8)
     axes.plot(cost, low, marker + "-", color=colour, ms=6.5, lw=1.4, label=words(label))

@@ -42,8 +42,8 @@ def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:
     return ((0, 2), (0, 1)) if "position_z_1" in dataset.coords else ((0, 1),)
 
 
-def read_bodies(dataset: xarray.Dataset, places: Mapping[str, int]) -> tuple[Outline, ...]:
-    """Return both bodies [mm, m/s]; `places` holds positions of ranged parameters, else middles."""
+def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[Outline, ...]:
+    """Return both bodies [mm, m/s]; `positions` are of ranged parameters, else middles."""
 
     def value(name: str, body: int) -> float:
         array = dataset.coords.get(f"{name}_{body}")
@@ -52,7 +52,7 @@ def read_bodies(dataset: xarray.Dataset, places: Mapping[str, int]) -> tuple[Out
         if not array.dims:
             return float(array)
         own = str(array.name)
-        return float(array.values[places.get(own, array.size // 2)])
+        return float(array.values[positions.get(own, array.size // 2)])
 
     def vector(name: str, body: int) -> Array:
         return np.array([value(f"{name}_{axis}", body) for axis in AXES])

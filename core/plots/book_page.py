@@ -161,7 +161,7 @@ def draw_curves(
     seen = values[:, (chart.throw >= ends[0]) & (chart.throw <= ends[1])]
     finite = seen[np.isfinite(seen)]
     least, largest = min(0.0, float(finite.min())), max(0.0, float(finite.max()))
-    room = 0.05 * (largest - least or 1.0)
+    margin = 0.05 * (largest - least or 1.0)
     for start, end, regime, _ in BANDS:
         colour = mix(FILLS[regime], LIGHT.ground, 0.72)
         axes.axvspan(start, end, facecolor=colour, edgecolor="none", zorder=0)
@@ -183,7 +183,7 @@ def draw_curves(
             markersize=4.2, markeredgecolor=LIGHT.ground, markeredgewidth=0.5, zorder=4,
         )  # fmt: skip
     axes.set_xlim(*ends)
-    axes.set_ylim(least - room, largest + room)
+    axes.set_ylim(least - margin, largest + margin)
     step = 0.5 if ends[1] > HOP else 0.25
     axes.set_xticks(np.arange(ends[0], ends[1] + step / 2, step)[: int(ends[1] / step) + 1])
 
@@ -192,12 +192,12 @@ def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, s
     """Return start, stop and name of the stretches of one regime; each meets the next one."""
     names = {REGIMES[name].value: name for name in LINES}
     ends = [0, *(np.flatnonzero(np.diff(regime)) + 1).tolist(), regime.size]
-    found = []
+    stretches = []
     for start, end in pairwise(ends):
         name = names.get(int(regime[start]))
         if name is not None and np.isfinite(values[start]):
-            found.append((start, min(end + 1, regime.size), name))
-    return found
+            stretches.append((start, min(end + 1, regime.size), name))
+    return stretches
 
 
 def _marked(chart: Chart, values: Array, k: int) -> list[int]:
@@ -228,16 +228,16 @@ def _legends(figure: Figure, chart: Chart) -> None:
             LIGHT.series_over(len(BETAS)), MARKERS, BETAS, strict=True
         )
     ]  # fmt: skip
-    place: dict[str, Any] = {
+    anchor: dict[str, Any] = {
         "loc": "upper left",
         "frameon": False,
         "fontsize": 9.5,
         "alignment": "left",
     }
     figure.legend(
-        handles=curves, title="β, angle of the drive", bbox_to_anchor=(0.77, 0.91), **place
+        handles=curves, title="β, angle of the drive", bbox_to_anchor=(0.77, 0.91), **anchor
     )
-    figure.legend(handles=line_entries(), title="the part", bbox_to_anchor=(0.77, 0.565), **place)
+    figure.legend(handles=line_entries(), title="the part", bbox_to_anchor=(0.77, 0.565), **anchor)
     figure.text(
         0.778, 0.365, "\n".join(_facts(chart)), fontsize=8, color=LIGHT.ink, va="top",
         linespacing=1.5, family="monospace",

@@ -252,8 +252,8 @@ def _whole_error(dataset: xarray.Dataset) -> Array:
     squares = [
         np.square(np.nan_to_num(np.asarray(part.values, dtype=np.float64))) for part in parts
     ]
-    found: Array = np.sqrt(squares[0] + squares[1] + squares[2])
-    return found
+    error: Array = np.sqrt(squares[0] + squares[1] + squares[2])
+    return error
 
 
 def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:

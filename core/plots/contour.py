@@ -19,7 +19,7 @@ from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_log
 from core.plots.regimes import Look, shade, veiled_swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
-from core.plots.sliced import drawn_by, fits_as
+from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import Style
 from core.plots.text import number
 from core.quantities.pictures import LEVELS
@@ -100,4 +100,4 @@ def _mark_level(
 
 
 fits = fits_as("contour")
-draw = drawn_by(draw_contour, "contour", beyond="{pale} and hatched")
+draw = renderer_of(draw_contour, "contour", beyond="{pale} and hatched")

@@ -82,9 +82,9 @@ def draw(
     datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
     if not datasets:
         raise PlotError("dataset", "there is none", "Give one or more")
-    for one in datasets:
-        if not isinstance(one, xarray.Dataset):
-            message = f"{reprlib.repr(one)} is not a dataset"
+    for each in datasets:
+        if not isinstance(each, xarray.Dataset):
+            message = f"{reprlib.repr(each)} is not a dataset"
             fix = "Give what `sweep` or `simulate` returned, or the path of a file"
             raise PlotError("dataset", message, fix)
     dataset = datasets[0]
@@ -101,7 +101,7 @@ def draw(
         return draw_together(datasets, options)
     if kind is None:
         named = (replace(options, kind=name, is_natural=True) for name in PICTURES)
-        options = next(one for one in named if PICTURES[str(one.kind)].fits(dataset, one))
+        options = next(each for each in named if PICTURES[str(each.kind)].fits(dataset, each))
     elif is_calibration(dataset):  # its module says what else there is
         return PICTURES["posterior"].draw(dataset, options)
     return PICTURES[str(options.kind)].draw(dataset, options)

@@ -34,7 +34,7 @@ GAP_SEEN = 0.2  # of the part's height: a largest gap that is less is drawn larg
 
 FLIGHT = "flight"
 CORNERS = ("flight", "corner", "side")
-CORNER_WORDS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
+CORNER_LABELS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
 
 Array = NDArray[np.float64]
 
@@ -130,7 +130,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     whole = time[-1] - time[0]
     frames = frames_in(cycles * whole * slow)
     moments = np.arange(frames) * (cycles * whole / frames)
-    turns, within = np.divmod(moments, whole)
+    periods, within = np.divmod(moments, whole)
     within += time[0]
 
     def then(values: Array) -> Array:
@@ -147,7 +147,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         way = "climbs" if climb > 0 else "falls"
         notes.append(f"seen along the track, which {way} by {number(abs(climb))}\N{DEGREE SIGN}")
     track = np.stack([then(along), then(normal)])
-    ride = then(position) + shown.factor * turns * (position[-1] - position[0])
+    ride = then(position) + shown.factor * periods * (position[-1] - position[0])
     half = shown.factor * np.array([length, PART_SHAPE * length]) / 2
     part = track + np.stack([ride, half[1] + exaggeration * gap])
     nearest = _now(time, within)
@@ -210,7 +210,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         pitch=np.deg2rad(then(pitch)),
         outline=shown.factor * _outline(dataset),
         modes=[modes[i] for i in nearest],
-        says=CORNER_WORDS,
+        says=CORNER_LABELS,
         spells=tuple(
             (mode, start, min(stop, end))
             for mode, start, stop in _spells(modes, time)

@@ -26,11 +26,11 @@ def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
     for name, text in texts.items():
         if name not in QUANTITIES:
             message = "there is no such quantity"
-            raise PlotError(_place(name), message, suggestion(name, QUANTITIES))
+            raise PlotError(_axis_name(name), message, suggestion(name, QUANTITIES))
         try:
             values[name] = read_number(name, QUANTITIES[name], text)
         except UnitError as error:
-            raise PlotError(_place(name), error.message, error.fix) from None
+            raise PlotError(_axis_name(name), error.message, error.fix) from None
     return values
 
 
@@ -57,10 +57,10 @@ def fixed_positions(
         if name in axes:
             others = ",".join(axis for axis in axes if axis != name)
             fix = f"Add --axes {others}, or leave it out" if others else "Leave it out"
-            raise PlotError(_place(name), f"{name} is an axis of this picture", fix)
+            raise PlotError(_axis_name(name), f"{name} is an axis of this picture", fix)
         if name not in known:
             message = "the dataset has no such dimension"
-            raise PlotError(_place(name), message, suggestion(name, map(str, dataset.dims)))
+            raise PlotError(_axis_name(name), message, suggestion(name, map(str, dataset.dims)))
         asked[name] = _position(dataset[name], value, nearest=nearest)
     return {name: asked.get(name, dataset.sizes[name] // 2) for name in loose}
 
@@ -72,8 +72,8 @@ def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> i
     try:
         return position_on_axis(str(coordinate.name), values, value, "trade")
     except UnitError as error:
-        raise PlotError(_place(coordinate.name), error.message, error.fix) from None
+        raise PlotError(_axis_name(coordinate.name), error.message, error.fix) from None
 
 
-def _place(name: object) -> str:
+def _axis_name(name: object) -> str:
     return f"at.{name}"

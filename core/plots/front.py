@@ -53,14 +53,14 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     side, height = shown_in(against, units), shown_in(output, units)
     entries = []
     for colour, place in zip(colours, chosen, strict=True):
-        one = fronts.isel(design=int(place))
-        across = np.abs(scaled(one[criterion.against], side.factor))
-        along = scaled(one[criterion.output], height.factor)
+        front = fronts.isel(design=int(place))
+        across = np.abs(scaled(front[criterion.against], side.factor))
+        along = scaled(front[criterion.output], height.factor)
         axes.plot(across, along, color=colour, lw=style.width(1.8))
-        knee = np.flatnonzero(one["knee"].values)
+        knee = np.flatnonzero(front["knee"].values)
         axes.plot(across[knee], along[knee], "o", color=colour, ms=style.width(8),
                   mec=style.ground, zorder=5)  # fmt: skip
-        named = ", ".join(_value(one[name], units) for name in others)
+        named = ", ".join(_value(front[name], units) for name in others)
         entries.append(Line2D([], [], color=colour, lw=style.width(1.8), label=named or "front"))
     entries.append(
         Line2D([], [], ls="", marker="o", color=style.quiet, ms=style.width(8),

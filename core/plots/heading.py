@@ -68,14 +68,14 @@ def finish(
     return figure
 
 
-def source_of(dataset: xarray.Dataset, told: str = "") -> str:
+def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
     """Return where values come from: the title of their study, and its scene.
 
-    What is `told` already, such as a criterion, is left out of the title.
+    What is `shown` already, such as a criterion, is left out of the title.
     """
     parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
     origin = ", ".join(str(part) for part in parts if part)
-    title = str(dataset.attrs.get("title", "")).removesuffix(f": {told}")
+    title = str(dataset.attrs.get("title", "")).removesuffix(f": {shown}")
     return f"{title} ({origin})" if title else origin
 
 
@@ -87,38 +87,38 @@ def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -
     return float(width)
 
 
-def _packed(figure: Figure, facts: Sequence[str], room: float, size: float) -> str:
+def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> str:
     """Return the facts that find room in a line, and how many more there are."""
     for count in range(len(facts), 0, -1):
         left = len(facts) - count
         more = [f"{left}\N{NO-BREAK SPACE}more"] if left else []
         line = DOT.join([*facts[:count], *more])
-        if text_width(figure, line, size) <= room:
+        if text_width(figure, line, size) <= width:
             return line
     return ""
 
 
-def _cut(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:
+def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "normal") -> str:
     """Return a text, without its last words where it is too wide."""
     parts = text.split(" ")
     for count in range(len(parts), 0, -1):
         shown = " ".join(parts[:count])
         shown = shown if count == len(parts) else shown.rstrip(" ,(") + " …"
-        if text_width(figure, shown, size, weight) <= room:
+        if text_width(figure, shown, size, weight) <= width:
             return shown
     return ""
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> None:
     """Add the name of the picture, in two lines where one is too short."""
-    size, room = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
+    size, width = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
         count < len(words)
-        and text_width(figure, " ".join(words[: count + 1]), size, "bold") <= room
+        and text_width(figure, " ".join(words[: count + 1]), size, "bold") <= width
     ):
         count += 1
-    rest = _cut(figure, " ".join(words[count:]), room, size, "bold")
+    rest = _cut(figure, " ".join(words[count:]), width, size, "bold")
     shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
     figure.suptitle(shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink)
 
@@ -129,8 +129,8 @@ def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Sty
     size = style.text(LEGEND)
     letter = text_width(figure, "n", size)
     widest = max(text_width(figure, str(entry.get_label()), size) for entry in entries)
-    room = (1 - 2 * MARGIN) * figure.bbox.width
-    columns = int(room // (widest + HANDLE * letter + 2 * letter))
+    width = (1 - 2 * MARGIN) * figure.bbox.width
+    columns = int(width // (widest + HANDLE * letter + 2 * letter))
     legend = figure.legend(
         handles=list(entries),
         loc="outside lower left",
@@ -141,7 +141,7 @@ def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Sty
         handleheight=1.4,
         columnspacing=1.4,
         labelcolor=style.ink,
-        title=_cut(figure, note, room, size) or None,
+        title=_cut(figure, note, width, size) or None,
         title_fontsize=size,
         alignment="left",
     )

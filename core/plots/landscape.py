@@ -32,7 +32,7 @@ from core.plots.heading import finish, source_of
 from core.plots.names import gives_way
 from core.plots.optimum import is_optimum, prepared_of
 from core.plots.options import Options
-from core.plots.parts import add_room, plain
+from core.plots.parts import padded, plain
 from core.plots.problem import PlotError
 from core.plots.scale import scale_of
 from core.plots.selection import held_at, held_fixed
@@ -99,21 +99,23 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if len(problem.names) not in POINTS:
         message = f"the study has {len(problem.names)} variables, a landscape needs 1 or 2"
         raise PlotError("dataset", message, "Ask for kind profiles, or draw best values as lines")
-    place = place_of(dataset, prepared, options)
-    shown = _computed(dataset, prepared, place, units)
+    positions = design_positions(dataset, prepared, options)
+    shown = _computed(dataset, prepared, positions, units)
     figure = style.sheet()
     axes = figure.add_subplot()
     entries = (draw_curve if len(problem.names) == 1 else _draw_plane)(axes, shown, style)
     none = "" if shown.best.size else "No choice within the bounds keeps all limits"
     return finish(
         figure, axes, style, name=options.title or f"Objective: {name_of(problem)}",
-        facts=held_of(dataset, prepared, place, units),
+        facts=held_of(dataset, prepared, positions, units),
         source=source_of(dataset, criterion_in_words(problem)),
         entries=entries, note=none,
     )  # fmt: skip
 
 
-def place_of(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> dict[str, int]:
+def design_positions(
+    dataset: xarray.Dataset, prepared: Optimisation, options: Options
+) -> dict[str, int]:
     """Return the position at which each ranged parameter is held.
 
     Raises
@@ -130,10 +132,10 @@ def place_of(dataset: xarray.Dataset, prepared: Optimisation, options: Options) 
 
 
 def held_of(
-    dataset: xarray.Dataset, prepared: Optimisation, place: Mapping[str, int], units: ShownUnits
+    dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[str]:
     """Return what is looked for, and what is held."""
-    held = [held_at(dataset[name], units, position) for name, position in place.items()]
+    held = [held_at(dataset[name], units, position) for name, position in positions.items()]
     return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
 
 
@@ -156,7 +158,7 @@ def _limit(kept: Kept, units: ShownUnits) -> str:
 def _computed(
     dataset: xarray.Dataset,
     prepared: Optimisation,
-    place: Mapping[str, int],
+    positions: Mapping[str, int],
     units: ShownUnits,
 ) -> Landscape:
     """Return the objective of the design at a place, on a grid of the variables.
@@ -165,18 +167,18 @@ def _computed(
     """
     problem, count = prepared.problem, POINTS[len(prepared.problem.names)]
     grid = np.stack(np.meshgrid(*_sides(problem, count), indexing="ij"))
-    return _over(dataset, prepared, place, units, problem.names, grid)
+    return _over(dataset, prepared, positions, units, problem.names, grid)
 
 
 def curves_of(
-    dataset: xarray.Dataset, prepared: Optimisation, place: Mapping[str, int], units: ShownUnits
+    dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[Landscape]:
     """Return the objective along each variable, the others held at the optimum.
 
     Where there is none, or a front of them, they are held in the middle of their bounds.
     """
     problem, curves = prepared.problem, []
-    best = dataset.isel({str(name): position for name, position in place.items()})
+    best = dataset.isel({str(name): position for name, position in positions.items()})
     middle = (np.asarray(problem.lower) + np.asarray(problem.upper)) / 2
     if bool(np.all(np.isin(best["optimum_status"], SOLVED))) and "front" not in best.dims:
         chosen = {name: best[f"best_{name}"].values for name in problem.names}
@@ -185,7 +187,7 @@ def curves_of(
     for k, name in enumerate(problem.names):
         grid = np.repeat(middle[:, None], POINTS[1], axis=1)
         grid[k] = sides[k]
-        curves.append(_over(dataset, prepared, place, units, (name,), grid))
+        curves.append(_over(dataset, prepared, positions, units, (name,), grid))
     return curves
 
 
@@ -199,29 +201,29 @@ def _sides(problem: OptimisationProblem, count: int) -> list[Array]:
 def _over(
     dataset: xarray.Dataset,
     prepared: Optimisation,
-    place: Mapping[str, int],
+    positions: Mapping[str, int],
     units: ShownUnits,
     names: tuple[str, ...],
     grid: Array,
 ) -> Landscape:
     """Return the objective at the points of a grid of all variables, over those that are named."""
     problem = prepared.problem
-    flat = np.ravel_multi_index(tuple(place.values()), tuple(prepared.designs.shape.values()))
-    cell = int(flat) if place else 0
+    flat = np.ravel_multi_index(tuple(positions.values()), tuple(prepared.designs.shape.values()))
+    cell = int(flat) if positions else 0
     design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
 
     def over(values: Array) -> Array:
         return np.array(np.broadcast_to(values, grid.shape[1:]))
 
-    best = dataset.isel({str(name): position for name, position in place.items()})
+    best = dataset.isel({str(name): position for name, position in positions.items()})
     solved = bool(np.all(np.isin(best["optimum_status"], SOLVED)))
-    tops, drawn, labels = [], [], []
+    tops, scaled_values, labels = [], [], []
     for along, name in enumerate(names):
         side = np.moveaxis(grid[problem.names.index(name)], along, 0)
         side = side.reshape(len(side), -1)[:, 0]
         variable = _array(name, np.asarray(from_si(name, side), dtype=np.float64))
         unit = shown_in(variable, units)
-        drawn.append(scaled(variable, unit.factor))
+        scaled_values.append(scaled(variable, unit.factor))
         labels.append(axis_label(variable, unit.unit))
         tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
     output = problem.criterion.output
@@ -229,7 +231,7 @@ def _over(
     unit = shown_in(value, units)
     label = axis_label(value, unit.unit)
     return Landscape(
-        variables=tuple(drawn),
+        variables=tuple(scaled_values),
         labels=tuple(labels),
         value=scaled(value, unit.factor),
         label=label,
@@ -316,7 +318,7 @@ def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
         entries.append(_star(axes, shown.best[0], np.interp(shown.best[0], x, value), style))
     finite = value[np.isfinite(value)]
     if finite.size:
-        axes.set_ylim(*add_room(float(finite.min()), float(finite.max())))
+        axes.set_ylim(*padded(float(finite.min()), float(finite.max())))
     axes.set_xlim(x[0], x[-1])
     axes.set_xlabel(shown.labels[0])
     axes.set_ylabel(shown.label)
@@ -340,7 +342,7 @@ def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> lis
                 x, y, margin, levels=[margin.min(), 0.0], colors=[style.ground], alpha=EXCLUDED
             )
     if excluded:
-        pale = mix(style.one_sign(0.5)[:3] if face is None else face, style.ground, EXCLUDED)
+        pale = mix(style.single_sign(0.5)[:3] if face is None else face, style.ground, EXCLUDED)
         patch = Patch(facecolor=pale, edgecolor=style.quiet, label="faint: excluded")
         entries.append(patch)
     return entries

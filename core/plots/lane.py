@@ -48,28 +48,28 @@ def draw_lane(
     if {"amplitude", "beta"} <= set(dataset.coords):
         along = float(dataset["amplitude"]) * np.cos(np.deg2rad(float(dataset["beta"])))
         phase = TURN * float(dataset["frequency"]) * moments / 1000.0
-        swing = row.place.factor * along * np.sin(phase)
+        swing = row.along.factor * along * np.sin(phase)
     else:
         notes.append("as the track sees it")
-    places = np.array([np.interp(moments, times, one) for one in row.places]) + swing
+    centres = np.array([np.interp(moments, times, path) for path in row.centres]) + swing
 
     figure = style.sheet(*SIZE)
     figure.set_dpi(dots)
     view, strip = figure.subplots(2, 1, height_ratios=(1.0, 0.5))
     slower = f", {number(slow)} times slower" if slow != 1 else ""
-    left, right = places.min() - row.length, places.max() + row.length
+    left, right = centres.min() - row.length, centres.max() + row.length
     view.set(xlim=(left, right), ylim=(0.0, 1.0), yticks=[])
-    view.set_xlabel(f"Position ({row.place.unit})")
+    view.set_xlabel(f"Position ({row.along.unit})")
     pale = mix(style.ground, style.curve, PALE)
     for contact, touch in enumerate(row.closed, start=1):
         strip.fill_between(times, contact - 0.4, contact + 0.4, where=touch, color=pale)
     strip.set(xlim=(times[0], times[-1]), ylim=(0.4, len(row.closed) + 0.6))
-    pairs = [f"{n}\N{EN DASH}{n + 1}" for n in range(1, len(places))]
-    strip.set_yticks(range(1, len(places)), pairs, fontsize=style.text(8))
+    pairs = [f"{n}\N{EN DASH}{n + 1}" for n in range(1, len(centres))]
+    strip.set_yticks(range(1, len(centres)), pairs, fontsize=style.text(8))
     strip.set(xlabel="Time (ms)", ylabel="Contact of")
     strip.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
     finish(
-        figure, view, style, name=title or f"A row of {len(places)} parts{slower}",
+        figure, view, style, name=title or f"A row of {len(centres)} parts{slower}",
         facts=held_fixed(dataset, units), source=DOT.join(notes).capitalize(),
     )  # fmt: skip
     figure.canvas.draw()  # lays out what stands still
@@ -79,7 +79,7 @@ def draw_lane(
     (track,) = view.plot([], [], color=style.other, linewidth=1.0, animated=True)
     parts = [
         Rectangle((0.0, (1.0 - WIDTH) / 2), row.length, WIDTH, linewidth=1.4, animated=True)
-        for _ in places
+        for _ in centres
     ]
     for part in parts:
         part.set_edgecolor(style.curve)
@@ -95,7 +95,7 @@ def draw_lane(
         track.set_data(x, np.tile([0.0, 1.0, np.nan], MARKS))
         closed = row.closed[:, nearest[i]]
         touched = np.r_[False, closed] | np.r_[closed, False]
-        for part, place, touches in zip(parts, places[:, i], touched, strict=True):
+        for part, place, touches in zip(parts, centres[:, i], touched, strict=True):
             part.set_x(place - row.length / 2)
             part.set_facecolor(pale if touches else style.ground)
         clock.set_data([moments[i]] * 2, [0.0, len(row.closed) + 1.0])
@@ -103,5 +103,5 @@ def draw_lane(
         shown = with_unit(f"{moments[i]:.1f}", "ms")
         says.set_text(f"{shown}: {count} of {closed.size} contacts closed")
 
-    artists = [(view, one) for one in (track, *parts)] + [(strip, one) for one in (clock, says)]
+    artists = [(view, path) for path in (track, *parts)] + [(strip, path) for path in (clock, says)]
     yield from frames_of(figure, moments.size, put, artists)

@@ -22,7 +22,7 @@ from core.plots.regime_map import MAX_POINTS, add_borders, fill_cells, share_ent
 from core.plots.regimes import HATCH_WIDTH, Look
 from core.plots.scale import value_range
 from core.plots.selection import Selection, thin
-from core.plots.sliced import drawn_by, fits_as
+from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import Style, mix
 from core.plots.text import number, with_unit
 
@@ -118,12 +118,12 @@ def _add_lines(
         0: (style.ink, ZERO, "solid"),
         -1: (style.accent, BACKWARD, "dashed"),
     }
-    drawn = set()
+    signs = set()
     for sign, (colour, width, dashes) in looks.items():
         own = levels[np.sign(levels) == sign]
         if not own.size:
             continue
-        drawn.add(sign)
+        signs.add(sign)
         lines = axes.contour(
             x, y, masked, levels=own, colors=[colour], linewidths=[style.width(width)],
             linestyles=[dashes], zorder=4,
@@ -133,7 +133,7 @@ def _add_lines(
         ):
             gives_way(label)
             label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
-    return drawn
+    return signs
 
 
 def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
@@ -155,4 +155,4 @@ def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[A
 
 
 fits = fits_as("levels")
-draw = drawn_by(draw_levels, "levels", beyond="Hatched")
+draw = renderer_of(draw_levels, "levels", beyond="Hatched")

@@ -15,11 +15,11 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.parts import add_room, cell_edges, say_nothing_is_finite, set_log
+from core.plots.parts import cell_edges, padded, say_nothing_is_finite, set_log
 from core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
 from core.plots.scale import value_range
 from core.plots.selection import FEW, PlotAxis, Selection, thin
-from core.plots.sliced import drawn_by, fits_as
+from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, short_label, with_unit
 from core.quantities.pictures import LEVELS
@@ -303,10 +303,10 @@ def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Sty
     ends = value_range(values)
     if ends is None:
         return
-    axes.set_ylim(*add_room(*ends))
+    axes.set_ylim(*padded(*ends))
     if ends[0] < 0 < ends[1]:
         axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
 
 
 fits = fits_as("line")
-draw = drawn_by(draw_line, "line", beyond="Hatched or dashed")
+draw = renderer_of(draw_line, "line", beyond="Hatched or dashed")

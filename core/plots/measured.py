@@ -101,17 +101,23 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
-    places = np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
-    shown = places <= max(DISPLAYED * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
+    frequencies = (
+        np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
+    )
+    shown = frequencies <= max(DISPLAYED * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
     orders = np.array(fit.orders)
     peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** 2
-    for axis, curve, row, told in zip(fit.axes, amplitude, peaks, fit.told, strict=True):
+    for axis, curve, row, significant in zip(
+        fit.axes, amplitude, peaks, fit.significant, strict=True
+    ):
         colour = style.series[AXES.index(axis)]
-        axes.plot(places[shown], curve[shown], color=colour, linewidth=0.7, alpha=0.8)
-        axes.plot(fit.frequency * orders[told], row[told], "o", color=colour, markersize=5.0)
+        axes.plot(frequencies[shown], curve[shown], color=colour, linewidth=0.7, alpha=0.8)
+        axes.plot(
+            fit.frequency * orders[significant], row[significant], "o", color=colour, markersize=5.0
+        )
     axes.set_yscale("log")
     axes.set_ylim(bottom=max(float(np.median(amplitude[:, shown])) / 10.0, 1e-9 * peaks.max()))
-    axes.set_xlim(0.0, float(places[shown][-1]))
+    axes.set_xlim(0.0, float(frequencies[shown][-1]))
     axes.set_xlabel("Frequency (Hz)")
     axes.set_ylabel("Amplitude (m/s²)")
     handles = [

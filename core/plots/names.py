@@ -24,9 +24,9 @@ from core.plots.text import words
 TEXT_SIZE = 10
 BOX = (500.0, 330.0)  # points: about the frame of a normal picture
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
-ROOM = 1.3  # of a label's size
+CLEARANCE = 1.3  # of a label's size
 OTHERS = 0.02  # of a label's box that may lie over other regimes
-ASIDE = 0.1  # how much less deep a place may be that lies nearer to the middle
+DEPTH_TOLERANCE = 0.1  # how much less deep a place may be that lies nearer to the middle
 GIVES_WAY = "gives way"
 AIR = 2.0  # dots between texts
 
@@ -99,7 +99,7 @@ def add_names(
         bounds = TextPath((0, 0), words(look.name), size=TEXT_SIZE * zoom).get_extents()
         size = (bounds.width, max(bounds.height, TEXT_SIZE * zoom))
         for (width, height), rotation in ((size, 0), (size[::-1], 90)):
-            place = _place(raster == look.value, width, height)
+            place = _centre(raster == look.value, width, height)
             if place is not None:
                 name = axes.text(
                     *place, words(look.name), transform=axes.transAxes, ha="center", va="center",
@@ -112,10 +112,10 @@ def add_names(
                 break
 
 
-def _place(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
+def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
     """Return the place for a text of a size in points, in shares of the frame; None if none is."""
-    columns = math.ceil(width * RASTER[0] / BOX[0] * ROOM)
-    rows = math.ceil(height * RASTER[1] / BOX[1] * ROOM)
+    columns = math.ceil(width * RASTER[0] / BOX[0] * CLEARANCE)
+    rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)
     framed = np.pad(inside, 1)  # the frame is a border too
     filled = uniform_filter(framed.astype(float), size=(rows, columns), mode="constant")
     free = filled[1:-1, 1:-1] > 1 - OTHERS
@@ -124,5 +124,5 @@ def _place(inside: NDArray[np.bool_], width: float, height: float) -> tuple[floa
     depth = distance_transform_edt(framed)[1:-1, 1:-1]
     row, column = np.meshgrid(*(np.arange(n) for n in inside.shape), indexing="ij")
     aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
-    best = int(np.where(free, depth - ASIDE * aside, -np.inf).argmax())
+    best = int(np.where(free, depth - DEPTH_TOLERANCE * aside, -np.inf).argmax())
     return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
-from core.plots.parts import add_room
+from core.plots.parts import padded
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
 from core.plots.sliced import check_result
@@ -112,8 +112,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     last = designs.columns[-1]
     entries = [
         Line2D([], [], color=style.accent, linewidth=3.0, label=designs.best_is),
-        Line2D([], [], color=style.one_sign(0.95), linewidth=2.0, label=f"large {last.name}"),
-        Line2D([], [], color=style.one_sign(0.35), linewidth=2.0, label=f"small {last.name}"),
+        Line2D([], [], color=style.single_sign(0.95), linewidth=2.0, label=f"large {last.name}"),
+        Line2D([], [], color=style.single_sign(0.35), linewidth=2.0, label=f"small {last.name}"),
     ]
     finish(
         figure, sheet, style, name=options.title or f"Designs by {last.name}",
@@ -138,36 +138,36 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
 
     values = np.asarray(at_all(output), dtype=float)
     good = np.isfinite(values) & _valid(dataset, at_all)
-    places = np.flatnonzero(good)
-    if places.size < 2:
-        message = f"{output} holds in {places.size} designs, lines need two"
+    designs = np.flatnonzero(good)
+    if designs.size < 2:
+        message = f"{output} holds in {designs.size} designs, lines need two"
         raise PlotError("dataset", message, "Draw another output")
     least = criterion.get("kind") == "minimise" and output == criterion.get("output")
-    knees = places[at_all("knee")[places] == 1] if "knee" in dataset else places[:0]
-    best, best_is = _best(values, places, knees, _name(dataset[output]), least)
-    if places.size > MAX_DESIGNS:
-        places = np.random.default_rng(0).choice(places, MAX_DESIGNS, replace=False)
-        places[0] = best if best not in places else places[0]
-    places = places[np.argsort(values[places], kind="stable")]
+    knees = designs[at_all("knee")[designs] == 1] if "knee" in dataset else designs[:0]
+    best, best_is = _best(values, designs, knees, _name(dataset[output]), least)
+    if designs.size > MAX_DESIGNS:
+        designs = np.random.default_rng(0).choice(designs, MAX_DESIGNS, replace=False)
+        designs[0] = best if best not in designs else designs[0]
+    designs = designs[np.argsort(values[designs], kind="stable")]
     if least:
-        places = places[::-1]  # the best ones lie above
+        designs = designs[::-1]  # the best ones lie above
     columns = [
-        _column(dataset[name], np.asarray(at_all(name), dtype=float)[places], units, name in axes)
+        _column(dataset[name], np.asarray(at_all(name), dtype=float)[designs], units, name in axes)
         for name in [*names, output]
     ]
     return Designs(
         columns=tuple(columns),
-        best=int(np.flatnonzero(places == best)[0]),
+        best=int(np.flatnonzero(designs == best)[0]),
         best_is=best_is,
         total=int(good.sum()),
     )
 
 
 def _best(
-    values: Array, places: NDArray[np.intp], knees: NDArray[np.intp], name: str, least: bool
+    values: Array, designs: NDArray[np.intp], knees: NDArray[np.intp], name: str, least: bool
 ) -> tuple[int, str]:
     """Return the place of the best design, of the knees if there are any, and what it is."""
-    choice = knees if knees.size else places
+    choice = knees if knees.size else designs
     best = int(choice[(np.argmin if least else np.argmax)(values[choice])])
     if knees.size == 1:
         return best, "knee of the front"
@@ -225,7 +225,7 @@ def _column(
     if gridded and 1 < steps.size <= FEW:
         spread = SPREAD * float(np.diff(steps).min())
     if high - low <= 1e-9 * max(abs(low), abs(high)):
-        low, high = add_room(low, high)
+        low, high = padded(low, high)
     return ParallelColumn(_name(array), shown.unit, values, low - spread, high + spread, spread)
 
 
@@ -246,7 +246,7 @@ def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
     lines = LineCollection(
         [np.column_stack([x, row]) for row in points],
         colors=[
-            (*style.one_sign(0.2 + 0.8 * height)[:3], opacity * (WEAK + (1 - WEAK) * height**2))
+            (*style.single_sign(0.2 + 0.8 * height)[:3], opacity * (WEAK + (1 - WEAK) * height**2))
             for height in points[:, -1]
         ],
         linewidths=style.width(0.9),
@@ -266,20 +266,20 @@ def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
     width = max(9, LETTERS // len(designs.columns))
     halo = [withStroke(linewidth=2.5, foreground=style.ground)]
     size = style.text(8.0)
-    for place, column in enumerate(designs.columns):
-        axes.axvline(place, 0.06 / 1.12, 1.06 / 1.12, color=style.ink, linewidth=1.0, zorder=4)
+    for x, column in enumerate(designs.columns):
+        axes.axvline(x, 0.06 / 1.12, 1.06 / 1.12, color=style.ink, linewidth=1.0, zorder=4)
         best = float(column.values[designs.best])
         best_height = float(column.shares(np.array(best)))
         for value in _ticks(column):
             height = float(column.shares(np.array(value)))
-            axes.plot([place - 0.02, place], [height] * 2, color=style.ink, lw=0.8, zorder=4)
+            axes.plot([x - 0.02, x], [height] * 2, color=style.ink, lw=0.8, zorder=4)
             if abs(height - best_height) > 0.035:
                 axes.text(
-                    place - 0.03, height, number(value), ha="right", va="center", fontsize=size,
+                    x - 0.03, height, number(value), ha="right", va="center", fontsize=size,
                     color=style.ink, path_effects=halo, zorder=6,
                 )  # fmt: skip
         axes.text(
-            place + 0.04, best_height, number(best, 3), ha="left", va="center", fontsize=size,
+            x + 0.04, best_height, number(best, 3), ha="left", va="center", fontsize=size,
             color=style.accent, fontweight="bold", path_effects=halo, zorder=7,
         )  # fmt: skip
     names = [

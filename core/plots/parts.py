@@ -65,7 +65,7 @@ def add_colour_bar(
     bar.set_label(short_label(selection.variable, selection.unit))
 
 
-def add_room(low: float, high: float) -> tuple[float, float]:
+def padded(low: float, high: float) -> tuple[float, float]:
     """Return limits of an axis that leave some room about two values."""
     room = 0.06 * (high - low) or 0.05 * abs(low) or 1.0
     return low - room, high + room

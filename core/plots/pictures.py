@@ -39,14 +39,14 @@ def _is_row(dataset: xarray.Dataset) -> bool:
 
 def _is_motion(dataset: xarray.Dataset) -> bool:
     """True of a motion over a cycle, and of one part in time, which may be followed over one."""
-    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_one(dataset))
+    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
 
 
 def _is_optimum(dataset: xarray.Dataset) -> bool:
     return "optimum_status" in dataset
 
 
-def _is_one(dataset: xarray.Dataset) -> bool:
+def _is_single(dataset: xarray.Dataset) -> bool:
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
@@ -137,7 +137,7 @@ PICTURES = {
         ),
         Picture("profiles", "the objective along each variable by itself", "profiles", _is_optimum),
         Picture(
-            "values", "the values of one design; of an impact, what hits what", "values", _is_one
+            "values", "the values of one design; of an impact, what hits what", "values", _is_single
         ),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
         Picture("map", "regimes, or an output whose numbers stand for words", "regime_map"),

@@ -16,7 +16,7 @@ from core.motion.row_scene import ROW
 from core.plots.heading import finish, source_of
 from core.plots.motion import followed
 from core.plots.options import Options
-from core.plots.parts import add_room
+from core.plots.parts import padded
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
 from core.plots.sliced import check_result
@@ -31,7 +31,7 @@ TOUCHES = 1e-9
 PALE = 0.25
 
 
-class RowCourse(NamedTuple):
+class RowPositions(NamedTuple):
     """The parts of a row over time, from the rear on, in the units in which they are drawn.
 
     Attributes
@@ -39,9 +39,9 @@ class RowCourse(NamedTuple):
     times : ndarray, shape (n,)
         Times, in `time`.
     places : ndarray, shape (parts, n)
-        Centres of the parts on the track, in `place`.
+        Centres of the parts on the track, in `along`.
     length : float
-        Length of a part, in `place`; 0 if the study does not have it.
+        Length of a part, in `along`; 0 if the study does not have it.
     closed : ndarray of bool, shape (parts - 1, n)
         Where a part touches the one in front of it.
     time, place : Shown
@@ -49,11 +49,11 @@ class RowCourse(NamedTuple):
     """
 
     times: NDArray[np.float64]
-    places: NDArray[np.float64]
+    centres: NDArray[np.float64]
     length: float
     closed: NDArray[np.bool_]
     time: Shown
-    place: Shown
+    along: Shown
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
@@ -64,7 +64,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
     return FIRST in dataset or followed(dataset) is not None
 
 
-def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowCourse:
+def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
     """Return the parts of the row that a dataset holds.
 
     Raises
@@ -77,11 +77,11 @@ def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowCourse:
     names = [
         f"part_position_{n + 1}" for n in range(len(dataset)) if f"part_position_{n + 1}" in dataset
     ]
-    time, place = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
-    places = np.array([scaled(dataset[name], place.factor) for name in names])
-    length = scaled(dataset["length"], place.factor).item() if "length" in dataset else 0.0
-    closed = np.diff(places, axis=0) - length <= TOUCHES * np.ptp(places)
-    return RowCourse(scaled(dataset[TIME], time.factor), places, length, closed, time, place)
+    time, along = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
+    centres = np.array([scaled(dataset[name], along.factor) for name in names])
+    length = scaled(dataset["length"], along.factor).item() if "length" in dataset else 0.0
+    closed = np.diff(centres, axis=0) - length <= TOUCHES * np.ptp(centres)
+    return RowPositions(scaled(dataset[TIME], time.factor), centres, length, closed, time, along)
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
@@ -100,19 +100,19 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     figure = style.sheet()
     axes = figure.add_subplot()
     pale = mix(style.ground, style.curve, PALE)
-    for below, above, touch in zip(row.places, row.places[1:], row.closed, strict=False):
+    for below, above, touch in zip(row.centres, row.centres[1:], row.closed, strict=False):
         axes.fill_between(row.times, below, above, where=touch, color=pale, linewidth=0.0)
-    for line in row.places:
+    for line in row.centres:
         axes.plot(row.times, line, color=style.curve, linewidth=style.width(1.4))
     axes.set_xlabel(f"Time since the start ({row.time.unit})")
-    axes.set_ylabel(f"Position on the track ({row.place.unit})")
+    axes.set_ylabel(f"Position on the track ({row.along.unit})")
     axes.set_xlim(row.times[0], row.times[-1])
-    axes.set_ylim(*add_room(float(row.places.min()), float(row.places.max())))
+    axes.set_ylim(*padded(float(row.centres.min()), float(row.centres.max())))
     entries = [
         Line2D([], [], color=style.curve, linewidth=style.width(1.4), label="centre of a part"),
         Patch(color=pale, label="neighbours that touch"),
     ]
-    name = options.title or f"A row of {len(row.places)} parts, from its start"
+    name = options.title or f"A row of {len(row.centres)} parts, from its start"
     return finish(
         figure, axes, style, name=name,
         facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries,

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from core.optimise.sentences import criterion_in_words
 from core.plots.heading import finish, source_of
-from core.plots.landscape import SOLVED, curves_of, draw_curve, held_of, name_of, place_of
+from core.plots.landscape import SOLVED, curves_of, design_positions, draw_curve, held_of, name_of
 from core.plots.optimum import is_optimum, prepared_of
 from core.plots.options import Options
 
@@ -35,8 +35,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     style, units = options.style, options.units
     prepared = prepared_of(dataset)
-    place = place_of(dataset, prepared, options)
-    shown = curves_of(dataset, prepared, place, units)
+    positions = design_positions(dataset, prepared, options)
+    shown = curves_of(dataset, prepared, positions, units)
     rows = -(-len(shown) // COLUMNS)
     columns = -(-len(shown) // rows)
     figure = style.sheet(height=max(4.2, HEIGHT * rows + 1.6))
@@ -50,11 +50,11 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
             panel.remove()
         elif k % columns:
             panel.set_ylabel("")
-    solved = bool(np.all(np.isin(dataset.isel(place)["optimum_status"], SOLVED)))
+    solved = bool(np.all(np.isin(dataset.isel(positions)["optimum_status"], SOLVED)))
     through = "the optimum" if solved else "the middle of the bounds: there is no optimum"
     return finish(
         figure, panels[0], style, name=options.title or f"Objective: {name_of(prepared.problem)}",
-        facts=held_of(dataset, prepared, place, units),
+        facts=held_of(dataset, prepared, positions, units),
         source=source_of(dataset, criterion_in_words(prepared.problem)),
         entries=list(entries.values()), note=f"Each curve passes through {through}",
     )  # fmt: skip

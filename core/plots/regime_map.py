@@ -18,7 +18,7 @@ from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
 from core.plots.regimes import HATCH_WIDTH, Look, swatch
 from core.plots.selection import PlotAxis, Selection, thin
-from core.plots.sliced import drawn_by, fits_as
+from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import RGB, Style
 
 MAX_POINTS = 500  # of an axis; a cell is then two points of the picture wide
@@ -123,4 +123,4 @@ def _entry(look: Look, fill: RGB, share: float) -> Artist:
 
 
 fits = fits_as("map")
-draw = drawn_by(draw_map, "map", beyond="Hatched")
+draw = renderer_of(draw_map, "map", beyond="Hatched")

@@ -171,7 +171,7 @@ def looks_of(
     numbers = np.atleast_1d(regime.attrs.get("flag_values", [])).tolist()
     names = str(regime.attrs.get("flag_meanings", "")).split()
     meanings = dict(zip(numbers, names, strict=False))
-    found = []
+    looks = []
     for value in np.unique(present).tolist():
         if value not in meanings:
             message = f"its regime {value} has no name"
@@ -182,8 +182,8 @@ def looks_of(
         if exact and not valid:
             hatch = ""
         paint = FILLS.get(name, "")
-        found.append(Look(value, name, valid or exact, hatch, colour, width, style, paint))
-    return found
+        looks.append(Look(value, name, valid or exact, hatch, colour, width, style, paint))
+    return looks
 
 
 def shade(

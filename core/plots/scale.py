@@ -75,4 +75,4 @@ def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
         most = float(np.abs(levels).max())
         return Scale(levels, style.two_signs, Normalize(-most, most), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))
-    return Scale(levels, style.one_sign, norm, extend)
+    return Scale(levels, style.single_sign, norm, extend)

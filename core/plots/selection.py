@@ -140,7 +140,7 @@ def select(
         If the dataset does not have it.
     """
     units = units or ShownUnits()
-    whole, names, categories = _drawn(dataset, variable, axes, kind)
+    whole, names, categories = _selected(dataset, variable, axes, kind)
     regime = _regime(dataset)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     loose = [str(dim) for dim in order if dim not in names]
@@ -175,7 +175,7 @@ def select(
     )
 
 
-def _drawn(
+def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
     """Return the array that a kind draws, its axes, and its categories if it has names."""
@@ -204,15 +204,15 @@ def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     What the study says comes before what it leaves to defaults.
     """
     try:
-        given = json.loads(str(dataset.attrs.get("study", "{}"))).get("parameters", {})
+        parameters = json.loads(str(dataset.attrs.get("study", "{}"))).get("parameters", {})
     except ValueError:
-        given = {}
+        parameters = {}
     single = [
         str(name)
         for name, coordinate in dataset.coords.items()
         if not coordinate.dims and (name not in QUANTITIES or QUANTITIES[str(name)].parameter)
     ]
-    ordered = sorted(single, key=lambda name: name not in given)
+    ordered = sorted(single, key=lambda name: name not in parameters)
     return [held_at(dataset[name], units) for name in ordered]
 
 

@@ -76,7 +76,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     top = at
     write("Drive and part", weight="bold")
     at -= 1.3 * LINE
-    for label, text in _given(dataset, shown)[:MAX_ROWS]:
+    for label, text in _parameters(dataset, shown)[:MAX_ROWS]:
         write(label)
         write(text, 0.47, ha="right")
         at -= LINE
@@ -112,7 +112,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     return page
 
 
-def _given(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
+def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
     """Return the parameters: label, and value or range; settings of the method left out."""
     rows = []
     for name, array in dataset.coords.items():

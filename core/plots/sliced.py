@@ -50,12 +50,12 @@ def _said(look: Look, dataset: xarray.Dataset) -> Look:
 
 def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> None:
     """Draw two bodies that hit each other, of the parameters at which they are held."""
-    places = {
+    positions = {
         str(name): int(np.abs(dataset[name].values - value).argmin())
         for name, value in options.at.items()
         if name in dataset.dims
     }
-    bodies = read_bodies(dataset, places)
+    bodies = read_bodies(dataset, positions)
     seen = views(dataset)
     panels = np.ravel(sheet.subplots(len(seen), 1, squeeze=False))
     for panel, view in zip(panels, seen, strict=True):
@@ -80,7 +80,7 @@ def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
     return fits
 
 
-def drawn_by(
+def renderer_of(
     painter: Painter, kind: str, beyond: str
 ) -> Callable[[xarray.Dataset, Options], Figure]:
     """Return what draws a dataset by a painter; `beyond` says how values that do not hold look."""

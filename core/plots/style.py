@@ -89,7 +89,7 @@ class Style:
         )  # fmt: skip
 
     @property
-    def one_sign(self) -> Colormap:
+    def single_sign(self) -> Colormap:
         """Colours of a scale: nothing is as pale, or as dark, as the ground."""
         colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, DARKEST, 256))
         return ListedColormap(colours[::-1] if self.dark else colours, "one sign")

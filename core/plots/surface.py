@@ -21,7 +21,7 @@ from core.plots.parts import add_colour_bar
 from core.plots.regimes import Look, luminance, swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
-from core.plots.sliced import drawn_by, fits_as
+from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import RGB, Style, mix
 from core.plots.text import short_label
 
@@ -181,4 +181,4 @@ def _azimuth(z: NDArray[np.float64]) -> float:
 
 
 fits = fits_as("surface")
-draw = drawn_by(draw_surface, "surface", beyond="Grey")
+draw = renderer_of(draw_surface, "surface", beyond="Grey")

@@ -51,7 +51,7 @@ BETWEEN = {
 class Threshold:
     """A value of the axis, what happens there, and whether it is the best one."""
 
-    place: float
+    position: float
     says: str
     best: bool = False
 
@@ -94,14 +94,14 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if MULTIPLE in dataset and selection.axes[0].name in dataset[MULTIPLE].dims:
         chosen = (selection.axes[0].name,)
         multiples = select(dataset, MULTIPLE, chosen, at, "line", units, nearest=nearest)
-    found, left = find_thresholds(
+    thresholds, left = find_thresholds(
         selection.axes[0].values,
         np.where(valid, selection.values, np.nan),
         states,
         None if multiples is None else multiples.values,
         selection.unit,
     )
-    _mark(figure, top, found, selection, style)
+    _mark(figure, top, thresholds, selection, style)
     note = f"Thresholds are known to half a step of {_step(selection)}."
     if left:
         note += f" {left} later changes of these kinds are not marked."
@@ -132,27 +132,27 @@ def find_thresholds(
     unit : str
         Unit of the output.
     """
-    found: list[Threshold] = []
+    thresholds: list[Threshold] = []
     changes = 0
     between = (axis[:-1] + axis[1:]) / 2
     limit = STILL * np.nanmax(np.abs(values)) if np.isfinite(values).any() else np.nan
-    for i, place in enumerate(between):
+    for i, value in enumerate(between):
         says = []
         if states[i] != states[i + 1]:
             says.append(_change(states[i], states[i + 1]))
         elif multiples is not None and _multiple(multiples[i]) != _multiple(multiples[i + 1]):
             says.append(_repeats(_multiple(multiples[i + 1])))
         changes += len(says)
-        known = {threshold.says for threshold in found}
-        found += [Threshold(float(place), text) for text in says if text not in known]
-    left = changes - len(found)
+        known = {threshold.says for threshold in thresholds}
+        thresholds += [Threshold(float(value), text) for text in says if text not in known]
+    left = changes - len(thresholds)
     turns = _turn(axis, values, limit)
-    found += [] if turns is None else [turns]
+    thresholds += [] if turns is None else [turns]
     if np.isfinite(limit) and limit > 0:
         best = int(np.nanargmax(np.abs(values)))
         text = f"best, {with_unit(number(float(values[best]), 3), unit)}"
-        found.append(Threshold(float(axis[best]), text, best=True))
-    return sorted(found, key=lambda threshold: threshold.place), left
+        thresholds.append(Threshold(float(axis[best]), text, best=True))
+    return sorted(thresholds, key=lambda threshold: threshold.position), left
 
 
 def _change(before: str, after: str) -> str:
@@ -186,15 +186,15 @@ def _turn(axis: NDArray[np.float64], values: NDArray[np.float64], limit: float) 
     for before, after in pairwise(moving):
         if values[before] * values[after] < 0:
             share = values[before] / (values[before] - values[after])
-            place = float(axis[before] + share * (axis[after] - axis[before]))
-            return Threshold(place, "turns backward" if values[after] < 0 else "turns forward")
+            position = float(axis[before] + share * (axis[after] - axis[before]))
+            return Threshold(position, "turns backward" if values[after] < 0 else "turns forward")
     return None
 
 
 def _mark(
     figure: Figure,
     axes: Axes,
-    found: Sequence[Threshold],
+    thresholds: Sequence[Threshold],
     selection: Selection,
     style: Style,
 ) -> None:
@@ -209,10 +209,10 @@ def _mark(
             _Label(
                 threshold,
                 text := _label(threshold, selection),
-                float(axes.transData.transform((threshold.place, low))[0]),
+                float(axes.transData.transform((threshold.position, low))[0]),
                 text_width(figure, text, size, "bold" if threshold.best else "normal") + 2 * GAP,
             )
-            for threshold in found
+            for threshold in thresholds
         ],
         float(frame.x0),
         float(frame.x1),
@@ -226,19 +226,19 @@ def _mark(
         colour = style.accent if threshold.best else style.ink
         level = high + (row + 0.55) * height
         axes.vlines(
-            threshold.place, low, level, color=colour, linewidth=style.width(1.1),
+            threshold.position, low, level, color=colour, linewidth=style.width(1.1),
             linestyle="solid" if threshold.best else (0, (4, 2)), zorder=4,
         )  # fmt: skip
         axes.annotate(
-            text, (threshold.place, level), (-GAP if leftward else GAP, 0),
+            text, (threshold.position, level), (-GAP if leftward else GAP, 0),
             textcoords="offset pixels", ha="right" if leftward else "left", va="center",
             fontsize=size, color=colour, fontweight="bold" if threshold.best else "normal",
             zorder=7, path_effects=[withStroke(linewidth=2.5, foreground=style.ground)],
         )  # fmt: skip
         if threshold.best:
-            value = selection.values[np.abs(selection.axes[0].values - threshold.place).argmin()]
+            value = selection.values[np.abs(selection.axes[0].values - threshold.position).argmin()]
             axes.plot(
-                [threshold.place], [value], "*", color=colour, markersize=style.width(12),
+                [threshold.position], [value], "*", color=colour, markersize=style.width(12),
                 markeredgecolor=style.ground, zorder=8,
             )  # fmt: skip
 
@@ -286,13 +286,13 @@ def _label(threshold: Threshold, selection: Selection) -> str:
     axis = selection.axes[0]
     step = float(np.diff(axis.values).max())
     digits = 3
-    if threshold.place:
-        digits = max(2, int(np.ceil(np.log10(abs(threshold.place) / step) + 1)))
-    value = with_unit(number(threshold.place, min(digits, 6)), axis.unit)
+    if threshold.position:
+        digits = max(2, int(np.ceil(np.log10(abs(threshold.position) / step) + 1)))
+    value = with_unit(number(threshold.position, min(digits, 6)), axis.unit)
     if not threshold.best:
         return f"{threshold.says} {value}"
     ends = axis.values[[0, -1]]
-    return f"{threshold.says} at {value}" + (", an end" if threshold.place in ends else "")
+    return f"{threshold.says} at {value}" + (", an end" if threshold.position in ends else "")
 
 
 def _step(selection: Selection) -> str:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from core.plots.heading import finish
 from core.plots.options import Options
-from core.plots.parts import add_room, set_log
+from core.plots.parts import padded, set_log
 from core.plots.problem import PlotError
 from core.plots.regimes import looks_of
 from core.plots.scale import value_range
@@ -60,7 +60,7 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
     first = selections[0]
     ends = value_range(np.concatenate([selection.values for selection in selections]))
     if ends is not None:
-        sheet.set_ylim(*add_room(*ends))
+        sheet.set_ylim(*padded(*ends))
         if ends[0] < 0 < ends[1]:
             sheet.axhline(0.0, color=style.ink, linewidth=0.7, zorder=1)
     places = np.concatenate([selection.axes[0].values for selection in selections])
@@ -183,14 +183,14 @@ def _labels(
     """Return what tells each dataset from the others, and what they have in common."""
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
-    told = [[fact for fact in own if fact not in common] for own in facts]
+    labels = [[fact for fact in own if fact not in common] for own in facts]
     for key in ORIGIN:
         values = [str(dataset.attrs.get(key, "")) for dataset in datasets]
         if len(set(values)) > 1:
-            told = [
-                [value, *own] if value else own for value, own in zip(values, told, strict=True)
+            labels = [
+                [value, *own] if value else own for value, own in zip(values, labels, strict=True)
             ]
-    return _distinct([", ".join(own) for own in told], datasets), common
+    return _distinct([", ".join(own) for own in labels], datasets), common
 
 
 def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:

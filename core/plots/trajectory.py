@@ -15,9 +15,9 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from core.motion.drives import Shape, shape_of
-from core.motion.waves import ALONG, NORMAL, TURN, Wave, place, speed
+from core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
 from core.plots.fixed import fixed_positions
-from core.plots.parts import add_room
+from core.plots.parts import padded
 from core.plots.problem import PlotError
 from core.plots.regimes import HATCH_WIDTH
 from core.plots.selection import held_fixed
@@ -42,8 +42,8 @@ AT_REST = 1e-9  # of the heights: a position below is rounding
 MAX_PERIODS = 12  # that are told apart by lines
 ORBIT_POINTS = 400
 STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
-ORBIT_PLACE = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
-ORBIT_ROOM = 0.7  # of the heights, above them
+ORBIT_AXES = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
+ORBIT_MARGIN = 0.7  # of the heights, above them
 
 # Hatch and colour of the background while the part is in a mode; in flight it is the ground.
 MODES = {
@@ -153,10 +153,10 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     height = shown_in(xarray.DataArray(seen, attrs={"units": "m"}), units)
     if not np.isfinite(part).any():
         raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
-    place = shown_in(dataset["position_along"], units)
-    position = place.factor * values_of(dataset["position_along"])
-    if np.nanmax(np.abs(position)) <= AT_REST * place.factor * np.nanmax(np.abs(part)):
-        position, place = np.zeros_like(position), height
+    horizontal = shown_in(dataset["position_along"], units)
+    position = horizontal.factor * values_of(dataset["position_along"])
+    if np.nanmax(np.abs(position)) <= AT_REST * horizontal.factor * np.nanmax(np.abs(part)):
+        position, horizontal = np.zeros_like(position), height
     moved = swing + values_of(dataset["relative_velocity_along"])
     fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
     speed_shown = shown_in(fastest, units)
@@ -174,7 +174,7 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
         part_velocity=speed_shown.factor * moved,
         velocity_unit=speed_shown.unit,
         position=position,
-        position_unit=place.unit,
+        position_unit=horizontal.unit,
         modes=_modes(dataset["motion_mode"]),
         facts=_facts(dataset, units),
         orbit=orbit,
@@ -206,7 +206,7 @@ def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Ax
     heights.plot(shown.time, shown.part, **part)
     heights.set_ylim(*ends)
     if shown.orbit is not None:
-        heights.set_ylim(ends[0], ends[1] + ORBIT_ROOM * (ends[1] - ends[0]))
+        heights.set_ylim(ends[0], ends[1] + ORBIT_MARGIN * (ends[1] - ends[0]))
         _draw_orbit(heights, shown.orbit, style)
     heights.set_ylabel(f"Height{_under(style)}({shown.height_unit})")
 
@@ -269,7 +269,7 @@ def values_of(array: xarray.DataArray) -> NDArray[np.float64]:
 def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
     values = np.concatenate(curves)
     finite = values[np.isfinite(values)]
-    return add_room(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    return padded(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
 
 
 def _swing(
@@ -294,14 +294,14 @@ def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
 def _orbit(wave: Wave) -> NDArray[np.float64] | None:
     """Return how the track moves along and normal over a period, None if that is a line."""
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
-    orbit = np.stack([place(wave, axis, phases) for axis in (ALONG, NORMAL)])
+    orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)
     return orbit if width > STRAIGHT * length else None
 
 
 def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
     """Draw the orbit of the track, from a dot at the start of a period, with an arrow its way."""
-    inset = axes.inset_axes(ORBIT_PLACE, facecolor=style.ground, zorder=5)
+    inset = axes.inset_axes(ORBIT_AXES, facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
     ahead = orbit[:, ORBIT_POINTS // 12 : ORBIT_POINTS // 12 + 2].T

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from core.plots.parts import add_room
+from core.plots.parts import padded
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
 from core.plots.style import Style, mix
@@ -119,25 +119,25 @@ def draw_tumbling(
     figure: Figure, shown: TumblingTrajectory, style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the course; return the upper axes and the legend's entries."""
-    side, gaps, turns = figure.subplots(3, 1, height_ratios=PANELS)
-    gaps.sharex(turns)
+    side, gaps, pitches = figure.subplots(3, 1, height_ratios=PANELS)
+    gaps.sharex(pitches)
     gaps.tick_params(labelbottom=False)
     _draw_side(side, shown, style)
     gaps.plot(shown.time, shown.gap, color=style.curve, linewidth=style.width(1.8), zorder=4)
-    gaps.set_ylim(*add_room(0.0, float(shown.gap.max())))
+    gaps.set_ylim(*padded(0.0, float(shown.gap.max())))
     gaps.set_ylabel(f"Lowest corner\n({shown.length_unit})")
-    turns.plot(shown.time, shown.pitch, color=style.curve, linewidth=style.width(1.8), zorder=4)
-    turns.set_ylim(*add_room(float(shown.pitch.min()), float(shown.pitch.max())))
-    turns.set_ylabel(f"Pitch\n({shown.pitch_unit})")
-    turns.set_xlabel(f"Time since the start ({shown.time_unit})")
-    turns.set_xlim(shown.time[0], shown.time[-1])
-    for axes in (gaps, turns):
+    pitches.plot(shown.time, shown.pitch, color=style.curve, linewidth=style.width(1.8), zorder=4)
+    pitches.set_ylim(*padded(float(shown.pitch.min()), float(shown.pitch.max())))
+    pitches.set_ylabel(f"Pitch\n({shown.pitch_unit})")
+    pitches.set_xlabel(f"Time since the start ({shown.time_unit})")
+    pitches.set_xlim(shown.time[0], shown.time[-1])
+    for axes in (gaps, pitches):
         style.add_grid(axes)
         axes.fill_between(
             shown.time, 0, 1, where=shown.touches.tolist(), transform=axes.get_xaxis_transform(),
             facecolor=mix(style.other, style.ground, 0.75), linewidth=0, zorder=0,
         )  # fmt: skip
-    figure.align_ylabels([side, gaps, turns])
+    figure.align_ylabels([side, gaps, pitches])
     return side, _entries(style)
 
 
@@ -166,9 +166,9 @@ def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
     axes.plot(shown.along, shown.upward, color=style.accent, linewidth=style.width(1.0), zorder=5)
     axes.axhline(0.0, color=style.other, linewidth=style.width(1.6), zorder=2)
     x, y = shown.outlines[..., 0], shown.outlines[..., 1]
-    low, high = add_room(min(0.0, float(y.min())), float(y.max()))
+    low, high = padded(min(0.0, float(y.min())), float(y.max()))
     axes.axhspan(low, 0.0, facecolor=mix(style.other, style.ground, 0.5), linewidth=0, zorder=1)
-    axes.set_xlim(*add_room(float(x.min()), float(x.max())))
+    axes.set_xlim(*padded(float(x.min()), float(x.max())))
     axes.set_ylim(low, high)
     axes.set_aspect("equal", adjustable="box", anchor="W")
     axes.set_xlabel(f"Along the plane ({shown.length_unit})")

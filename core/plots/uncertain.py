@@ -25,7 +25,7 @@ from core.plots.selection import held_at, held_fixed
 from core.plots.style import Style, mix
 from core.plots.text import in_brackets, number, with_unit, words
 from core.quantities import QUANTITIES
-from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN
+from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
 from core.study.distributions import read_distribution, tolerance
 from core.study.shown import Shown, ShownUnits
 from core.suggestions import suggestion
@@ -48,7 +48,7 @@ BINS = 32
 HEIGHT = 0.36  # of a bar, over the room of its parameter
 ABOVE = 1.2
 SMOOTH = 4  # quantiles, at least, through which a curve is laid
-ROOM = 0.08  # beyond the largest value
+PADDING = 0.08  # beyond the largest value
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,9 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
     if asked or options.kind != kind_of(dataset):
         return False
     try:
-        _told(str(options.kind), dataset, None, options.at, options.units, nearest=options.nearest)
+        _result(
+            str(options.kind), dataset, None, options.at, options.units, nearest=options.nearest
+        )
     except PlotError:  # not one sound value
         return False
     return True
@@ -147,19 +149,19 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         If the dataset does not hold what is asked for.
     """
     style, kind = options.style, str(options.kind)
-    told = _told(
+    result = _result(
         kind, dataset, options.variable, options.at, options.units, nearest=options.nearest
     )
     figure = style.sheet(height=5.0)
     axes = figure.add_subplot()
-    name, entries, note = PAINTERS[kind](axes, told, style)
+    name, entries, note = PAINTERS[kind](axes, result, style)
     return finish(
-        figure, axes, style, name=options.title or name, facts=told.facts,
+        figure, axes, style, name=options.title or name, facts=result.facts,
         source=source_of(dataset), entries=entries, note=note,
     )  # fmt: skip
 
 
-def _told(
+def _result(
     kind: str,
     dataset: xarray.Dataset,
     variable: str | None,
@@ -184,11 +186,11 @@ def _told(
     ]
     sizes = np.concatenate([*own, [0.0]])
     shown = units.of(unit, float(sizes[np.isfinite(sizes)].max()))
-    told = UncertainOutput(output, shown, design, tuple(facts), units)
-    if not np.isfinite(told.shares(NEEDED[kind])).any():
+    result = UncertainOutput(output, shown, design, tuple(facts), units)
+    if not np.isfinite(result.shares(NEEDED[kind])).any():
         message = f"no point of {words(output)} has a valid value here"
         raise PlotError("dataset", message, "Draw another design, with at, or another output")
-    return told
+    return result
 
 
 def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
@@ -210,14 +212,14 @@ def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
     return output
 
 
-Drawn = tuple[str, Sequence[Artist], str]
+Drawing = tuple[str, Sequence[Artist], str]
 """The name of a picture, the entries of its legend, and a note."""
 
 
-def _draw_distribution(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
+def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     """Draw how the values spread, with quantiles, and the bounds of demands."""
-    levels = np.asarray(told.design[LEVEL].values, dtype=np.float64)
-    values = told.values("distribution")
+    levels = np.asarray(result.design[LEVEL].values, dtype=np.float64)
+    values = result.values("distribution")
     low, high = float(values[0]), float(values[-1])
     edges = np.linspace(low, high if high > low else low + 1.0, BINS + 1)
     # The share below each edge, by the quantiles: where many are equal it jumps.
@@ -232,7 +234,7 @@ def _draw_distribution(axes: Axes, told: UncertainOutput, style: Style) -> Drawn
     entries: list[Artist] = [
         Patch(color=mix(style.ground, style.curve, 0.45), label="Share of the parts")
     ]
-    for share, value in zip(told.design[QUANTILE].values, told.values(QUANTILE), strict=True):
+    for share, value in zip(result.design[QUANTILE].values, result.values(QUANTILE), strict=True):
         axes.axvline(value, color=style.ink, linewidth=style.width(1.0), linestyle="--")
         axes.annotate(
             with_unit(number(100 * share, 3), "%"), (value, 1.0), (-2, -3), va="top", ha="right",
@@ -241,29 +243,29 @@ def _draw_distribution(axes: Axes, told: UncertainOutput, style: Style) -> Drawn
         )  # fmt: skip
     entries.append(Line2D([], [], color=style.ink, linestyle="--", label="Quantiles"))
     facts = []
-    for name, one in told.design.data_vars.items():
-        if one.attrs.get("output") != told.output or str(name).endswith("_error"):
+    for name, variable in result.design.data_vars.items():
+        if variable.attrs.get("output") != result.output or str(name).endswith("_error"):
             continue
-        error = float(told.design[f"{name}_error"])
-        ends = [one.attrs[key] for key in ("at_least", "at_most") if key in one.attrs]
-        bounds = [float(end) * told.shown.factor for end in ends]
+        error = float(result.design[f"{name}_error"])
+        ends = [variable.attrs[key] for key in ("at_least", "at_most") if key in variable.attrs]
+        bounds = [float(end) * result.shown.factor for end in ends]
         for bound in bounds:
             axes.axvline(bound, color=style.accent, linewidth=style.width(2.0))
         words_ = [
-            f"{key.replace('_', ' ')} {told.read(bound)}"
+            f"{key.replace('_', ' ')} {result.read(bound)}"
             for key, bound in zip(
-                [k for k in ("at_least", "at_most") if k in one.attrs], bounds, strict=True
+                [k for k in ("at_least", "at_most") if k in variable.attrs], bounds, strict=True
             )
         ]
-        facts.append(f"{' and '.join(words_)}: {percent_with_error(float(one), error)}")
+        facts.append(f"{' and '.join(words_)}: {percent_with_error(float(variable), error)}")
         entries.append(Line2D([], [], color=style.accent, linewidth=2.0, label=facts[-1]))
-    axes.set(xlabel=told.axis, ylabel="Share of the parts (%)")
+    axes.set(xlabel=result.axis, ylabel="Share of the parts (%)")
     axes.margins(x=0.03)
     axes.set_ylim(top=axes.get_ylim()[1] * ABOVE)  # room for the names of quantiles
     style.add_grid(axes)
-    left = float(told.design[f"{told.output}{LEFT_OUT}"])
+    left = float(result.design[f"{result.output}{LEFT_OUT}"])
     note = f"{_percent(left)} of the points have no valid value" if left > 0 else ""
-    return f"Distribution of the {_lower(told.label)}", entries, note
+    return f"Distribution of the {_lower(result.label)}", entries, note
 
 
 def _share_below(
@@ -286,64 +288,64 @@ def _rising(
     return values[last], levels[last]
 
 
-def _draw_indices(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
+def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     """Draw first and total indices as bars with their intervals, the largest on top."""
-    total = told.shares("total")
+    total = result.shares("total")
     order = np.argsort(total)
-    names = [told.names[k] for k in order]
+    names = [result.names[k] for k in order]
     rows = np.arange(len(names), dtype=float)
     colours = {"first": style.curve, "total": style.other}
     entries: list[Artist] = []
     for away, part in ((HEIGHT / 2, "first"), (-HEIGHT / 2, "total")):
         axes.barh(
-            rows + away, 100 * told.shares(part)[order], HEIGHT, color=colours[part],
-            xerr=100 * told.shares(f"{part}_error")[order], ecolor=style.ink, capsize=3,
+            rows + away, 100 * result.shares(part)[order], HEIGHT, color=colours[part],
+            xerr=100 * result.shares(f"{part}_error")[order], ecolor=style.ink, capsize=3,
         )  # fmt: skip
         label = f"{part.capitalize()} index"
         entries.append(Patch(color=colours[part], label=label))
     _set_rows(axes, names, style)
-    axes.set(xlabel=f"Share of the variance of the {_lower(told.label)} (%)")
+    axes.set(xlabel=f"Share of the variance of the {_lower(result.label)} (%)")
     axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
     note = "Lines across the ends are 95 % intervals of the sampling"
-    return f"Where the variance of the {_lower(told.label)} comes from", entries, note
+    return f"Where the variance of the {_lower(result.label)} comes from", entries, note
 
 
-def _draw_effects(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
+def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     """Draw Morris's plane: how much a parameter does, and how much that varies."""
-    size, deviation = told.values("effect"), told.values("effect_deviation")
-    most = float(np.nanmax(size)) * (1 + 2 * ROOM)
-    high = float(np.nanmax(deviation)) * (1 + 3 * ROOM)
+    size, deviation = result.values("effect"), result.values("effect_deviation")
+    most = float(np.nanmax(size)) * (1 + 2 * PADDING)
+    high = float(np.nanmax(deviation)) * (1 + 3 * PADDING)
     most, high = most or 1.0, max(high, most / 6)
     axes.plot([0, most], [0, most], color=style.quiet, linestyle=":", linewidth=style.width(1.0))
     axes.plot(size, deviation, "o", color=style.curve, markersize=style.width(8))
-    for name, x, y in zip(told.names, size, deviation, strict=True):
+    for name, x, y in zip(result.names, size, deviation, strict=True):
         right = x > most / 2
         axes.annotate(
             _name(name), (x, y), (-8 if right else 8, 5), textcoords="offset points",
             ha="right" if right else "left", color=style.ink, fontsize=style.text(9.5),
         )  # fmt: skip
-    unit = in_brackets(told.shown.unit)
+    unit = in_brackets(result.shown.unit)
     axes.set(xlim=(0, most), ylim=(0, high))
-    axes.set_xlabel(f"Mean effect on the {_lower(told.label)}, mu* {unit}".rstrip())
+    axes.set_xlabel(f"Mean effect on the {_lower(result.label)}, mu* {unit}".rstrip())
     axes.set_ylabel(f"Deviation of the effect, sigma {unit}".rstrip())
     style.add_grid(axes)
     entries = [
         Line2D([], [], color=style.quiet, linestyle=":", label="Deviation as large as the effect")
     ]
     note = "High up: the effect depends on the place, by bends or by other parameters"
-    return f"Which parameters the {_lower(told.label)} depends on", entries, note
+    return f"Which parameters the {_lower(result.label)} depends on", entries, note
 
 
-def _draw_tornado(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
+def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     """Draw what each tolerance does by itself, the widest on top, and the worst cases of all."""
-    lower, upper = told.values("at_lower"), told.values("at_upper")
-    middle = float(told.values("nominal"))
+    lower, upper = result.values("at_lower"), result.values("at_upper")
+    middle = float(result.values("nominal"))
     reach = np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle)))
-    decides = next((part for part in ("total", "variance_share") if told.has(part)), None)
-    shares = told.shares(decides) if decides else reach
+    decides = next((part for part in ("total", "variance_share") if result.has(part)), None)
+    shares = result.shares(decides) if decides else reach
     # In the order of what matters, as the sentence says it; of equal ones the widest on top.
     order = np.lexsort((reach, np.nan_to_num(shares)))
-    names = [told.names[k] for k in order]
+    names = [result.names[k] for k in order]
     rows = np.arange(len(names), dtype=float)
     ends = (("lower", lower, style.other), ("upper", upper, style.curve))
     entries: list[Artist] = []
@@ -355,21 +357,21 @@ def _draw_tornado(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
                 other = upper[k] if end == "lower" else lower[k]
                 right = values[k] > other if np.isfinite(other) else values[k] >= middle
                 axes.annotate(
-                    told.end_in_words(names[row], end), (values[k], row), (3 if right else -3, 0),
+                    result.end_in_words(names[row], end), (values[k], row), (3 if right else -3, 0),
                     textcoords="offset points", ha="left" if right else "right", va="center",
                     fontsize=style.text(8.5), color=style.ink,
                 )  # fmt: skip
     axes.axvline(middle, color=style.ink, linewidth=style.width(1.2))
-    entries.append(Line2D([], [], color=style.ink, label=f"Nominal: {told.read(middle)}"))
-    worst = [float(told.values(part)) for part in ("least", "largest")]
+    entries.append(Line2D([], [], color=style.ink, label=f"Nominal: {result.read(middle)}"))
+    worst = [float(result.values(part)) for part in ("least", "largest")]
     for value in worst:
         axes.axvline(value, color=style.accent, linewidth=style.width(1.6), linestyle="--")
-    label = f"All together: {told.read(worst[0])} to {told.read(worst[1])}"
+    label = f"All together: {result.read(worst[0])} to {result.read(worst[1])}"
     entries.append(Line2D([], [], color=style.accent, linestyle="--", label=label))
     _set_rows(axes, names, style)
-    axes.margins(x=2 * ROOM)  # the ends of tolerances stand beside their bars
-    axes.set(xlabel=told.axis)
-    return f"What each tolerance does to the {_lower(told.label)}", entries, ""
+    axes.margins(x=2 * PADDING)  # the ends of tolerances stand beside their bars
+    axes.set(xlabel=result.axis)
+    return f"What each tolerance does to the {_lower(result.label)}", entries, ""
 
 
 def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
@@ -392,7 +394,7 @@ def _percent(share: float) -> str:
     return with_unit(number(100 * share, 3), "%")
 
 
-PAINTERS: dict[str, Callable[[Axes, UncertainOutput, Style], Drawn]] = {
+PAINTERS: dict[str, Callable[[Axes, UncertainOutput, Style], Drawing]] = {
     "distribution": _draw_distribution,
     "indices": _draw_indices,
     "effects": _draw_effects,

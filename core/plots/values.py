@@ -48,13 +48,13 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if options.axes:
         raise PlotError("axes", "the values are those of one design", "Leave axes out")
     loose = [str(name) for name in dataset.dims]
-    places = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
-    design = dataset.isel(places)
+    positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
+    design = dataset.isel(positions)
     rows = rows_of(design, units, options.variable)
     note = ""
     figure = style.sheet(height=max(3.2, 0.27 * min(len(rows), MAX_ROWS) + 1.4))
     if is_pair(dataset):
-        bodies, seen = read_bodies(dataset, places), views(dataset)
+        bodies, seen = read_bodies(dataset, positions), views(dataset)
         grid = figure.add_gridspec(1, 2, width_ratios=(SKETCH, 1.0))
         panels = grid[0].subgridspec(len(seen), 1).subplots()
         for panel, view in zip(np.ravel(np.asarray(panels)), seen, strict=True):
@@ -65,10 +65,10 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     else:
         top = sheet = figure.add_subplot()
     _write(sheet, rows, style)
-    held = [held_at(dataset[name], units, position) for name, position in places.items()]
+    held = [held_at(dataset[name], units, position) for name, position in positions.items()]
     finish(
         figure, top, style, name=options.title or "Values of one design",
-        facts=[*held, *held_fixed(design.drop_vars(places), units)], source=source_of(dataset),
+        facts=[*held, *held_fixed(design.drop_vars(positions), units)], source=source_of(dataset),
     )  # fmt: skip
     for side in (*sheet.spines.values(), sheet.xaxis, sheet.yaxis):
         side.set_visible(False)

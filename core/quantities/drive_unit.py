@@ -5,7 +5,7 @@ from __future__ import annotations
 from core.quantities.quantity import Quantity, angle, length, number
 
 
-def _given(
+def _input(
     unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
 ) -> Quantity:
     """Return what a study gives, at least 0, or above it."""
@@ -14,38 +14,38 @@ def _given(
     )
 
 
-def _place(symbol: str, label: str, says: str) -> Quantity:
+def _offset(symbol: str, label: str, says: str) -> Quantity:
     """Return a distance that a study may give, either way."""
     return Quantity("m", symbol, label, says, parameter=True, examples=("0 mm",), usual=(1e-5, 5.0))
 
 
 DRIVE_UNIT: dict[str, Quantity] = {
-    "moving_mass": _given(
+    "moving_mass": _input(
         "kg", "m_1", "Moving mass", "Mass of trough or bowl, with what is fixed to it.", "10 kg",
         strict=True,
     ),
-    "base_mass": _given(
+    "base_mass": _input(
         "kg", "m_2", "Base mass", "Mass of the base, or counter-mass.", "30 kg", strict=True
     ),
-    "load_mass": _given(
+    "load_mass": _input(
         "kg", "m_l", "Load", "Mass of parts that move with the track, neither sliding nor hopping.",
         "0.5 kg", strict=False,
     ),
-    "load_damping": _given(
+    "load_damping": _input(
         "N s m-1", "c_l", "Damping by the load",
         "Damper between track and ground: what parts take that slide and hop.", "40 N s/m",
         strict=False,
     ),
-    "conveyed_mass": _given(
+    "conveyed_mass": _input(
         "kg", "m_p", "Conveyed mass",
         "Mass of all parts that travel on the track; amplitude and motion are found together.",
         "0.5 kg", strict=False,
     ),
-    "moving_inertia": _given(
+    "moving_inertia": _input(
         "kg m2", "I_1", "Inertia of the bowl", "Moment of inertia of the bowl about its axis.",
         "0.25 kg m^2", strict=True,
     ),
-    "base_inertia": _given(
+    "base_inertia": _input(
         "kg m2", "I_2", "Inertia of the base", "Moment of inertia of the base about the same axis.",
         "0.9 kg m^2", strict=True,
     ),
@@ -67,41 +67,41 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "spring_length": length(
         "L", "Free length of a leaf", "Length of a leaf spring between its clamps.", "100 mm"
     ),
-    "elastic_modulus": _given(
+    "elastic_modulus": _input(
         "Pa", "E", "Elastic modulus", "Of the leaves: 206 GPa of spring steel.", "206 GPa",
         strict=True,
     ),
-    "spring_density": _given(
+    "spring_density": _input(
         "kg m-3", "rho", "Density of the leaves", "Of the leaves: 7850 kg/m^3 of spring steel.",
         "7850 kg/m^3", strict=True,
     ),
-    "clamp_factor": _given(
+    "clamp_factor": _input(
         "1", "c_k", "Clamp factor", "Stiffness of the leaves over that with rigid clamps.", "0.9",
         strict=True,
     ),
-    "allowable_stress": _given(
+    "allowable_stress": _input(
         "Pa", "sigma_a", "Allowable stress", "Bending stress that the leaves bear for ever.",
         "250 MPa", strict=True,
     ),
-    "ring_down_frequency": _given(
+    "ring_down_frequency": _input(
         "Hz", "f_0", "Measured natural frequency",
         "Frequency in which the empty unit rings after a knock.", "53 Hz", strict=True,
     ),
-    "damping_ratio": _given(
+    "damping_ratio": _input(
         "1", "zeta", "Damping ratio", "Logarithmic decrement of the ring-down over 2 pi.", "0.02",
         strict=True,
     ),
-    "drive_force": _given(
+    "drive_force": _input(
         "N", "F", "Force of the drive",
         "Amplitude of the force between both masses, at the drive's frequency; a magnet's follows "
         "from flux_density and pole_area, an unbalance's from unbalance.",
         "100 N", strict=True,
     ),
-    "flux_density": _given(
+    "flux_density": _input(
         "T", "B", "Flux density", "Peak of the flux density in the magnet's gap.", "0.5 T",
         strict=True,
     ),
-    "pole_area": _given(
+    "pole_area": _input(
         "m2", "A", "Pole area", "Area of all poles of the magnet that pull.", "12 cm^2", strict=True
     ),
     "force_harmonic": Quantity(
@@ -110,26 +110,26 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "of one that pulls it forward and up, 0 on a full wave.",
         -1.0, 1.0, parameter=True, examples=("0.25",),
     ),
-    "offset_along": _place("d_x", "Mass centres along", "Moving mass centre ahead of the base's."),
-    "offset_upward": _place("d_z", "Mass centres upward", "Moving mass centre above the base's."),
-    "spot_along": _place("p_x", "Place along", "Place on the track ahead of the mass centre."),
-    "spot_upward": _place("p_z", "Place upward", "Place on the track above the mass centre."),
-    "unbalance": _given(
+    "offset_along": _offset("d_x", "Mass centres along", "Moving mass centre ahead of the base's."),
+    "offset_upward": _offset("d_z", "Mass centres upward", "Moving mass centre above the base's."),
+    "spot_along": _offset("p_x", "Place along", "Place on the track ahead of the mass centre."),
+    "spot_upward": _offset("p_z", "Place upward", "Place on the track above the mass centre."),
+    "unbalance": _input(
         "kg m", "m_u r", "Unbalance", "Mass of an unbalance times its radius.", "0.002 kg m",
         strict=True,
     ),
     "air_gap": length("g_0", "Air gap", "Air gap of the magnet at rest, along the stroke.", "2 mm"),
-    "foot_stiffness": _given(
+    "foot_stiffness": _input(
         "N m-1", "k_f", "Stiffness of the feet", "Of all feet together; 0 if the base is free.",
         "50000 N/m", strict=False,
     ),
-    "foot_damping": _given(
+    "foot_damping": _input(
         "N s m-1", "c_f", "Damping of the feet", "Of all feet together.", "100 N s/m", strict=False
     ),
     "circular_frequency": Quantity(
         "rad s-1", "w", "Circular frequency", "2 pi times the drive's frequency."
     ),
-    "spring_stiffness": _given(
+    "spring_stiffness": _input(
         "N m-1", "k", "Stiffness of the springs",
         "Of all leaves together along the stroke; follows from their sizes unless given.",
         "1000 N/mm", strict=True,

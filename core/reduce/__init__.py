@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from core.lazy import lazily
 
-__all__ = ["answers", "run"]
+__all__ = ["arrays", "run"]
 
 if TYPE_CHECKING:
-    from core.reduce import answers, run
+    from core.reduce import arrays, run
 else:  # they load numba
-    __getattr__ = lazily(__name__, {}, {"answers": "answers", "run": "run"})
+    __getattr__ = lazily(__name__, {}, {"arrays": "arrays", "run": "run"})

@@ -226,17 +226,17 @@ class Boxes:
         ends = self._ends(box)
         cells = self._counted(name, values, box)
         for tile in lanes.tiles(ends):
-            places, offset = lanes.places(tile, ends)
-            held = {kind: lanes.buffer(kind, places.lanes) for kind in EMPTY}
+            layout, offset = lanes.layout(tile, ends)
+            held = {kind: lanes.buffer(kind, layout.lanes) for kind in EMPTY}
             here = tuple(
                 slice(start - first, stop - first)
                 for (start, stop), (first, _) in zip(tile.values(), box, strict=True)
             )
-            lanes.gather(cells[here], tile, places, held)
-            totals.fold_counts(held["counts"], places, offset, 0, 1)
-            totals.fold_sum(name, held["sum"], places, offset, lanes.line)
+            lanes.gather(cells[here], tile, layout, held)
+            totals.fold_counts(held["counts"], layout, offset, 0, 1)
+            totals.fold_sum(name, held["sum"], layout, offset, lanes.line)
             for kind in ("largest", "least"):
-                totals.fold_extremes(name, kind, held[kind], held[f"{kind}_at"], places, offset)
+                totals.fold_extremes(name, kind, held[kind], held[f"{kind}_at"], layout, offset)
         state = totals.state(name, 0)
         if "mean" not in self._asked.statistics:
             state = {key: values for key, values in state.items() if key.endswith(".ends")}

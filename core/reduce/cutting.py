@@ -60,11 +60,11 @@ class Cutting:
         seen = math.prod(size for size, gone in zip(shape, goes, strict=True) if gone)
         kept = math.prod(step for step, gone in zip(steps, goes, strict=True) if not gone)
 
-        def widen(axes: Iterable[int], room: int) -> None:
+        def widen(axes: Iterable[int], budget: int) -> None:
             for axis in axes:
-                tiles = _even(-(-shape[axis] // steps[axis]), room)
+                tiles = _even(-(-shape[axis] // steps[axis]), budget)
                 steps[axis] = min(shape[axis], tiles * steps[axis])
-                room //= tiles
+                budget //= tiles
 
         if seen * kept <= cells:
             for axis in (axis for axis in last_first if goes[axis]):

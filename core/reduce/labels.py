@@ -32,7 +32,7 @@ class ReducedVariable:
     axis: str = ""
 
 
-def answer_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
+def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
     """Return what the answer of some name is."""
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")
@@ -50,17 +50,17 @@ def answer_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedV
 
 def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
     """Return the unit of an answer."""
-    one = answer_of(name, asked, outputs)
+    one = variable_of(name, asked, outputs)
     if one.axis:
         return QUANTITIES[one.axis].unit
     return "1" if one.what in ("count", "regime", "share") else QUANTITIES[one.of].unit
 
 
-def attributes_of_answer(
+def attributes_of(
     name: str, asked: Reduction, outputs: Collection[str], *, is_exact: bool
 ) -> dict[str, Any]:
     """Return the CF attributes of an answer."""
-    parts = answer_of(name, asked, outputs)
+    parts = variable_of(name, asked, outputs)
     attributes: dict[str, Any] = {"units": unit_of(name, asked, outputs)}
     label = QUANTITIES[parts.of].label if parts.of in QUANTITIES else parts.of
     over = "".join(f"{axis}: " for axis in asked.over)

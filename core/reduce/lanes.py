@@ -35,7 +35,7 @@ EMPTY = {
 
 
 @dataclass(frozen=True)
-class Places:
+class TileLayout:
     """Where the lanes of a tile go.
 
     Attributes
@@ -80,7 +80,7 @@ class BoxLanes:
         self.numbers = _strides({name: shape[name] for name in dims if name in self._goes})
         self._held: dict[str, Array] = {}
         self.line = np.empty(order.most_lanes(shape, over))
-        self._places = lru_cache(maxsize=64)(self._placed)
+        self._layouts = lru_cache(maxsize=64)(self._placed)
 
     def buffer(self, kind: str, lanes: int) -> Array:
         """Return the lanes of a kind, as they were folded last; empty ones at first."""
@@ -101,15 +101,15 @@ class BoxLanes:
         ]
         return map(dict, itertools.product(*ranges))
 
-    def places(self, tile: Ends, box: Ends) -> tuple[Places, int]:
+    def layout(self, tile: Ends, box: Ends) -> tuple[TileLayout, int]:
         """Return where the lanes of a tile go, and where the tile starts among slots of its box."""
         kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
         strides = _strides(kept)
         lengths = tuple((name, tile[name][1] - tile[name][0]) for name in self._dims)
         offset = sum((tile[name][0] - box[name][0]) * strides[name] for name in kept)
-        return self._places(lengths, tuple(strides.items())), offset
+        return self._layouts(lengths, tuple(strides.items())), offset
 
-    def _placed(self, lengths: Shape, slot_strides: Shape) -> Places:
+    def _placed(self, lengths: Shape, slot_strides: Shape) -> TileLayout:
         lanes = self.order.lanes(dict(lengths), self._goes)
         of_slot = dict(slot_strides)
         count = math.prod(lanes.values())
@@ -124,16 +124,18 @@ class BoxLanes:
         strides = _strides(lanes)
         if self.order.gathers:
             del strides[self.order.inner[0]]
-        return Places(strides, count, numbers, order, slots[order][::each].copy())
+        return TileLayout(strides, count, numbers, order, slots[order][::each].copy())
 
-    def gather(self, cells: Array, tile: Ends, places: Places, lanes: Mapping[str, Array]) -> None:
+    def gather(
+        self, cells: Array, tile: Ends, layout: TileLayout, lanes: Mapping[str, Array]
+    ) -> None:
         """Take stored cells of a tile, over the axes of the field, into lanes of every kind."""
         axes = (*self.order.outer, *self.order.inner)
         rows = cells.transpose([self._dims.index(name) for name in axes])
         outer = rows.shape[: len(self.order.outer)]
         starts, numbers = np.zeros(outer, np.int64), np.zeros(outer, np.int64)
         for name, at in zip(self.order.outer, np.indices(outer), strict=True):
-            starts += at * places.strides.get(name, 0)
+            starts += at * layout.strides.get(name, 0)
             numbers += (at + tile[name][0]) * self.numbers.get(name, 0)
         turn = self.order.piece // self.order.period
         along = 0  # without inner axes a row is one cell, and has no next piece
@@ -170,26 +172,30 @@ class Totals:
         self._ends: dict[str, Integers] = {}
         self._sums: dict[str, tuple[Integers, Array, Integers]] = {}
 
-    def fold_sum(self, name: str, lanes: Array, places: Places, offset: int, line: Array) -> None:
+    def fold_sum(
+        self, name: str, lanes: Array, layout: TileLayout, offset: int, line: Array
+    ) -> None:
         """Fold the sums in the lanes of an output."""
         if name not in self._sums:
             digits = np.zeros((LEVELS, self._slots), np.int64)
             self._sums[name] = digits, np.zeros(self._slots), np.array([LEVELS, -1])
-        kernels.fold_sums(lanes, places.order, places.own_slots, offset, line, *self._sums[name])
+        kernels.fold_sums(lanes, layout.order, layout.own_slots, offset, line, *self._sums[name])
 
     def fold_extremes(
-        self, name: str, kind: str, lanes: Array, at: Array, places: Places, offset: int
+        self, name: str, kind: str, lanes: Array, at: Array, layout: TileLayout, offset: int
     ) -> None:
         """Fold the ``largest`` or ``least`` in lanes of an output; `at` is empty if unknown."""
         ends, row = self._ends_of(name), 2 if kind == "least" else 0
         kernels.fold_extremes(
-            lanes, at, kind == "least", places.order, places.own_slots, offset, places.numbers,
+            lanes, at, kind == "least", layout.order, layout.own_slots, offset, layout.numbers,
             ends[row], ends[row + 1],
         )  # fmt: skip
 
-    def fold_counts(self, lanes: Array, places: Places, offset: int, first: int, last: int) -> None:
+    def fold_counts(
+        self, lanes: Array, layout: TileLayout, offset: int, first: int, last: int
+    ) -> None:
         """Fold the counts in lanes, several in one number."""
-        kernels.fold_counts(lanes, places.order, places.own_slots, offset, self.counts[first:last])
+        kernels.fold_counts(lanes, layout.order, layout.own_slots, offset, self.counts[first:last])
 
     def state(self, name: str, counter: int) -> State:
         """Return what is known of an output, of which a counter counts the cells."""

@@ -112,22 +112,22 @@ class FieldLoop:
     def gather(self, box: Ends, lanes: BoxLanes, totals: Totals) -> None:
         """Compute the cells of a box and take them into totals."""
         for tile in lanes.tiles(box):
-            places, offset = lanes.places(tile, box)
+            layout, offset = lanes.layout(tile, box)
             held = [
-                [lanes.buffer(f"{k}.{kind}", places.lanes) for kind in gathering.kinds]
+                [lanes.buffer(f"{k}.{kind}", layout.lanes) for kind in gathering.kinds]
                 for k, gathering in enumerate(self._gatherings)
             ]
             flat = [array for arrays in held for array in arrays]
-            self._loop.run(tile, places.strides, lanes.numbers, flat)
+            self._loop.run(tile, layout.strides, lanes.numbers, flat)
             for gathering, arrays in zip(self._gatherings, held, strict=True):
                 if gathering.kinds[0] == "counts":
-                    totals.fold_counts(arrays[0], places, offset, *gathering.counters)
+                    totals.fold_counts(arrays[0], layout, offset, *gathering.counters)
                 elif gathering.kinds[0] == "sum":
-                    totals.fold_sum(gathering.output, arrays[0], places, offset, lanes.line)
+                    totals.fold_sum(gathering.output, arrays[0], layout, offset, lanes.line)
                 else:
                     at = arrays[-1][: 0 if len(arrays) == 1 else None]
                     totals.fold_extremes(
-                        gathering.output, gathering.kinds[0], arrays[0], at, places, offset
+                        gathering.output, gathering.kinds[0], arrays[0], at, layout, offset
                     )
 
     def _outputs(self) -> list[str]:

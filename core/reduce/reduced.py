@@ -24,7 +24,7 @@ from core.plan.parts import ANSWERS, Parts
 from core.plan.pieces import Computed, price
 from core.plan.prepared import Prepared
 from core.plan.price import in_words
-from core.reduce.labels import attributes_of_answer, unit_of
+from core.reduce.labels import attributes_of, unit_of
 from core.reduce.state import State, merged
 from core.study.reduction import QUANTILE, Reduction
 from core.study.simulate_study import SimulateStudy
@@ -74,7 +74,7 @@ class Reduced(Prepared):
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The dimensions of each answer."""
-        return reduce.answers.dims_of(self.work, self.asked)
+        return reduce.arrays.dims_of(self.work, self.asked)
 
     @cached_property
     def units(self) -> dict[str, str]:
@@ -128,7 +128,7 @@ class Reduced(Prepared):
 
     def joined(self, states: Iterable[tuple[int, int, State]]) -> Computed:
         """Return the answers from what is known of all blocks."""
-        return Computed(reduce.answers.answers(self.work, self.grid, self.asked, states))
+        return Computed(reduce.arrays.reduced_arrays(self.work, self.grid, self.asked, states))
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the answers, labelled; `watch` may stop verifying."""
@@ -137,7 +137,7 @@ class Reduced(Prepared):
         variables = {}
         for name, values in computed.arrays.items():
             is_exact = exact.get(name.removesuffix(f"_{QUANTILE}"), True)
-            attributes = attributes_of_answer(name, asked, plan.outputs, is_exact=is_exact)
+            attributes = attributes_of(name, asked, plan.outputs, is_exact=is_exact)
             variables[name] = TableVariable(self.dims[name], values, attributes)
         return Table(
             _coordinates(self),
@@ -199,13 +199,13 @@ class ReducedParts(Parts):
     whole: Reduced
     scheme: ClassVar[str] = "tree of tiles"
 
-    def answers(self, watch: Watch | None = None) -> Table:
+    def joined_table(self, watch: Watch | None = None) -> Table:
         """As in `Parts`."""
-        watch, told = watch or Watch(), list[Mapping[str, Any]]()
+        watch, records = watch or Watch(), list[Mapping[str, Any]]()
         self._check(watch)
-        computed = self.whole.joined(self._states(told))
+        computed = self.whole.joined(self._states(records))
         table = self.whole.label(computed, watch)
-        return table.with_price(price(self.cells, sum(one["seconds"] for one in told)))
+        return table.with_price(price(self.cells, sum(one["seconds"] for one in records)))
 
     def _computed(
         self, start: int, stop: int, watch: Watch
@@ -217,23 +217,23 @@ class ReducedParts(Parts):
         return arrays, {}
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        table = self.answers(watch)
+        table = self.joined_table(watch)
         write_netcdf(table, Path(self.where), history=history)
         return table
 
-    def _states(self, told: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
+    def _states(self, records: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
         """Yield what all parts tell of each block, and collect their words."""
         known: tuple[int, int] | None = None
         state: State = {}
         for record in self._records():
-            told.append(record.fields)
-            for place, found in _blocks(record.arrays).items():
-                if place == known:
+            records.append(record.fields)
+            for known_block, found in _blocks(record.arrays).items():
+                if known_block == known:
                     state = merged(state, found)
                     continue
                 if known is not None:
                     yield (*known, state)
-                known, state = place, found
+                known, state = known_block, found
         if known is not None:
             yield (*known, state)
 
@@ -253,16 +253,18 @@ def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
     Bounds would say it in CF's own words, but its checker knows none of a scalar.
     """
     asked, grid = prepared.asked, prepared.grid
-    found = coordinates_of(prepared.plan, grid)
+    coordinates = coordinates_of(prepared.plan, grid)
     for axis in asked.over:
-        ends = np.array(sorted((float(found[axis].values[0]), float(found[axis].values[-1]))))
+        ends = np.array(
+            sorted((float(coordinates[axis].values[0]), float(coordinates[axis].values[-1])))
+        )
         attributes = {**quantity_attributes(axis), "reduced_range": ends}
-        found[axis] = TableVariable((), np.asarray(ends.mean()), attributes)
+        coordinates[axis] = TableVariable((), np.asarray(ends.mean()), attributes)
     if asked.quantiles:
         attributes = {"units": "1", "long_name": "Quantile"}
         values = np.array(asked.quantiles)
-        found[QUANTILE] = TableVariable((QUANTILE,), values, attributes)
-    return found
+        coordinates[QUANTILE] = TableVariable((QUANTILE,), values, attributes)
+    return coordinates
 
 
 def _which(prepared: Reduced) -> str:

@@ -18,7 +18,7 @@ ALIASES = (
 )
 """They serve only where the parameter itself is not given."""
 
-GIVEN_BY = {
+ALTERNATIVES = {
     "friction": ("friction_static", "friction_kinetic"),
     "peak_to_peak": ("amplitude",),
     "occupancy": ("part_gap",),

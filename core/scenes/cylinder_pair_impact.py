@@ -27,7 +27,7 @@ VELOCITIES: dict[str, Any] = {
     )
     for place, axis in enumerate("xyz")
 }
-PLACE = (
+CONTACT_STATE = (
     Equation("cylinder_1", cylinder_impact.cylinder_1, "theory 8.1"),
     Equation("cylinder_2", cylinder_impact.cylinder_2, "theory 8.1"),
     Equation("cylinder_masses", cylinder_impact.cylinder_masses, "theory 8.1"),
@@ -107,7 +107,7 @@ REST = (
     ),
 )
 FRICTIONLESS = (
-    *PLACE,
+    *CONTACT_STATE,
     Equation(
         "contact_frame",
         cylinder_impact.frame_without_friction,
@@ -118,7 +118,7 @@ FRICTIONLESS = (
     *REST,
 )
 PFEIFFER_GLOCKER = (
-    *PLACE,
+    *CONTACT_STATE,
     Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
     Equation(
         "spatial_impulse",
@@ -129,7 +129,7 @@ PFEIFFER_GLOCKER = (
     *REST,
 )
 MOREAU = (
-    *PLACE,
+    *CONTACT_STATE,
     Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
     Equation("spatial_impulse", cylinder_impact.moreau_impulse, "theory 8.1", "moreau"),
     *REST,

@@ -116,20 +116,22 @@ class DeviceLine:
         own = [name for device in self.devices for name in device.inputs]
         return keywords((self.shares, *own, *(["device_order"] * self.ordered)))
 
-    def __call__(self, **given: Any) -> PassedShares:
+    def __call__(self, **values: Any) -> PassedShares:
         """Return what passes."""
-        matrices = [device.matrix(self.aspects, given) for device in self.devices]
+        matrices = [device.matrix(self.aspects, values) for device in self.devices]
         outlets = [
-            device.number("outlet_capacity", given) if "outlet_capacity" in device.numbers else None
+            device.number("outlet_capacity", values)
+            if "outlet_capacity" in device.numbers
+            else None
             for device in self.devices
         ]
-        shares, passed = given[self.shares], orienting.unchanged(self.aspects)
+        shares, passed = values[self.shares], orienting.unchanged(self.aspects)
         if self.ordered:
-            matrices, outlets = self._in_order(matrices, outlets, given["device_order"])
+            matrices, outlets = self._in_order(matrices, outlets, values["device_order"])
         for matrix, outlet in zip(matrices, outlets, strict=True):
             passed = orienting.product(passed, matrix)
             if outlet is not None:
-                taken = orienting.outlet_share(shares, passed, given["arrival_rate"], outlet)
+                taken = orienting.outlet_share(shares, passed, values["arrival_rate"], outlet)
                 passed = [[one * taken for one in row] for row in passed]
         return orienting.passed(shares, passed)
 
@@ -141,7 +143,7 @@ class DeviceLine:
         chosen: list[Matrix] = []
         at: list[Array | None] = []
         places = range(self.aspects)
-        for device in orienting.place_in_order(order, len(matrices)):
+        for device in orienting.devices_in_order(order, len(matrices)):
             pick = [device == k for k in range(len(matrices))]
             chosen.append(
                 [[_picked(pick, [m[i][j] for m in matrices]) for j in places] for i in places]
@@ -154,10 +156,10 @@ class DeviceLine:
 
 def _picked(pick: list[Any], values: list[Array]) -> Array:
     """Return the value of the one that is picked."""
-    found = values[0]
+    picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):
-        found = np.where(mask, value, found)
-    return found
+        picked = np.where(mask, value, picked)
+    return picked
 
 
 @dataclass(frozen=True)
@@ -179,9 +181,9 @@ class Counts:
     def __signature__(self) -> inspect.Signature:
         return keywords(self.names)
 
-    def __call__(self, **given: Any) -> Any:
+    def __call__(self, **values: Any) -> Any:
         """Return what it gives of the counts."""
-        return self.function([given[name] for name in self.names])
+        return self.function([values[name] for name in self.names])
 
 
 @dataclass(frozen=True)
@@ -197,6 +199,6 @@ class AnyOf:
     def __signature__(self) -> inspect.Signature:
         return keywords(self.names)
 
-    def __call__(self, **given: Any) -> Any:
+    def __call__(self, **values: Any) -> Any:
         """Fail: no study is computed by a scene that is not fitted to it."""
         raise NotImplementedError

@@ -28,7 +28,7 @@ SIZES: dict[str, Function] = {
     "turned": orienting.turned_aspects,
 }
 _NUMBER = re.compile(rf"({'|'.join(DEVICES)})_(\d)")
-PLACES = range(1, MAX_DEVICES + 1)
+POSITIONS = range(1, MAX_DEVICES + 1)
 
 RESULTS = (
     Equation("laps", orienting.laps, LINE),
@@ -92,7 +92,7 @@ def equations(shape: str) -> tuple[Equation, ...]:
 
 def any_line(shape: str) -> tuple[Equation, ...]:
     """Return the equations of a shape and of any devices, for lists of what a study may give."""
-    every = tuple(Device(place, numbers_of(shape)) for place in PLACES)
+    every = tuple(Device(place, numbers_of(shape)) for place in POSITIONS)
     names = (name for device in every for name in device.inputs)
     return (
         *equations(shape),
@@ -163,13 +163,13 @@ SCENE = Scene(
         shape: (Condition("no_pass", orienting.lets_none_pass, OF_LINE, otherwise="passes"),)
         for shape in SHAPES
     },
-    defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in PLACES}},
+    defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in POSITIONS}},
     constraints=(
         *(
             Constraint(
                 (f"turn_{place}",), _turns, "it names no two aspects", "Give 21, 32, 31, 12, 23, 13"
             )
-            for place in PLACES
+            for place in POSITIONS
         ),
         *(
             Constraint(

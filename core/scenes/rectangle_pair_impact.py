@@ -12,7 +12,7 @@ from core.mechanics import rectangle_impact, rectangle_outcome
 from core.mechanics.rectangle_contact import rectangle_contact
 from core.scenes.scene import Condition, Equation, Scene, fields
 
-PLACE = (
+CONTACT_STATE = (
     Equation("rectangle_1", rectangle_impact.rectangle_1, "theory 5.1"),
     Equation("rectangle_2", rectangle_impact.rectangle_2, "theory 5.1"),
     Equation("rectangle_contact", rectangle_contact, "theory 5.1"),
@@ -78,7 +78,7 @@ REST = (
 )
 WITH_FRICTION = Equation("edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1")
 FRICTIONLESS = (
-    *PLACE,
+    *CONTACT_STATE,
     Equation(
         "edge_action", rectangle_impact.edge_action_without_friction, "theory 1.4", "frictionless"
     ),
@@ -86,7 +86,7 @@ FRICTIONLESS = (
     *REST,
 )
 PFEIFFER_GLOCKER = (
-    *PLACE,
+    *CONTACT_STATE,
     WITH_FRICTION,
     Equation(
         "planar_impulse",
@@ -97,7 +97,7 @@ PFEIFFER_GLOCKER = (
     *REST,
 )
 MOREAU = (
-    *PLACE,
+    *CONTACT_STATE,
     WITH_FRICTION,
     Equation("planar_impulse", rectangle_impact.moreau_impulse, "theory 5.3", "moreau"),
     *REST,

@@ -117,9 +117,9 @@ class Field:
         """The bundle is its only argument."""
         return keywords((self.bundle,))
 
-    def __call__(self, **given: Any) -> Any:
+    def __call__(self, **values: Any) -> Any:
         """Return the field."""
-        value = given[self.bundle]
+        value = values[self.bundle]
         for step in self.path:
             value = getattr(value, step) if isinstance(step, str) else value[step]
         return value

@@ -93,7 +93,7 @@ class Budget:
         return NEAR * (self.ends[1] - self.ends[0]) / 2
 
     @cached_property
-    def _places(self) -> Array:
+    def _points(self) -> Array:
         """Every point, shape (parameters, points): the nominal one first."""
         count = len(self.middle)
         unit = np.eye(count)
@@ -114,16 +114,16 @@ class Budget:
     @property
     def size(self) -> int:
         """The number of points."""
-        return int(self._places.shape[1])
+        return int(self._points.shape[1])
 
     def values(self) -> dict[str, Array]:
         """Return the parameters at every point, in the unit of the code."""
         return {
             name: parameter_to_si(name, values)
-            for name, values in zip(self.distributions, self._places, strict=True)
+            for name, values in zip(self.distributions, self._points, strict=True)
         }
 
-    def told(self, values: Array) -> BudgetValues:
+    def budget_of(self, values: Array) -> BudgetValues:
         """Return the budget from the values of an output, shape (cells, points)."""
         count = len(self.middle)
         values = values.T

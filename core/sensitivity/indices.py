@@ -55,11 +55,11 @@ def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> 
     """
     both = points(2 * inputs, count, seed, replicates)
     a, b = both[:inputs], both[inputs:]
-    found = np.repeat(a[:, None], inputs + 2, axis=1)
-    found[:, 1] = b
+    sample = np.repeat(a[:, None], inputs + 2, axis=1)
+    sample[:, 1] = b
     for i in range(inputs):
-        found[i, 2 + i] = b[i]
-    return found
+        sample[i, 2 + i] = b[i]
+    return sample
 
 
 def indices_of(values: Array) -> Indices:

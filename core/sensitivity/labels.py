@@ -10,10 +10,10 @@ from core.dataset.table import Table, TableVariable, regime_attributes
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
 from core.quantities import QUANTITIES
-from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN
 from core.sensitivity.prepare import Sensitivity
 from core.sensitivity.replicates import REPLICATES
 from core.sensitivity.statistics import LEVELS
+from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
 from core.watch import Watch
 
 
@@ -22,7 +22,7 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
     arrays, dims = computed.arrays, prepared.dims
     variables = {
         name: TableVariable(dims[name], arrays[name], one.attributes)
-        for name, one in prepared.answers.items()
+        for name, one in prepared.result_variables.items()
     }
     attributes = regime_attributes(prepared.plan.regimes)
     attributes["comment"] += "; of the nominal values"

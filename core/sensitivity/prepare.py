@@ -20,10 +20,16 @@ from core.plan.prepared import Chosen, Prepared, placed, plan_study
 from core.plan.price import pace
 from core.plan.sketch import Sketch
 from core.quantities import FLAGS, REGIMES
-from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, ResultVariable, answers
 from core.sensitivity.budget import Budget
 from core.sensitivity.indices import MAX_INPUTS
 from core.sensitivity.statistics import LEVELS
+from core.sensitivity.variables import (
+    LEVEL,
+    QUANTILE,
+    UNCERTAIN,
+    ResultVariable,
+    result_variables,
+)
 from core.study.distributions import Distribution, nominal, tolerance
 from core.study.drive import only_the_plain_sine
 from core.study.sensitivity_study import Demand, SensitivityStudy
@@ -37,7 +43,7 @@ MAX_VALUES = 10_000_000
 """Values of one design that are looked at together: they fill a few hundred megabytes."""
 MAX_EVALUATIONS = 2_000_000_000
 """Evaluations of a whole study."""
-TOLD_SECONDS = 2e-7
+COUNT_SECONDS = 2e-7
 """What it takes to count a value, beside evaluating it."""
 
 
@@ -58,21 +64,23 @@ class Sensitivity(Prepared):
         return tuple(name for name in self.plan.outputs if name in self.study.outputs)
 
     @cached_property
-    def answers(self) -> dict[str, ResultVariable]:
+    def result_variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result, `regime` left out."""
-        return {one.name: one for one in answers(self.study, self.outputs)}
+        return {one.name: one for one in result_variables(self.study, self.outputs)}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The dimensions of each variable: one more may stand before the axes of the grid."""
         axes = tuple(self.grid.axes)
-        found = {n: (one.over, *axes) if one.over else axes for n, one in self.answers.items()}
+        found = {
+            n: (one.over, *axes) if one.over else axes for n, one in self.result_variables.items()
+        }
         return {**found, "regime": axes}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {**{name: one.unit for name, one in self.answers.items()}, "regime": "1"}
+        return {**{name: one.unit for name, one in self.result_variables.items()}, "regime": "1"}
 
     @property
     def sizes(self) -> Mapping[str, int]:
@@ -84,7 +92,7 @@ class Sensitivity(Prepared):
     @property
     def bytes(self) -> int:
         """Bytes that the result takes, uncompressed."""
-        each = sum(8 * self.sizes.get(one.over, 1) for one in self.answers.values())
+        each = sum(8 * self.sizes.get(one.over, 1) for one in self.result_variables.values())
         return self.cells * (each + 1)
 
     @property
@@ -126,7 +134,7 @@ class Sensitivity(Prepared):
 
     @property
     def _counting(self) -> float:
-        return TOLD_SECONDS * len(self.plan.outputs)
+        return COUNT_SECONDS * len(self.plan.outputs)
 
     @property
     def seconds_a_cell(self) -> float:
@@ -165,7 +173,7 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     if not uncertain:
         fix = "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }"
         raise StudyError([Problem("uncertain", "nothing is uncertain", fix)])
-    problems = [*_wrong(study)]
+    problems = [*_problems_of(study)]
     given = (*study.values(), *uncertain)
     try:
         chosen = choose(Sketch(study.scene, study.variant, study.method, asked, given))
@@ -182,7 +190,7 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     except StudyError as error:
         told = [*problems, *(placed(one, study) for one in error.problems)]
         raise StudyError(told) from None
-    problems += _wrong_regimes(study, plan)
+    problems += _problems_of_regimes(study, plan)
     if problems:
         raise StudyError(problems)
     prepared = Sensitivity(study, plan, Grid.of(values))
@@ -207,7 +215,7 @@ def _span(name: str, distribution: Distribution) -> Values:
     return Span(lower, upper, 2) if lower < upper else Fixed(nominal(distribution))
 
 
-def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
+def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
     """Yield what is wrong between the parts of a study."""
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
@@ -224,10 +232,10 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
     if study.verify is not None:
         message = "statistics of sampled points have errors, which the result states"
         yield Problem("verify", message, "Leave it out, or verify a simulation or a sweep")
-    yield from _wrong_demands(study.demands)
+    yield from _problems_of_demands(study.demands)
 
 
-def _wrong_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
+def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
     """Yield what is wrong with each demand, and with two of one name."""
     seen: set[str] = set()
     for number, demand in enumerate(demands):
@@ -260,7 +268,7 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
     return "at_least is above at_most", "Swap them"
 
 
-def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
+def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
     """Yield the demands of regimes that the outputs asked for do not tell."""
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:

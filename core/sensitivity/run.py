@@ -76,7 +76,7 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
         some = {name: values[start : start + step] for name, values in designs.items()}
         count = min(step, prepared.cells - start)
         part = watch.part(count / prepared.cells / prepared.evaluations)
-        for name, values in _told(_Evaluator(prepared, some, count, part)).items():
+        for name, values in _variables(_Evaluator(prepared, some, count, part)).items():
             blocks[name].append(values)
     # Designs are the last axis; a dimension of an answer stands before it.
     arrays = {name: np.concatenate(parts, axis=-1) for name, parts in blocks.items()}
@@ -97,13 +97,13 @@ class _Evaluator:
         drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
         return self.of(drawn).shaped(*shares.shape[1:])
 
-    def of(self, drawn: Mapping[str, Array]) -> SampledOutputs:
+    def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
         """Return the outputs where uncertain parameters have values, each of shape (n,)."""
-        number = next(iter(drawn.values())).size
+        number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
         parts = []
         for start in range(0, number, step):
-            parts.append(self._some({n: part[start : start + step] for n, part in drawn.items()}))
+            parts.append(self._some({n: part[start : start + step] for n, part in samples.items()}))
             if self.watch.stopped():
                 raise StoppedError("it was stopped before all points were computed")
         return SampledOutputs(
@@ -111,37 +111,37 @@ class _Evaluator:
             np.concatenate([part.regime for part in parts], -1),
         )
 
-    def _some(self, drawn: Mapping[str, Array]) -> SampledOutputs:
-        plan, number = self.prepared.plan, next(iter(drawn.values())).size
+    def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
+        plan, number = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
             part = self.watch.part(number / self.long) if self.long else None
-            known = run_equations(plan, {**self.designs, **drawn}, part)
+            known = run_equations(plan, {**self.designs, **samples}, part)
             regime = np.broadcast_to(regimes(plan, known), shape)
-            sound = self._sound(known, shape)
+            valid = self._valid(known, shape)
         if not self.long:
             self.watch.advance(number)
         outputs = {}
         for name in plan.outputs:
             values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
             values = np.broadcast_to(values, shape)
-            outputs[name] = np.where(sound[name] & np.isfinite(values), values, np.nan)
+            outputs[name] = np.where(valid[name] & np.isfinite(values), values, np.nan)
         return SampledOutputs(outputs, regime)
 
-    def _sound(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
+    def _valid(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
         """Return where each output describes a real part, by the conditions that concern it."""
-        plan, sound, masks = self.prepared.plan, {}, {}
+        plan, valid, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
             doubted = plan.conditions if name not in EXACT else ()
             concerned = tuple(one for one in doubted if name in one.outputs)
             if concerned not in masks:
                 codes = regimes_of(concerned, plan.otherwise, known)
                 masks[concerned] = np.broadcast_to(~np.isin(codes, INVALID), shape)
-            sound[name] = masks[concerned]
-        return sound
+            valid[name] = masks[concerned]
+        return valid
 
 
-def _told(evaluator: _Evaluator) -> Arrays:
+def _variables(evaluator: _Evaluator) -> Arrays:
     """Return every variable of some designs; designs are the last axis."""
     prepared = evaluator.prepared
     study = prepared.study
@@ -160,7 +160,7 @@ def _told(evaluator: _Evaluator) -> Arrays:
     if "budget" in study.analyses:
         placed = evaluator.of(prepared.budget.values())
         for name in prepared.outputs:
-            told = prepared.budget.told(placed.outputs[name])
+            told = prepared.budget.budget_of(placed.outputs[name])
             statistics_of |= {f"{name}_{part}": one for part, one in vars(told).items()}
     return {name: statistics_of[name] for name in prepared.dims}
 

@@ -31,10 +31,10 @@ Prior = Between | Normal
 """What is known of an unknown before: bounds, or a normal distribution that bounds may cut."""
 FEWEST_POINTS, POINTS, MAX_POINTS = 1_000, 20_000, 1_000_000
 
-_ONE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+_SINGLE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
 _PRIOR_SCHEMA = {
     "type": "object",
-    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), _ONE),
+    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), _SINGLE),
     "anyOf": [{"required": ["lower", "upper"]}, {"required": ["mean", "deviation"]}],
     "additionalProperties": False,
 }

@@ -187,11 +187,11 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
     return words
 
 
-_ONE_WORD = {"type": "string", "maxLength": 100}
+_SINGLE_WORD = {"type": "string", "maxLength": 100}
 _UNITS_SCHEMA = {
     "anyOf": [
-        _ONE_WORD,
-        {"type": "array", "items": _ONE_WORD, "maxItems": MAX_SHOWN},
+        _SINGLE_WORD,
+        {"type": "array", "items": _SINGLE_WORD, "maxItems": MAX_SHOWN},
         {"type": "null"},
     ]
 }

@@ -66,7 +66,7 @@ def read_error(output: str, raw: object, value: float) -> float:
     return error
 
 
-def _one(name: str, quantity: Quantity) -> Any:
+def _single(name: str, quantity: Quantity) -> Any:
     def read(raw: object) -> float | None:
         try:
             return None if raw is None else read_number(name, quantity, raw)
@@ -138,7 +138,7 @@ else:
         "Run",
         __base__=_Row,
         __doc__="A run: parameters of its own, what was measured with its error, what was seen.",
-        **{name: _one(name, QUANTITIES[name]) for name in _PARAMETERS},
+        **{name: _single(name, QUANTITIES[name]) for name in _PARAMETERS},
         **{name: _observed(name) for name in OBSERVED},
         error=(_RowError, None),
         regime=(_Seen, Field(None, description="What the part was seen to do.")),

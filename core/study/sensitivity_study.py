@@ -131,8 +131,8 @@ class SensitivityStudy(DrivenStudy):
 
     def output_places(self) -> dict[str, str]:
         """As in `Study`."""
-        found: dict[str, str] = {}
+        paths: dict[str, str] = {}
         for number, one in enumerate(self.demands):
             if one.output is not None and one.output not in self.outputs:
-                found.setdefault(one.output, f"demands.{number}.output")
-        return found
+                paths.setdefault(one.output, f"demands.{number}.output")
+        return paths

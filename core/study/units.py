@@ -49,10 +49,10 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
     UnitError
         If it is no finite number of that kind, or lies outside the quantity's bounds.
     """
-    return _read_one(name, quantity, raw, {})
+    return _read_value(name, quantity, raw, {})
 
 
-def _read_one(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
+def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
     """Return what `read_number` does; `factors` holds what units are that have been met."""
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
@@ -87,7 +87,7 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
         if inside and max(numbers) <= high and all(map(math.isfinite, numbers)):
             return tuple(numbers)
     factors: dict[str, Fraction] = {}
-    return tuple(_read_one(name, quantity, item, factors) for item in raw)
+    return tuple(_read_value(name, quantity, item, factors) for item in raw)
 
 
 def share_of(value: float, raw: object, example: str) -> float | None:

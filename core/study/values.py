@@ -162,12 +162,12 @@ def position_on_axis(
     """
     if not math.isfinite(wanted):
         raise UnitError(f"{wanted} is not a value of {name}", "Give a finite number")
-    away = np.abs(values - wanted)
-    nearest = int(away.argmin())
+    distance = np.abs(values - wanted)
+    nearest = int(distance.argmin())
     gap = float(np.abs(np.diff(values)).min(initial=np.inf)) if values.size > 1 else 0.0
-    if away[nearest] <= 1e-9 * max(abs(wanted), abs(values[nearest]), gap):
+    if distance[nearest] <= 1e-9 * max(abs(wanted), abs(values[nearest]), gap):
         return nearest
-    near = sorted(values[np.argsort(away, kind="stable")[:2]])
+    near = sorted(values[np.argsort(distance, kind="stable")[:2]])
     unit = QUANTITIES[name].unit
     read = Shown(1.0, "" if unit == "1" else unit)
     if system != "si" and not QUANTITIES[name].is_angle:  # nobody types the sign of a degree

@@ -34,19 +34,19 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
         name, _, length = word.partition(":")
         is_number = length.isdecimal() and length.isascii() and len(length) <= 18
         if name not in sizes:
-            wrong, fix = f"'{name[:60]}' is not an axis of this sweep", suggest(name, sizes)
+            message, fix = f"'{name[:60]}' is not an axis of this sweep", suggest(name, sizes)
         elif name in lengths:
-            wrong, fix = f"{name} stands twice", "Name each axis once"
+            message, fix = f"{name} stands twice", "Name each axis once"
         elif length != ALL and not (is_number and int(length) > 0):
-            wrong, fix = f"'{length[:60]}' is not a length along {name}", _FIX
+            message, fix = f"'{length[:60]}' is not a length along {name}", _FIX
         else:
             lengths[name] = None if length == ALL else min(int(length), sizes[name])
             continue
-        problems.append(Problem("chunks", wrong, fix))
+        problems.append(Problem("chunks", message, fix))
     cells = math.prod(n for n in lengths.values() if n is not None)
     if cells > most:
-        wrong = f"chunks of {cells:,} values are larger than the {most:,} that they may have"
-        problems.append(Problem("chunks", wrong, "Take `all`, which is as many as may be"))
+        message = f"chunks of {cells:,} values are larger than the {most:,} that they may have"
+        problems.append(Problem("chunks", message, "Take `all`, which is as many as may be"))
     if problems:
         raise StudyError(problems)
     return lengths

@@ -226,12 +226,12 @@ def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
 
     A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.angles`).
     """
-    columns = {name: _AS_GIVEN(np.atleast_1d(values)) for name, values in cells.items()}
+    columns = {name: _AS_NUMBER(np.atleast_1d(values)) for name, values in cells.items()}
     size = max((column.size for column in columns.values()), default=1)
     return {name: np.broadcast_to(column, size) for name, column in columns.items()}, size
 
 
-_AS_GIVEN = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)
+_AS_NUMBER = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)
 
 
 def _outputs(
@@ -245,7 +245,7 @@ def _outputs(
         count = piece.stop - piece.start
         # Defaults as columns too: numpy turns arrays without dimension into bare elements.
         known: dict[str, Any] = {
-            name: _labelled(_AS_GIVEN(np.full(count, value)))
+            name: _labelled(_AS_NUMBER(np.full(count, value)))
             for name, value in plan.defaults.items()
         }
         known |= {name: _labelled(columns[name][piece]) for name in plan.parameters}

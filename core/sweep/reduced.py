@@ -39,6 +39,6 @@ class ReducedSweep(Reduced):
         tiled = Tiled(whole)
 
         def values_at(sample: Sample) -> dict[str, Array]:
-            return tiled.at(sample.places, sample.count)
+            return tiled.at(sample.positions, sample.count)
 
         return {**verified(whole, values_at, watch)}

@@ -66,7 +66,7 @@ def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
     tiled, shape = Tiled(sweep), sweep.grid.shape
 
     def values_at(sample: Sample) -> dict[str, Array]:
-        return tiled.at(sample.places, sample.count)
+        return tiled.at(sample.positions, sample.count)
 
     variables = {
         name: replace(
@@ -181,18 +181,18 @@ class _Expected:
         self._sample: Sample | None = None
         if sweep.study.verify is not None:
             self._sample = sample_of(sweep, {})
-            self._values = tiled.at(self._sample.places, self._sample.count)
+            self._values = tiled.at(self._sample.positions, self._sample.count)
 
     def check(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Raise `VibrafeedError` if a tile has another value at such a cell."""
         if self._sample is None:
             return
-        places = [self._sample.places[dim] for dim in tile.field.dims]
+        positions = [self._sample.positions[dim] for dim in tile.field.dims]
         inside = np.ones(self._sample.count, dtype=np.bool_)
-        for place, (start, stop) in zip(places, tile.box, strict=True):
+        for place, (start, stop) in zip(positions, tile.box, strict=True):
             inside &= (place >= start) & (place < stop)
         at = tuple(
-            place[inside] - start for place, (start, _) in zip(places, tile.box, strict=True)
+            place[inside] - start for place, (start, _) in zip(positions, tile.box, strict=True)
         )
         for name in set(arrays) - {"regime"}:
             known = self._sweep.in_files(name, self._values[name][inside])

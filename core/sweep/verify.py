@@ -248,12 +248,12 @@ def verified(
     if prepared.study.verify is None:
         return {}
     plan, sample = prepared.plan, sample_of(prepared, {})
-    cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
+    cells = prepared.grid.at(sample.positions, sample.count, plan.parameters)
     rounding = rounding_of(plan, cells, values_at(sample), watch)
     evaluated = int(rounding.evaluated.sum())
     if not evaluated:
-        return sample.told(AGAINST)
+        return sample.verification_attributes(AGAINST)
     worst = rounding.in_words(sample.where(rounding.cell))
-    return sample.told(
+    return sample.verification_attributes(
         AGAINST, worst, evaluated=evaluated, compared=evaluated, failed=rounding.failed
     )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from core.reduce.answers import answers
+from core.reduce.reduced_arrays import reduced_arrays
+
 from core.reduce.run import Units
 from core.watch import Watch
 
@@ -16,7 +17,7 @@ def assert_same_bits(prepared: Any, ways: Iterable[tuple[int, int]]) -> None:
     for cells, threads in ways:
         units = Units(prepared.plan, prepared.grid, prepared.asked, cells)
         states = units.states(0, len(units), Watch(threads=threads))
-        got = answers(units, prepared.grid, prepared.asked, states)
+        got = reduced_arrays(units, prepared.grid, prepared.asked, states)
         got_bytes = {name: array.tobytes() for name, array in got.items()}
         want = want or got_bytes
         assert got_bytes == want

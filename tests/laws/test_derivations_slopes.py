@@ -16,11 +16,11 @@ import sympy as sp
 from core.motion.kernels.planar import derive, flow, sine_flight, slopes
 from core.motion.kernels.planar.slope_tables import (
     BY,
+    DERIVED,
     DERIVED_BY,
     DIRECTIONS,
     ROW,
     SUMMED,
-    TOLD,
 )
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE
@@ -278,10 +278,10 @@ def test_means_are_sums_over_the_time_of_the_cycle():
         np.testing.assert_allclose(slopes_of_means[mean], d[row, :DERIVED_BY] / (4 * math.pi))
     friction, impact, v = (sp.Function(name)(p) for name in ("friction", "impact", "v"))
     moves = {
-        friction: slopes_of_means[TOLD.friction], impact: slopes_of_means[TOLD.impact],
-        v: slopes_of_means[TOLD.velocity],
+        friction: slopes_of_means[DERIVED.friction], impact: slopes_of_means[DERIVED.impact],
+        v: slopes_of_means[DERIVED.velocity],
     }  # fmt: skip
     moves = {name: np.append(move, np.zeros(3)) for name, move in moves.items()}
     numbers = {friction: 0.1, impact: 0.2, v: 0.3}
     expected = by_parameter(friction + impact + gs * v, numbers, moves)
-    np.testing.assert_allclose(slopes_of_means[TOLD.drive], expected[:DERIVED_BY])
+    np.testing.assert_allclose(slopes_of_means[DERIVED.drive], expected[:DERIVED_BY])

@@ -38,12 +38,12 @@ def list_figures() -> Response:
 @functools.cache
 def _figures() -> list[dict[str, Any]]:
     figures = []
-    for path in sorted(FOLDER.glob("fig-*.toml"), key=_place):
+    for path in sorted(FOLDER.glob("fig-*.toml"), key=_figure_number):
         content = load_study(path).content()
         title, notes = content.pop("title", path.stem), content.pop("notes", "")
         figures.append({"name": path.stem, "title": title, "notes": notes, "study": content})
     return figures
 
 
-def _place(path: Path) -> tuple[int, ...]:
+def _figure_number(path: Path) -> tuple[int, ...]:
     return tuple(int(part) for part in path.stem.split("-")[1:])

@@ -65,13 +65,13 @@ def readyz(request: Request, settings: SettingsOf) -> Response:
     failed = []
     for name, check in checks:
         try:
-            wrong = check()
+            fault = check()
         except Exception:
             # Whatever it is, the service is not ready; its text may speak of files.
             logger.exception("the check %s failed", name)
-            wrong = "its check failed; the log says why"
-        if wrong is not None:
-            failed.append(Problem(name, wrong, "See the service's log"))
+            fault = "its check failed; the log says why"
+        if fault is not None:
+            failed.append(Problem(name, fault, "See the service's log"))
     if failed:
         detail = "errors names what fails."
         retry = {"Retry-After": "5"}

@@ -40,7 +40,7 @@ from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
-from app.web.shares import calculated, place_of
+from app.web.shares import calculated, slot_of
 from core.errors import StoppedError
 
 router = APIRouter(tags=["processes"])
@@ -141,7 +141,7 @@ async def _reply_or_job(
 ) -> Response | Job:
     """Return the dataset of a short study, or the job that it has become."""
     wishes = preferences(request.headers.getlist("prefer"))
-    async with place_of(request, len(body)):
+    async with slot_of(request, len(body)):
         if name != ACCURACY and not wishes.respond_async:
             content = await _dataset_in_time(request, name, body, settings, who)
             if content is not None:

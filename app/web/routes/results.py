@@ -99,7 +99,7 @@ async def get_dataset(
     Ranges of NetCDF and JSON can be asked for.
     """
     chosen = form or form_for(request, FORMS | tables_there(), missing=missing())
-    found = await run_in_threadpool(_found, request, admission, number, chosen)
+    found = await run_in_threadpool(_stored_table, request, admission, number, chosen)
     if isinstance(found, Response):
         reply = found
     else:
@@ -117,7 +117,7 @@ async def get_dataset(
     return reply
 
 
-def _found(
+def _stored_table(
     request: Request, admission: Admission, number: str, form: str
 ) -> Response | tuple[Path, str]:
     """Return the reply; or, of a table that is to be made, the NetCDF file and the table's ETag."""

@@ -34,7 +34,7 @@ from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modi
 from app.web.execution import PROCESSES
 from app.web.outgoing import expect
 from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
-from app.web.shares import look_at, place_of, placed
+from app.web.shares import look_at, placed, slot_of
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import (
@@ -217,7 +217,7 @@ async def get_slice(
         values = math.prod(sweep.grid.shape.get(name, 1) for name in names)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
         lane = request.app.state.large_slices if values > LARGE else None
-        turn = nullcontext() if lane is None else place_of(request)
+        turn = nullcontext() if lane is None else slot_of(request)
 
         def prepare() -> SliceCut:
             return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
@@ -291,7 +291,7 @@ async def get_netcdf(
     if not who.sees_all:
         await run_in_threadpool(admission.take_result, key, sweep.bytes, who)
     if manifest is None:
-        async with place_of(request):
+        async with slot_of(request):
             manifest = await writer.write(key, sweep, who, look_at(request))
     return await asyncio.to_thread(
         file_reply,

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable
 
 from core.mechanics.arrays import Array
-from core.plan.grid import Grid, random_places
+from core.plan.grid import Grid, random_positions
 
 SEED = 2004
 REPEATS = 5
@@ -21,7 +21,7 @@ def random_cells(
 
     SI units, shape (`sample_size`,).
     """
-    return grid.at(random_places(grid, count, seed), sample_size(grid, count), names)
+    return grid.at(random_positions(grid, count, seed), sample_size(grid, count), names)
 
 
 def sample_size(grid: Grid, count: int) -> int:

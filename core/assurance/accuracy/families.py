@@ -27,10 +27,12 @@ def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ..
         measured = (name for name, one in KINDS.items() if one.measures)
         message = f"the accuracy of a study of kind '{kind}' is not measured"
         raise StudyError([Problem("kind", message, f"Measure one of kind {' or '.join(measured)}")])
-    wrong = [name for name in only if name not in known]
-    if wrong:
+    unknown = [name for name in only if name not in known]
+    if unknown:
         what = (
-            "is not a family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
+            "is not a family of measurements"
+            if unknown[0] not in FAMILIES
+            else f"is not for {kind}"
         )
-        raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
+        raise StudyError([Problem("only", f"'{unknown[0]}' {what}", f"Known: {', '.join(known)}")])
     return tuple(name for name in known if not only or name in only)

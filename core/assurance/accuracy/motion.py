@@ -133,18 +133,18 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     if not chosen.size:
         return Measured("motion", (), (_nothing_moves(left, share),))
     reference = run_method(scene, "reference", picked, {}, watch.part(0.3))
-    sound = reference.periodic & (reference.estimate < REFERENCE_ERROR)
+    trusted = reference.periodic & (reference.estimate < REFERENCE_ERROR)
     if exact:
         ours = _warm(scene, exact, picked, {**settings, "tolerance": 1e-12}, share)
-        sound &= np.abs(ours.velocity - reference.velocity) < OTHER_MOTION
-    if not sound.any():
+        trusted &= np.abs(ours.velocity - reference.velocity) < OTHER_MOTION
+    if not trusted.any():
         note = "The reference method did not find one of these motions in the time given."
         return Measured("motion", (), (note,))
-    picked = {name: values[sound] for name, values in picked.items()}
-    truth, hops = reference.velocity[sound], quick.hops[chosen][sound]
-    own = float(reference.estimate[sound].max())
+    picked = {name: values[trusted] for name, values in picked.items()}
+    truth, hops = reference.velocity[trusted], quick.hops[chosen][trusted]
+    own = float(reference.estimate[trusted].max())
     notes = [
-        f"{sound.sum()} cells: the first of {left} different random ones of {grid.cells:,} (seed "
+        f"{trusted.sum()} cells: the first of {left} different random ones of {grid.cells:,} (seed "
         "2004) whose "
         f"motion repeats, {hops.sum()} of them with hops. Error: of the mean velocity, as a share "
         "of the drive's speed A w. Time: wall time of one thread for one cell.",
@@ -152,7 +152,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     curves: list[Curve] = []
     floor = max(own, ROUNDING)
     if exact:
-        apart = float(np.abs(ours.velocity[sound] - truth).max())
+        apart = float(np.abs(ours.velocity[trusted] - truth).max())
         floor = max(apart, floor)
         notes.append(
             f"Reference: events at a tolerance of 1e-12, for all but events, and the method "
@@ -160,7 +160,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
             f"differ by at most {apart:.1e}: what is smaller cannot be resolved."
         )
         curves += _events(scene, picked, truth, hops, floor, watch.part(0.02))
-        truth = ours.velocity[sound]
+        truth = ours.velocity[trusted]
     else:
         notes.append(
             "Reference: the method 'reference' (collocation between events); its own estimate of "
@@ -172,7 +172,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
             "motion",
             f"{kinds_of(hops)} cells",
             "reference",
-            (Point("reference", np.nan, own, floor, reference.seconds, int(sound.sum())),),
+            (Point("reference", np.nan, own, floor, reference.seconds, int(trusted.sum())),),
         )
     )
     if "regularised" in scene.variants:
@@ -344,7 +344,7 @@ def _regularised(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield the stiff integrators by slip speed, the stiffness its square's inverse."""
-    first = one_of_each(hops)
+    first = representatives(hops)
     each = watch.part(1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}
     for method in (name for name in STIFF if name in scene.variants):
@@ -360,7 +360,7 @@ def _regularised(
             yield replace(curve, cost="value")
 
 
-def one_of_each(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
+def representatives(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Return the places of a cell that hops and of one that slides, for what takes long."""
     return np.sort(
         np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
@@ -368,6 +368,6 @@ def one_of_each(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
 
 
 def kinds_of(hops: NDArray[np.bool_]) -> str:
-    """Return what cells do: those of `one_of_each` are of the same kinds as all."""
+    """Return what cells do: those of `representatives` are of the same kinds as all."""
     names = [name for name, there in (("sliding", ~hops), ("hopping", hops)) if there.any()]
     return " and ".join(names)

@@ -16,7 +16,7 @@ from core.assurance.accuracy.cells import SEED, random_cells, sample_size
 from core.assurance.accuracy.curves import Curve, Measured, Point
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.known_answers import is_closed, is_compiled
+from core.optimise.known_optima import is_closed, is_compiled
 from core.optimise.methods import METHODS, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
@@ -119,10 +119,10 @@ def measure(
             f"{FRONT_LIMIT:g} of its scale."
         )
     names = [name for name in methods if refusal(name, problem) is None]
-    answers, late = _answers(names, problem, design, scales, watch, seconds)
-    if not answers:
+    results, late = _results_of(names, problem, design, scales, watch, seconds)
+    if not results:
         return Measured("optimisers", (), ("It was stopped before the first method.",))
-    best, x, note = _reference(answers, problem)
+    best, x, note = _reference(results, problem)
     notes.append(note)
     answered = np.isfinite(best)
     notes.insert(
@@ -140,10 +140,10 @@ def measure(
         return Measured("optimisers", (), (*notes, "No design has an answer."))
     size = np.broadcast_to(problem.scale(scales), answered.shape)
     span = (problem.upper - problem.lower)[:, None]
-    used = {name: answered & result.done for name, result in answers.items()}
+    used = {name: answered & result.done for name, result in results.items()}
     points = [
         _point(name, result, best, size, (np.abs(result.x - x) / span).max(axis=0), used[name])
-        for name, result in answers.items()
+        for name, result in results.items()
         if used[name].any()
     ]
     curves = (
@@ -153,7 +153,7 @@ def measure(
     return Measured("optimisers", tuple(curves), tuple(notes))
 
 
-def _answers(
+def _results_of(
     names: Collection[str],
     problem: OptimisationProblem,
     design: Mapping[str, Array],
@@ -162,34 +162,34 @@ def _answers(
     seconds: float,
 ) -> tuple[dict[str, OptimiserResult], list[str]]:
     """Return what methods find, and those that were not done; they share the seconds."""
-    answers: dict[str, OptimiserResult] = {}
+    results: dict[str, OptimiserResult] = {}
     ends = time.monotonic() + seconds
     for position, name in enumerate(names):
         if watch.stopped():
             break
         # What a fast method leaves over, the slow ones after it share.
         each = (ends - time.monotonic()) / (len(names) - position)
-        answers[name] = run_optimiser(name, problem, design, scales, watch, max(each, 0.0))
+        results[name] = run_optimiser(name, problem, design, scales, watch, max(each, 0.0))
         watch.advance(1 / len(names))
-    done = {name for name, result in answers.items() if result.done.all()}
-    return answers, [name for name in names if name not in done]
+    done = {name for name, result in results.items() if result.done.all()}
+    return results, [name for name in names if name not in done]
 
 
 def _reference(
-    answers: Mapping[str, OptimiserResult], problem: OptimisationProblem
+    results: Mapping[str, OptimiserResult], problem: OptimisationProblem
 ) -> tuple[Array, Array, str]:
     """Return the best objective that is known of each design, the variables there, and of whom."""
-    values = np.stack([result.value for result in answers.values()])
+    values = np.stack([result.value for result in results.values()])
     winner = np.asarray(values.argmax(axis=0))
     best = values.max(axis=0)
-    x = np.stack([result.x for result in answers.values()])[winner, :, np.arange(winner.size)].T
-    known = next((name for name in ("exact", "newton") if name in answers), None)
+    x = np.stack([result.x for result in results.values()])[winner, :, np.arange(winner.size)].T
+    known = next((name for name in ("exact", "newton") if name in results), None)
     if known is None:
         return best, x, (
             "Reference: the best that any method found, since there is no exact answer; a gap that "
             "all share would not show."
         )  # fmt: skip
-    exact = answers[known]
+    exact = results[known]
     has = np.isfinite(exact.value)
     note = f"Reference: {_kind(known, problem)}; its own gap is 0 by definition."
     return np.where(has, exact.value, best), np.where(has, exact.x, x), note

@@ -49,7 +49,7 @@ def cases() -> Iterator[Case]:
     """Yield each run, and the scatter of those that the formula is for."""
     judged = []
     for number, run in enumerate(runs(), 1):
-        (term,) = two_levels_terms(_given(run))
+        (term,) = two_levels_terms(_inputs_of(run))
         on = run["force"] >= CONTACT
         judged += [Term(term.study, term.output, times=term.times, minus=run["speed"])] * on
         yield Case(
@@ -86,7 +86,7 @@ def _title(run: Mapping[str, float]) -> str:
     return f"{run['frequency']:g} Hz, {levels}, {run['force']:g} N"
 
 
-def _given(run: Mapping[str, float]) -> dict[str, float]:
+def _inputs_of(run: Mapping[str, float]) -> dict[str, float]:
     """Return the inputs of the formula for a part of 1 kg."""
     return {
         "frequency": run["frequency"],

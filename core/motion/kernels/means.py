@@ -179,14 +179,14 @@ def ended(
 
 
 @compiled
-def wall_gap(tallies: Floats, first: int, last: int, away: float) -> float:
+def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
     """Return how far two distances from the wall lie apart, as far as it matters.
 
     |dy| for a part that touched the wall over the periods from `first` to before `last`; max(0,
-    -dy) for one that did not, with `away` = dy: to one that does not come nearer it does not
+    -dy) for one that did not, with `drift` = dy: to one that does not come nearer it does not
     matter.
     """
     for k in range(first, last):
         if tallies[k, TALLY.at_wall] > 0.0:
-            return abs(away)
-    return max(0.0, -away)
+            return abs(drift)
+    return max(0.0, -drift)

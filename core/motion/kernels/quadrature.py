@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-PLACES = np.array([
+NODES = np.array([
     0.1252334085114689, 0.3678314989981802, 0.5873179542866175, 0.7699026741943047,
     0.9041172563704749, 0.9815606342467192,
 ])  # fmt: skip

@@ -78,18 +78,18 @@ def at_point(wave: SineSum, point: int) -> tuple[float, float]:
 
 
 @borrowing
-def passages(wave: SineSum, level: float, found: int, room: int) -> int:
-    """Fill the row `found`, from column 1 on, with where a sum passes a level; return how many.
+def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
+    """Fill the row `row`, from column 1 on, with where a sum passes a level; return how many.
 
     Ascending in [0, 2 pi). On each of some equal pieces, h on either side of its middle, with the
     bound M of the second derivative: |S - level| > |S'| h + M h^2/2, and the sum is off the level
     all along; or |S'| > M h, it runs one way only, and a sign at both ends decides; or the piece is
     halved. None is missed but a pair within `FINEST` (theory 13.14).
-    There are 2 `orders` at most; what finds no `room` is left out.
+    There are 2 `orders` at most; what finds no `capacity` is left out.
     """
     table, orders = wave.table, wave.orders
     if orders == 1:
-        return two_passages(table[wave.sines, 1], table[wave.cosines, 1], level, table, found)
+        return two_passages(table[wave.sines, 1], table[wave.cosines, 1], level, table, row)
     bend = bend_bound(wave)
     stride = 4 if orders <= 2 else 2 if orders <= 5 else 1
     step = TURN * (2 * stride) / POINTS
@@ -104,17 +104,17 @@ def passages(wave: SineSum, level: float, found: int, room: int) -> int:
         low = TURN * (point - stride) / POINTS
         if abs(slope) > bend * half:
             last = at_point(wave, point + stride)[0] - level
-            if passes(first, last) and count < room:
+            if passes(first, last) and count < capacity:
                 count += 1
-                table[found, count] = passage(wave, level, low, low + step, first, last)
+                table[row, count] = passage(wave, level, low, low + step, first, last)
             first = last
         else:
-            count, first = in_piece(wave, level, low, low + step, bend, first, found, count, room)
+            count, first = in_piece(wave, level, low, low + step, bend, first, row, count, capacity)
     return count
 
 
 @borrowing
-def two_passages(sine: float, cosine: float, level: float, table: Floats, found: int) -> int:
+def two_passages(sine: float, cosine: float, level: float, table: Floats, row: int) -> int:
     """Fill where one sine passes a level, in closed form; return how often, twice or never.
 
     a sin(tau) + b cos(tau) = A sin(tau + lead) = level at asin(level/A) - lead and
@@ -125,7 +125,7 @@ def two_passages(sine: float, cosine: float, level: float, table: Floats, found:
         return 0
     lead, rise = math.atan2(cosine, sine), math.asin(level / size)
     one, other = (rise - lead) % TURN, (math.pi - rise - lead) % TURN
-    table[found, 1], table[found, 2] = min(one, other), max(one, other)
+    table[row, 1], table[row, 2] = min(one, other), max(one, other)
     return 2
 
 
@@ -140,8 +140,8 @@ def passes(first: float, last: float) -> bool:
 
 @borrowing
 def in_piece(
-    wave: SineSum, level: float, low: float, high: float, bend: float, first: float, found: int,
-    count: int, room: int,
+    wave: SineSum, level: float, low: float, high: float, bend: float, first: float, row: int,
+    count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Do what `passages` does within a piece, by halves; return the count, and the end's value."""
     tau, step = low, 0.5 * (high - low)
@@ -157,9 +157,9 @@ def in_piece(
             continue
         else:
             last = value_and_slope(wave, tau + step)[0] - level
-            if passes(first, last) and count < room:
+            if passes(first, last) and count < capacity:
                 count += 1
-                wave.table[found, count] = passage(wave, level, tau, tau + step, first, last)
+                wave.table[row, count] = passage(wave, level, tau, tau + step, first, last)
             first = last
         tau, step = tau + step, 2.0 * step
     return count, first

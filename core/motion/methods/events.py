@@ -140,17 +140,17 @@ def motion_by_events(
     rows, shape = cells_of(groups, **settings, plane=plane)
     flat = plane if plane.shape == shape else np.broadcast_to(plane, shape)
     where = flat.ravel()
-    found = []
+    results = []
     for mask in (where, ~where):
         some, more = groups_of(rows[mask], groups.wave is not None, 3)
         given = dict(zip(settings, more, strict=False))
-        found.append(
+        results.append(
             planar_motion(some, **given, watch=watch)
             if mask is where
             else _in_space(some, contacts, **given, watch=watch)
         )
     fields = []
-    for flat, spatial in zip(*found, strict=True):
+    for flat, spatial in zip(*results, strict=True):
         field = np.empty(where.size, dtype=flat.dtype)
         field[where], field[~where] = flat, spatial
         fields.append(field.reshape(shape))
@@ -210,7 +210,7 @@ def energy_by_events(
     )
     some, (*columns, plane, repeats, wanders) = groups_of(rows, groups.wave is not None, 5)
     table = np.full((len(rows), len(Energy._fields)), np.nan)
-    given = dict(zip(settings, columns, strict=True))
+    inputs = dict(zip(settings, columns, strict=True))
     for part, kernel, piece, here in (
         (some.flat(), planar.spend_cells, 256, plane * repeats),
         (some, in_space, 32, (1.0 - plane) * repeats),
@@ -218,7 +218,7 @@ def energy_by_events(
     ):
         which = here > 0.0
         if which.any():
-            cells, _ = cells_of(part, **given)
+            cells, _ = cells_of(part, **inputs)
             table[which], _ = run_cells(
                 kernel, cells[which], columns=table.shape[1], piece=piece, watch=watch
             )

@@ -60,18 +60,20 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
     if not open_cells.any():
         return rolls
     wide = np.broadcast_arrays(*contact, rolls, open_cells)
-    *fields, known, unknown = (np.ravel(one) for one in wide)
-    found: Mask = known.copy()
+    *fields, known, unknown = (np.ravel(single) for single in wide)
+    always: Mask = known.copy()
     watch = watch or Watch()
     with watch.flag() as stop:
-        for place in np.flatnonzero(unknown):
+        for cell_number in np.flatnonzero(unknown):
             if watch.stopped():
                 break
-            one = RollingContact(*(field[place] for field in fields))
-            (cell,), _ = cells_of(block_groups(one), **SETTINGS)
+            single = RollingContact(*(field[cell_number] for field in fields))
+            (cell,), _ = cells_of(block_groups(single), **SETTINGS)
             pieces = planar.follow(cell, stop)[0]
-            found[place] = most_traction(one, pieces) <= (1 + ROUNDING) * float(one.static)
-    return found.reshape(wide[0].shape)
+            always[cell_number] = most_traction(single, pieces) <= (1 + ROUNDING) * float(
+                single.static
+            )
+    return always.reshape(wide[0].shape)
 
 
 def most_traction(contact: RollingContact, pieces: Array) -> float:
@@ -131,11 +133,11 @@ def _rolled(method: Method) -> Method:
 
         def motion(
             *, groups: Groups, rolling_contact: RollingContact, watch: Watch | None = None,
-            **given: Any,
+            **inputs: Any,
         ) -> Motion:  # fmt: skip
             """Return the motion of the block of a round part, as that of the part."""
-            found: Motion = block(groups=groups, watch=watch, **given)
-            return as_rolling(rolling_contact, found, watch)
+            motion: Motion = block(groups=groups, watch=watch, **inputs)
+            return as_rolling(rolling_contact, motion, watch)
 
         motion.__signature__ = taking(block, "rolling_contact")  # type: ignore[attr-defined]
         return motion
@@ -146,10 +148,10 @@ def _rolled(method: Method) -> Method:
 def of_slip(block: Follow) -> Follow:
     """Return the equation of the slip of a round part's contact, which moves as a block does."""
 
-    def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **given: Any) -> Motion:
+    def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **inputs: Any) -> Motion:
         """Return the motion of the contact of a round part over the floor."""
-        found: Motion = block(groups=slip_groups, watch=watch, **given)
-        return found
+        motion: Motion = block(groups=slip_groups, watch=watch, **inputs)
+        return motion
 
     slip_motion.__signature__ = taking(block, "slip_groups", without="groups")  # type: ignore[attr-defined]
     return slip_motion

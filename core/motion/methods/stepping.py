@@ -221,13 +221,13 @@ def stepped_path(
     if columns.size:
         wave = drives_of(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
         most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
-    places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
+    positions, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     with (watch or Watch()).flag() as stop:
         compiled.stepping.path(
             contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
-            most, start, wave, places, speeds, stop,
+            most, start, wave, positions, speeds, stop,
         )  # fmt: skip
-    return Path(asked, places, speeds)
+    return Path(asked, positions, speeds)
 
 
 def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:

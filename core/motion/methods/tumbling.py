@@ -269,7 +269,7 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     circular_frequency = 2 * np.pi * np.asarray(throw.frequency, dtype=float)
     acceleration = np.asarray(throw.amplitude, dtype=float) * circular_frequency**2
     weight = np.asarray(throw.gravity, dtype=float)
-    given: dict[str, Any] = {
+    inputs: dict[str, Any] = {
         **throw._asdict(),
         **body._asdict(),
         "pull_along": weight * sine(np.asarray(throw.gamma, dtype=float)),
@@ -283,7 +283,7 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         "time_step": _step_of(throw),
         "law": laws[throw.law],
     }
-    rows, shape = table(given[name] for name in compiled.tumbling.Cell._fields)
+    rows, shape = table(inputs[name] for name in compiled.tumbling.Cell._fields)
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
     given_themselves = [name for name in compiled.tumbling.Cell._fields if name not in _DERIVED]
     if not all(np.all(np.isfinite(named[name])) for name in given_themselves):
@@ -301,10 +301,10 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     """Return for which rows nothing has overflowed, or vanished, that was computed of arguments."""
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
-    sound: Mask = np.asarray(np.isfinite(rows).all(axis=1))
+    valid: Mask = np.asarray(np.isfinite(rows).all(axis=1))
     for name in ("half_diagonal", "pull_normal", "time_step"):
-        sound &= named[name] > 0
-    return sound
+        valid &= named[name] > 0
+    return valid
 
 
 def _check(method: Way, law: Law) -> None:

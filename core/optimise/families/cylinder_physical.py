@@ -56,14 +56,17 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
     samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
-    best, place = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
+    best, best_number = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
     for number, psi in enumerate(samples):
         value, height = _value(np.full(k.shape, psi, dtype=complex), k, g, mu)
         better = (value.real > best) & (height.real < g)
-        best, place = np.where(better, value.real, best), np.where(better, number, place)
-    exists &= place > 0
-    low = samples[np.maximum(place - 1, 0)]
-    high = samples[np.minimum(place + 1, DIRECTIONS - 1)]
+        best, best_number = (
+            np.where(better, value.real, best),
+            np.where(better, number, best_number),
+        )
+    exists &= best_number > 0
+    low = samples[np.maximum(best_number - 1, 0)]
+    high = samples[np.minimum(best_number + 1, DIRECTIONS - 1)]
     step = 1e-30  # the derivative of an analytic function, without a difference
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
@@ -90,20 +93,23 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     exists = (k > 0) & (mu_s > mu)
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
-    given = (k, g, mu, mu_s)
+    inputs = (k, g, mu, mu_s)
     samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
-    best, place = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
+    best, best_number = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
     for number, eta in enumerate(samples):
-        value = _held_point(np.full(k.shape, eta), *given)[0]
+        value = _held_point(np.full(k.shape, eta), *inputs)[0]
         better = value > best
-        best, place = np.where(better, value, best), np.where(better, number, place)
-    exists &= place > 0
-    low, high = samples[np.maximum(place - 1, 0)], samples[np.minimum(place + 1, DIRECTIONS - 1)]
+        best, best_number = np.where(better, value, best), np.where(better, number, best_number)
+    exists &= best_number > 0
+    low, high = (
+        samples[np.maximum(best_number - 1, 0)],
+        samples[np.minimum(best_number + 1, DIRECTIONS - 1)],
+    )
     for _ in range(GOLDEN_SECTIONS):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        falls = _held_point(left, *given)[0] > _held_point(right, *given)[0]
+        falls = _held_point(left, *inputs)[0] > _held_point(right, *inputs)[0]
         low, high = np.where(falls, low, left), np.where(falls, right, high)
-    value, Dx, Dy, n = _held_point((low + high) / 2, *given)
+    value, Dx, Dy, n = _held_point((low + high) / 2, *inputs)
     exists &= value > 0
     alpha = np.where(exists, np.arctan2(Dy, np.where(exists, Dx + k, 1.0)), 0.0)
     beta = np.arcsin(np.where(exists, g - n, 0.0))

@@ -44,7 +44,9 @@ class Family:
     against: str | None = "acceleration_y"
     contacts: frozenset[str] = frozenset()
 
-    def closed_answer(self, criterion: Criterion, values: Mapping[str, Any]) -> Optimum | ParetoSet:
+    def closed_optimum(
+        self, criterion: Criterion, values: Mapping[str, Any]
+    ) -> Optimum | ParetoSet:
         """Return the closed answer to a criterion, from what the form needs of some values."""
         form = self.closed[type(criterion)]
         parameters = inspect.signature(form).parameters.values()

@@ -77,12 +77,12 @@ def tight(bit: int, margin: Array, scale: Array) -> Flags:
 
 def bounds_active(alpha: Array, beta: Array) -> Flags:
     """Return the bits of the angles' own bounds, 0 and 90 deg."""
-    one, right = np.ones_like(alpha), np.pi / 2
+    unit, right = np.ones_like(alpha), np.pi / 2
     return np.asarray(
-        tight(ACTIVE["alpha_lower"], alpha, one)
-        | tight(ACTIVE["alpha_upper"], right - alpha, one)
-        | tight(ACTIVE["beta_lower"], beta, one)
-        | tight(ACTIVE["beta_upper"], right - beta, one)
+        tight(ACTIVE["alpha_lower"], alpha, unit)
+        | tight(ACTIVE["alpha_upper"], right - alpha, unit)
+        | tight(ACTIVE["beta_lower"], beta, unit)
+        | tight(ACTIVE["beta_upper"], right - beta, unit)
     )
 
 

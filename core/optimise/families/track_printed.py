@@ -50,18 +50,18 @@ def track_fastest(
     driven = valid & (P > 0)
     P, c, gy, mu = usable(valid, P, c, gy, mu)
     sign = 1.0 if variant == "derived" else -1.0
-    room = sign * gy
+    wall_margin = sign * gy
     alpha = np.arctan(mu)
     infeasible = np.zeros_like(valid)
     if wall_contact:
-        infeasible = valid & (room < 0)
-        sine = np.clip(room / np.where(driven, P, 1.0), 0.0, 1.0)
+        infeasible = valid & (wall_margin < 0)
+        sine = np.clip(wall_margin / np.where(driven, P, 1.0), 0.0, 1.0)
         alpha = np.minimum(alpha, np.arcsin(sine))
     beta = np.zeros_like(alpha)
-    K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * room
+    K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * wall_margin
     active = bounds_active(alpha, beta)
     if wall_contact:
-        active |= tight(ACTIVE["wall"], room - P * np.sin(alpha), P + np.abs(gy))
+        active |= tight(ACTIVE["wall"], wall_margin - P * np.sin(alpha), P + np.abs(gy))
     status = statuses(valid, infeasible, driven, K)
     return optimum(alpha, beta, K, np.zeros_like(K), active, status)
 

@@ -35,7 +35,7 @@ def bounds(
     p: Numbers,
     alpha: float,
     beta: float,
-    room: float,
+    wall_margin: float,
     F: Numbers,
     slopes: Numbers,
     margins: Numbers,
@@ -53,7 +53,7 @@ def bounds(
     margins[ALPHA_UPPER], slopes[ALPHA_UPPER, 0] = p[ALPHA_HI] - alpha, -1.0
     margins[BETA_LOWER], slopes[BETA_LOWER, 1] = beta - p[BETA_LO], 1.0
     margins[BETA_UPPER], slopes[BETA_UPPER, 1] = p[BETA_HI] - beta, -1.0
-    F[2], F[3] = p[NORMAL] / p[P_] - dz, room - q * sine
+    F[2], F[3] = p[NORMAL] / p[P_] - dz, wall_margin - q * sine
     margins[FLOOR], slopes[FLOOR, 1] = F[2], -q
     margins[WALL], slopes[WALL, 0], slopes[WALL, 1] = F[3], -(q * math.cos(alpha)), dz * sine
     margins[ACROSS_LOWER] = margins[ACROSS_UPPER] = margins[START] = math.inf
@@ -80,7 +80,7 @@ def least_prices(slopes: Numbers, active: NDArray[np.int64], count: int, prices:
     fx, fy = slopes[OBJECTIVE, 0], slopes[OBJECTIVE, 1]
     least = math.hypot(fx, fy)
     prices[:] = 0.0
-    one, two, w1, w2 = -1, -1, 0.0, 0.0
+    first, second, w1, w2 = -1, -1, 0.0, 0.0
     for i in range(count):
         ax, ay = -slopes[active[i], 0], -slopes[active[i], 1]
         square = ax * ax + ay * ay
@@ -91,7 +91,7 @@ def least_prices(slopes: Numbers, active: NDArray[np.int64], count: int, prices:
             rest = math.hypot(fx - weight * ax, fy - weight * ay)
             # A second multiplier has to earn its place; so has the first.
             if rest < least - 1e-15:
-                least, one, two, w1, w2 = rest, active[i], -1, weight, 0.0
+                least, first, second, w1, w2 = rest, active[i], -1, weight, 0.0
     for i in range(count):
         ax, ay = -slopes[active[i], 0], -slopes[active[i], 1]
         for j in range(i):
@@ -103,9 +103,9 @@ def least_prices(slopes: Numbers, active: NDArray[np.int64], count: int, prices:
             if v1 >= 0 and v2 >= 0:
                 rest = math.hypot(fx - v1 * ax - v2 * bx, fy - v1 * ay - v2 * by)
                 if rest < least - 1e-12:
-                    least, one, two, w1, w2 = rest, active[i], active[j], v1, v2
-    if one >= 0:
-        prices[one] = w1
-    if two >= 0:
-        prices[two] = w2
+                    least, first, second, w1, w2 = rest, active[i], active[j], v1, v2
+    if first >= 0:
+        prices[first] = w1
+    if second >= 0:
+        prices[second] = w2
     return least

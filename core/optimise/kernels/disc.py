@@ -324,7 +324,7 @@ def _sampled(
 
 @compiled
 def _past_minimum(
-    inner: float, slope: float, value: float, outer: float, away: float, block: Block
+    inner: float, slope: float, value: float, outer: float, outer_slope: float, block: Block
 ) -> tuple[float, float]:
     """Return an outer end without the minimum in between, and the slope there.
 
@@ -342,7 +342,7 @@ def _past_minimum(
             start, height = trial, at.value
         else:
             outer = trial
-    return outer, away
+    return outer, outer_slope
 
 
 @compiled
@@ -386,12 +386,12 @@ def _climbed(
     if slope == 0 or not 0 <= j < count:
         return inner, True
     slides = values[j] > -math.inf
-    outer, away = betas[j], rises[j] if slides else -slope
-    if slides and (away > 0) == (slope > 0):
-        outer, away = _past_minimum(inner, slope, values[i], outer, away, block)
-    if (away > 0) == (slope > 0):
+    outer, outer_slope = betas[j], rises[j] if slides else -slope
+    if slides and (outer_slope > 0) == (slope > 0):
+        outer, outer_slope = _past_minimum(inner, slope, values[i], outer, outer_slope, block)
+    if (outer_slope > 0) == (slope > 0):
         return outer, True
-    return _sign_change(inner, slope, outer, away, block)
+    return _sign_change(inner, slope, outer, outer_slope, block)
 
 
 @compiled
@@ -430,18 +430,18 @@ def _highest(
             continue
         if (i > 0 and values[i - 1] > value) or (i + 1 < count and values[i + 1] > value):
             continue
-        found, within = _climbed(i, count, betas, values, rises, block)
+        peak, within = _climbed(i, count, betas, values, rises, block)
         if not within:
             status = LIMIT_REACHED
-        at = best_across(found, block)
+        at = best_across(peak, block)
         if not at.slides or at.value < value - KEPT:
-            found = betas[i]
-            at = best_across(found, block)
+            peak = betas[i]
+            at = best_across(peak, block)
         if at.value > top:
             top = at.value
-            best[0], best[1] = side * _azimuth(found, at, block), found
+            best[0], best[1] = side * _azimuth(peak, at, block), peak
             if status != LIMIT_REACHED:
-                held = _is_held(found, at, block) and found < lift_off
+                held = _is_held(peak, at, block) and peak < lift_off
                 status = NOT_ATTAINED if held else OPTIMAL
     return status if top > 0 else NO_MOTION
 

@@ -125,13 +125,13 @@ def _is_valid(p: Numbers) -> bool:
 @compiled
 def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
     """Return the status without drive, where every angle is as good; fill the row."""
-    value, across, room = idle(kept, p)
-    lost = (kept.floor and p[NORMAL] < 0) or (kept.wall and room < 0)
+    value, across, wall_margin = idle(kept, p)
+    lost = (kept.floor and p[NORMAL] < 0) or (kept.wall and wall_margin < 0)
     if lost or abs(across) > p[LIMIT]:
         return INFEASIBLE
     row[ALPHA], row[BETA], row[VALUE], row[CROSS] = p[ALPHA_LO], p[BETA_LO], value, across
     row[MARGIN_ACROSS], row[MARGIN_FLOOR] = p[LIMIT] - abs(across), p[NORMAL]
-    row[MARGIN_WALL] = room
+    row[MARGIN_WALL] = wall_margin
     row[PRICE_ACROSS] = row[PRICE_FLOOR] = row[PRICE_WALL] = row[RESIDUAL] = 0.0
     return FLAT
 
@@ -182,11 +182,11 @@ def solve(
         if p[P_] <= TINY * (abs(p[ALONG]) + abs(p[ACROSS]) + abs(p[NORMAL])):
             status[cell] = _without_drive(kept, p, table[cell])
             continue
-        answer = best(kept, p, work)
-        status[cell] = answer.status
-        if not answer.exists:
+        optimum = best(kept, p, work)
+        status[cell] = optimum.status
+        if not optimum.exists:
             continue
         # Rounding, or a drive along the normal, where every alpha is the same direction.
-        alpha = min(max(answer.alpha, p[ALPHA_LO]), p[ALPHA_HI])
-        beta = min(max(answer.beta, p[BETA_LO]), p[BETA_HI])
+        alpha = min(max(optimum.alpha, p[ALPHA_LO]), p[ALPHA_HI])
+        beta = min(max(optimum.beta, p[BETA_LO]), p[BETA_HI])
         active[cell] = _at_best(kept, p, alpha, beta, work, table[cell])

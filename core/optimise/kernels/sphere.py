@@ -42,7 +42,7 @@ def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bo
 @compiled
 def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
     """Return whether two planes meet on the sphere within all others; the highest into `best`."""
-    found = False
+    exists = False
     highest = -math.inf
     for i in range(rows):
         for j in range(i):
@@ -69,8 +69,8 @@ def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers
                 if value > highest and _kept(A, b, rows, x, y, z):
                     best[0], best[1], best[2] = x, y, z
                     highest = value
-                    found = True
-    return found
+                    exists = True
+    return exists
 
 
 @compiled

@@ -35,8 +35,8 @@ from core.optimise.kernels.sphere import angles_of, angles_within, plane, top_of
 @compiled
 def idle(kept: TrackPhysical, p: Numbers) -> tuple[float, float, float]:
     """Return K_0 = -c - mu (g_y + g_z) without drive, a_y = 0, and the room at the wall."""
-    room = p[ACROSS]
-    return -p[ALONG] - p[MU_K] * (room + p[NORMAL]), 0.0, room
+    wall_margin = p[ACROSS]
+    return -p[ALONG] - p[MU_K] * (wall_margin + p[NORMAL]), 0.0, wall_margin
 
 
 @compiled
@@ -76,16 +76,16 @@ def gradients(kept: TrackPhysical, p: Numbers, alpha: float, beta: float, work: 
     """
     F, slopes, margins = work.values, work.slopes, work.margins
     k, mu, mu_s = p[ALONG] / p[P_], p[MU_K], p[MU_S]
-    room = p[ACROSS] / p[P_]
-    bounds(p, alpha, beta, room, F, slopes, margins)
+    wall_margin = p[ACROSS] / p[P_]
+    bounds(p, alpha, beta, wall_margin, F, slopes, margins)
     ca, sa, q, dz = math.cos(alpha), math.sin(alpha), math.cos(beta), math.sin(beta)
     dx, dy = q * ca, q * sa
     n = F[2]
-    F[0], F[1] = dx - k - mu * (room - dy) - mu * n, 0.0
+    F[0], F[1] = dx - k - mu * (wall_margin - dy) - mu * n, 0.0
     slopes[OBJECTIVE, 0] = -dy + mu * dx
     slopes[OBJECTIVE, 1] = -dz * (ca + mu * sa) + mu * q
     if mu_s > mu:
-        margins[START] = dx - k - mu_s * (n + room - dy)
+        margins[START] = dx - k - mu_s * (n + wall_margin - dy)
         slopes[START, 0], slopes[START, 1] = (
             -dy + mu_s * dx,
             -dz * (ca + mu_s * sa) + mu_s * q,

@@ -27,19 +27,19 @@ from core.optimise.kernels.sphere import angles_within, highest, plane
 @compiled
 def idle(kept: TrackPrinted, p: Numbers) -> tuple[float, float, float]:
     """Return K = -c - mu g_y without drive, a_y = 0, and the room at the wall."""
-    room = kept.side * p[ACROSS]
-    return -p[ALONG] - p[MU_K] * room, 0.0, room
+    wall_margin = kept.side * p[ACROSS]
+    return -p[ALONG] - p[MU_K] * wall_margin, 0.0, wall_margin
 
 
 @compiled
 def best(kept: TrackPrinted, p: Numbers, work: Work) -> Best:
     """Return status, alpha and beta of the largest d_x + mu d_y; d_y <= y at a wall."""
-    room, mu, u = kept.side * (p[ACROSS] / p[P_]), p[MU_K], work.upwards
+    wall_margin, mu, u = kept.side * (p[ACROSS] / p[P_]), p[MU_K], work.upwards
     rows = angles_within(p, kept.floor, work.planes, work.levels)
     if kept.wall:
-        rows = plane(work.planes, work.levels, rows, 0.0, 1.0, 0.0, room)
+        rows = plane(work.planes, work.levels, rows, 0.0, 1.0, 0.0, wall_margin)
     u[0], u[1], u[2] = 1.0, mu, 0.0
-    return highest(p[P_], -(p[ALONG] / p[P_]) - mu * room, rows, work)
+    return highest(p[P_], -(p[ALONG] / p[P_]) - mu * wall_margin, rows, work)
 
 
 @compiled

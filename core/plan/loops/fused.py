@@ -141,7 +141,7 @@ def mark_compiled(program: Program) -> None:
 def run_stages(
     program: Program,
     operands: Mapping[int, Any],
-    places: tuple[NDArray[np.int64], ...],
+    ranges: tuple[NDArray[np.int64], ...],
     results: Sequence[Array],
 ) -> None:
     """Run the loops of a program, and the functions of numpy between them, on some cells.
@@ -152,21 +152,21 @@ def run_stages(
         The loops.
     operands : mapping of int to ndarray or number
         What numpy has made for them, by `laid_out`.
-    places : tuple of ndarray
+    ranges : tuple of ndarray
         Ends of the row and of each loop around it, strides, and with lanes the numbers of cells.
     results : sequence of ndarray
         Flat arrays that the last loop fills.
     """
     from core.compiled import compiled_source  # numba, for those whom it repays
 
-    ends = places[0]
+    ends = ranges[0]
     count = int(np.prod(ends[:, 1] - ends[:, 0]))
     columns: dict[int, Array] = {}
     for stage in program.stages:
         if stage.loop is not None:
             made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
             compiled_source(stage.loop.source)(
-                *(places[:2] if stage.functions else places),
+                *(ranges[:2] if stage.functions else ranges),
                 *(operands[node.number] for node in stage.loop.arrays),
                 *(columns[node.number] for node in stage.loop.columns),
                 *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),

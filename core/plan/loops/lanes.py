@@ -166,7 +166,7 @@ class LaneLoop:
                 traced, names, shape, special, tuple(update for _, update in updates)
             )
         self._traced, self._values = traced, values
-        self._given: dict[int, object] | None = None
+        self._inputs: dict[int, object] | None = None
         order = self._program.order
         most = TILE_CELLS if len(self._program.stages) == 1 else STAGED_CELLS
         self.order = LaneOrder.of(order.outer, order.inner, grid.shape, over, most)
@@ -179,7 +179,7 @@ class LaneLoop:
     def prepare(self) -> None:
         """Have numpy make what the loop is given; once, before any run."""
         with np.errstate(all="ignore"):
-            self._given = laid_out(self._program, self._traced, self._values, self._grid)
+            self._inputs = laid_out(self._program, self._traced, self._values, self._grid)
 
     def run(
         self,
@@ -201,19 +201,19 @@ class LaneLoop:
         lanes : sequence of ndarray
             As many flat arrays as the updates take.
         """
-        assert self._given is not None
+        assert self._inputs is not None
         order = self.order
         axes = (*order.outer, order.inner[0])
         row_start, row_stop = tile[order.inner[0]]
         row = (row_start * order.period, row_stop * order.period)
         steps = [strides.get(name, 0) for name in axes]
         offset = -sum(step * tile[name][0] for step, name in zip(steps, axes, strict=True))
-        places = (
+        ranges = (
             np.array([row, *(tile[name] for name in order.outer)]),
             np.array([*steps, offset]),
             np.array([*(numbers.get(name, 0) for name in axes), 0]),
         )
-        run_stages(self._program, self._given, places, lanes)
+        run_stages(self._program, self._inputs, ranges, lanes)
         mark_compiled(self._program)
 
 

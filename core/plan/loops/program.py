@@ -164,10 +164,10 @@ def _stages(
         columns = tuple(wanted[number] for number in wanted if number not in known)
         loop = None
         if columns:
-            loop = write_loop(order, leaves, known.values(), columns, in_place=False)
+            loop = write_loop(order, leaves, known.values(), columns, is_last=False)
         stages.append(Stage(loop, columns, after))
         known |= {node.number: node for node in after}
-    last = write_loop(order, leaves, known.values(), results, in_place=True, lanes=lanes)
+    last = write_loop(order, leaves, known.values(), results, is_last=True, lanes=lanes)
     return (*stages, Stage(last, (), ()))
 
 

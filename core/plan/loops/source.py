@@ -99,7 +99,7 @@ def write_loop(
     columns: Collection[Node],
     results: Sequence[Any],
     *,
-    in_place: bool,
+    is_last: bool,
     lanes: Lanes | None = None,
 ) -> Loop:
     """Return the loop that computes some nodes or numbers for each cell.
@@ -120,7 +120,7 @@ def write_loop(
         How cells are taken into lanes; they are stored if left out. A lane is found by a stride for
         each loop, then one for the row, and an offset; the number of a cell likewise.
     """
-    return _Writer(order, leaves, columns, results, in_place, lanes).write()
+    return _Writer(order, leaves, columns, results, is_last, lanes).write()
 
 
 class _Writer:
@@ -132,10 +132,10 @@ class _Writer:
         leaves: Collection[Node],
         columns: Collection[Node],
         results: Sequence[Any],
-        in_place: bool,
+        is_last: bool,
         lanes: Lanes | None,
     ):
-        self.order, self.results, self.in_place, self.lanes = order, results, in_place, lanes
+        self.order, self.results, self.is_last, self.lanes = order, results, is_last, lanes
         self.updates = lanes.updates if lanes else ("store",) * len(results)
         self.arrays = sum(UPDATES[update][0] for update in self.updates)
         self.leaves = {node.number for node in leaves}
@@ -254,12 +254,12 @@ class _Writer:
         """Return the lines that find where the results of a row begin."""
         lines = []
         if self.lanes:
-            lines += [f"start = {self._place('strides')}"]
-            lines += [f"number = 0.0 + ({self._place('numbers')})"]
-        elif self.in_place:
+            lines += [f"start = {self._lane_index('strides')}"]
+            lines += [f"number = 0.0 + ({self._lane_index('numbers')})"]
+        elif self.is_last:
             turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
             lines += [f"start = {' + '.join([*turns, 'at'])}"]
-        start = "start" if self.in_place else "done"
+        start = "start" if self.is_last else "done"
         return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
 
     def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
@@ -274,7 +274,7 @@ class _Writer:
                 lines.append(f"    r{node.number}[i] = {value}")
         return [*lines, *(f"    {line}" for line in updates)]
 
-    def _place(self, strides: str) -> str:
+    def _lane_index(self, strides: str) -> str:
         """Return the place of the first cell of a piece of a row."""
         assert self.lanes is not None
         turns = [f"i{k + 1}" for k in range(self.deepest)] + [f"at // {self.lanes.period}"]

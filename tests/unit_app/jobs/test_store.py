@@ -454,7 +454,7 @@ def test_a_block_whose_claim_is_given_up_is_not_kept(store):
     key, _ = store.add(prepared.study)
     directory = str(store.directory.parent)
     store.give_up(key, "one")
-    assert not store.is_given_up(key, "another")
+    assert not store.is_abandoned(key, "another")
     with pytest.raises(StoppedError):
         work.compute_block(directory, key, "simulate", 10, 0, "one")
     assert not store.has_block(key, 10, 0)

@@ -18,7 +18,7 @@ def order_of(asked: list[tuple[str, int]], *, places: int, of_one: int) -> list[
         shares, order = Shares(places, of_one), []
 
         async def ask(n: int, owner: str, price: int) -> None:
-            async with shares.place(owner, price):
+            async with shares.slot(owner, price):
                 order.append(n)
                 await asyncio.sleep(0)
 
@@ -48,10 +48,10 @@ def test_a_large_body_lets_small_ones_pass_but_not_for_ever():
 
 def test_who_leaves_gives_back_the_place_and_the_turn():
     async def run() -> None:
-        shares = Shares(places=1, of_one=1)
+        shares = Shares(slots=1, of_owner=1)
 
         async def keep() -> None:
-            async with shares.place("a"):
+            async with shares.slot("a"):
                 await asyncio.Event().wait()
 
         running, waiting = asyncio.create_task(keep()), asyncio.create_task(keep())
@@ -59,7 +59,7 @@ def test_who_leaves_gives_back_the_place_and_the_turn():
         waiting.cancel()
         running.cancel()
         await asyncio.gather(running, waiting, return_exceptions=True)
-        async with shares.place("b"):
+        async with shares.slot("b"):
             pass
         assert not shares._waiting
         assert not shares._taken.total()
@@ -79,7 +79,7 @@ def test_conversions_run_no_more_at_once_than_there_are_places(tmp_path):
         return "text"
 
     app = create_app(Settings(data_directory=tmp_path))
-    app.state.shares, app.state.process_pool = Shares(places=2, of_one=1), blocked
+    app.state.shares, app.state.process_pool = Shares(slots=2, of_owner=1), blocked
     blocked.close = lambda: None
     study = {
         "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],

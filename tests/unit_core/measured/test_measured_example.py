@@ -42,7 +42,7 @@ def test_the_drive_is_the_one_that_was_put_in(program, fit):
         row = fit.axes.index(axis)
         for place, (amplitude, phase) in enumerate(orders):
             error = fit.amplitude_errors[row, place]
-            assert fit.told[row, place] == (amplitude > 0)
+            assert fit.significant[row, place] == (amplitude > 0)
             if amplitude > 0:
                 assert abs(fit.amplitudes[row, place] - 1e-3 * amplitude) < 3 * error
                 away = np.degrees(fit.phases[row, place]) - phase

@@ -48,7 +48,7 @@ def test_a_drive_without_noise_comes_back_to_nine_digits():
     fit = fit_signal(signal._replace(accelerations=signal.accelerations + drift))
     assert fit.frequency == pytest.approx(49.87, rel=NEAR)
     assert fit.orders == (1, 2, 3)
-    assert fit.told.all()
+    assert fit.significant.all()
     np.testing.assert_allclose(fit.amplitudes, AMPLITUDES, rtol=NEAR)
     np.testing.assert_allclose(turned(fit.phases - PHASES), 0, atol=NEAR)
     np.testing.assert_allclose(fit.constant, 9.8, rtol=NEAR)

@@ -15,7 +15,7 @@ from core.kinds import tabulate
 from core.motion.derivatives import derivatives_at
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.planar.derive import KINK
-from core.motion.kernels.planar.slope_tables import TOLD
+from core.motion.kernels.planar.slope_tables import DERIVED
 from core.motion.prepare import choose_system
 from core.motion.result import STATUS
 from core.plan.derivatives import DERIVATIVE_STATUS
@@ -62,7 +62,7 @@ def test_shares_add_up_and_so_do_energies():
     found = derived(repeating(random_cells(300, 7)))
     sure = found.margin > KINK
     slopes = found.slopes[sure]
-    shares = slopes[:, [TOLD.stick, TOLD.forward, TOLD.backward, TOLD.flight]]
+    shares = slopes[:, [DERIVED.stick, DERIVED.forward, DERIVED.backward, DERIVED.flight]]
     size = np.abs(shares).max(axis=1)
     assert (np.abs(shares.sum(axis=1)) <= 1e-12 + 1e-11 * size).all()
 
@@ -85,7 +85,7 @@ def test_energy_of_the_drive_is_the_mean_of_its_push():
         step = np.zeros_like(cells)
         step[:, group] = h
         difference = (spent(cells + step) - spent(cells - step)) / (2 * h)
-        slopes = found.slopes[:, TOLD.friction :, group]
+        slopes = found.slopes[:, DERIVED.friction :, group]
         off = np.abs(slopes - difference)[near] / (1 + np.abs(difference[near]))
         assert np.median(off) < 1e-9
         assert np.quantile(off, 0.9) < 1e-6
@@ -99,10 +99,10 @@ def test_without_restitution_the_derivative_is_that_from_above(restitution):
     here, above = found.results[0], derived(cell(1.4, 1.3, restitution=restitution)).results[0]
     slope = found.slopes[0, :, 6]
     assert found.margin[0] > KINK
-    assert slope[TOLD.flight] > 0
-    assert abs((above[0] - here[0]) / restitution - slope[TOLD.velocity]) < 50 * restitution
+    assert slope[DERIVED.flight] > 0
+    assert abs((above[0] - here[0]) / restitution - slope[DERIVED.velocity]) < 50 * restitution
     # What was resolved of the hops is less than all of them.
-    assert 0 < (above[6] - here[6]) / restitution <= slope[TOLD.flight] * (1 + 1e-3)
+    assert 0 < (above[6] - here[6]) / restitution <= slope[DERIVED.flight] * (1 + 1e-3)
 
 
 def hopping(count, seed, more):
@@ -129,7 +129,13 @@ def test_the_least_restitution_moves_a_mean_as_the_derivative_at_none_says(more,
         there = derived(near)
         # Velocity, and the four shares, of the results; hops are whole down to 1e-7.
         steps.append((there.results[:, [0, 3, 4, 5, 6]] - here.results[:, [0, 3, 4, 5, 6]]) / step)
-    told = [TOLD.velocity, TOLD.stick, TOLD.forward, TOLD.backward, TOLD.flight]
+    told = [
+        DERIVED.velocity,
+        DERIVED.stick,
+        DERIVED.forward,
+        DERIVED.backward,
+        DERIVED.flight,
+    ]
     slopes = here.slopes[:, told, 6]
     sure = (here.margin > 1e-5) & (here.status == STATUS["periodic"])
     jump = np.isnan(slopes[:, 0])
@@ -160,7 +166,7 @@ def test_energies_move_with_the_least_restitution_as_the_derivative_at_none_says
     cells = hopping(200, 2, 1.0)
     here, near, step = derived(cells), cells.copy(), 1e-6
     near[:, 6] = step
-    slopes = here.slopes[:, [TOLD.friction, TOLD.impact, TOLD.drive], 6]
+    slopes = here.slopes[:, [DERIVED.friction, DERIVED.impact, DERIVED.drive], 6]
     sure = (here.margin > 1e-5) & (here.status == STATUS["periodic"])
     off = np.abs((spent(near) - spent(cells)) / step - slopes)[sure]
     assert sure.sum() > 100

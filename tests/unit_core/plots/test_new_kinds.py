@@ -52,7 +52,7 @@ class TestThresholds:
         found, left = find_thresholds(
             np.arange(7.0), np.array([0, 0, 1, 2, -1, 3, 2.0]), states, None, "mm/s"
         )
-        assert [(each.place, each.says.replace(SPACE, " ")) for each in found] == [
+        assert [(each.position, each.says.replace(SPACE, " ")) for each in found] == [
             (1.5, "starts to move"),
             (2.5, "lifts off"),
             (3.5, "stays on the track"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.plan.loops.lanes import DEPTH, LaneOrder
-from core.reduce.answers import binned_quantiles
+from core.reduce.arrays import binned_quantiles
 from core.reduce.boxes import exact_quantiles, values_of
 from core.reduce.kernels import others
 from core.reduce.kernels.lanes import COUNT_BITS, fold_counts

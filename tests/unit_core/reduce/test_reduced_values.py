@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from core.reduce.reduced_arrays import reduced_arrays
 
 from boxes import assert_same_bits
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.loops.lanes import DEPTH, MAX_LANES
 from core.quantities import REGIMES
-from core.reduce.answers import answers
 from core.reduce.run import Units
 from core.watch import Watch
 
@@ -133,7 +133,7 @@ def both_ways(prepared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("core.reduce.boxes.repays", lambda *_, how=is_compiled: how)
         units = Units(prepared.plan, prepared.grid, prepared.asked, cells)
         states = units.states(0, len(units), Watch(threads=2))
-        got = answers(units, prepared.grid, prepared.asked, states)
+        got = reduced_arrays(units, prepared.grid, prepared.asked, states)
         got_bytes = {name: array.tobytes() for name, array in got.items()}
         want = want or got_bytes
         assert got_bytes == want

@@ -120,7 +120,7 @@ def test_an_outlet_takes_what_it_can():
 @pytest.mark.parametrize("devices", range(1, 7))
 def test_orders_are_those_of_a_dictionary(devices):
     every = np.array([*itertools.permutations(range(devices))])
-    found = orienting.place_in_order(np.arange(1.0, len(every) + 1), devices)
+    found = orienting.devices_in_order(np.arange(1.0, len(every) + 1), devices)
     assert np.array_equal(np.stack(found, axis=1), every)
 
 

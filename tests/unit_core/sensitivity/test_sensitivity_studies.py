@@ -209,7 +209,7 @@ def test_a_stop_leaves_no_half_answer_and_progress_reaches_the_whole():
 def test_a_budget_says_where_the_output_bends_at_once():
     budget = Budget({"friction": read_distribution("friction", {"lower": 0.2, "upper": 0.4})})
     (friction,) = budget.values().values()
-    told = budget.told(np.stack([
+    told = budget.budget_of(np.stack([
         3 * friction, np.abs(friction - 0.3), (friction - 0.3) ** 2, friction > 0.3,
         5 + 0 * friction,
     ]))  # fmt: skip

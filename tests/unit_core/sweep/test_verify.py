@@ -21,7 +21,7 @@ from core.intake import prepare_content
 from core.kinds import KINDS, tabulate
 from core.motion.methods import METHODS
 from core.plan.pieces import Computed, Cut, carry_out, join
-from core.plan.sample import chosen_places
+from core.plan.sample import chosen_positions
 from core.schema import study_schema
 from core.watch import Watch
 from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
@@ -186,7 +186,7 @@ def test_answers_are_set_against_50_digits_and_another_method():
     objective = computed.arrays["objective"]
     worse = Computed({**computed.arrays, "objective": 0.9 * objective}, computed.notes)
     text = kind.label(prepared, worse, Watch()).attributes["verified_worst"]
-    places, _ = chosen_places(prepared)
+    places, _ = chosen_positions(prepared)
     tenth = float(0.1 * objective[places["friction"]].max())
     assert number(r"population finds ([\d.e+-]+) m s-2 more", text) == pytest.approx(
         tenth, rel=0.03
@@ -249,13 +249,13 @@ def test_every_result_tells_its_error():
 
 def test_the_cells_are_different_and_the_same_each_time():
     prepared = prepare_content({**MOTION, "verify": 12})
-    places, count = chosen_places(prepared)
-    again, _ = chosen_places(prepare_content({**MOTION, "verify": 12}))
+    places, count = chosen_positions(prepared)
+    again, _ = chosen_positions(prepare_content({**MOTION, "verify": 12}))
     assert count == 12
     assert len(set(zip(*(place.tolist() for place in places.values()), strict=True))) == 12
     assert all(np.array_equal(places[name], again[name]) for name in places)
     huge = {**SWEEP["parameters"], "amplitude": {"start": 1e-5, "stop": 1e-4, "num": 10**8}}
-    places, count = chosen_places(prepare_content({**SWEEP, "parameters": huge, "verify": 7}))
+    places, count = chosen_positions(prepare_content({**SWEEP, "parameters": huge, "verify": 7}))
     assert count == 7
     assert places["amplitude"].max() > 10**7
 

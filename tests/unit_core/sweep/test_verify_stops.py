@@ -10,7 +10,7 @@ import pytest
 from core.intake import prepare_content
 from core.kinds import KINDS, is_whole, tabulate
 from core.plan.pieces import Computed
-from core.plan.sample import chosen_places
+from core.plan.sample import chosen_positions
 from core.sweep.verify import rounding_of
 from core.watch import Watch
 from verified_studies import BEST, MOTION, PAIR, STUDIES, SWEEP
@@ -84,7 +84,7 @@ def test_50_digits_stop_between_pieces(looks, cells):
 
 def test_a_cell_that_takes_long_is_a_piece():
     prepared = prepare_content(PAIR)
-    places, count = chosen_places(prepared)
+    places, count = chosen_positions(prepared)
     cells = prepared.grid.at(places, count, prepared.plan.parameters)
     got = {name: np.zeros(count) for name in prepared.plan.outputs}
     found = rounding_of(prepared.plan, cells, got, Watch(stop=Countdown(3)))
@@ -111,7 +111,7 @@ def test_answers_stop_between_the_two_ways():
 )
 def test_cells_that_were_not_computed_are_not_verified(content, status, monkeypatch):
     prepared = prepare_content(content)
-    places, _ = chosen_places(prepared)
+    places, _ = chosen_positions(prepared)
     place = tuple(places[name][1:] for name in prepared.dims[status])
 
     def without_two(arrays):

@@ -32,7 +32,7 @@ from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
 from core.motion.kernels.planar.solve import UNREPEATED, solve_cell
 from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
-from core.motion.kernels.quadrature import PLACES, WEIGHTS
+from core.motion.kernels.quadrature import NODES, WEIGHTS
 from core.motion.kernels.results import COLUMN, RESULTS, SPENT
 from core.motion.kernels.statuses import MODE, STATUS
 
@@ -169,7 +169,7 @@ def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
     at = 0.0
     while at < span:
         half = 0.5 * min(smooth_span(drive, tau + at), span - at)
-        for place, weight in zip(PLACES, WEIGHTS):  # noqa: B905 # numba knows no strict
+        for place, weight in zip(NODES, WEIGHTS):  # noqa: B905 # numba knows no strict
             for side in (-place, place):
                 since = at + half * (1.0 + side)
                 _, _, u, w = at_piece(piece, since, drive)
@@ -222,13 +222,13 @@ def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, s
         row, spent = groups[number], table[number]
         cell = cell_of(row)
         spent[:] = math.nan
-        found, first, count, u = solve_cell(
+        outcome, first, count, u = solve_cell(
             cell, row, waves, False, rows, sums, log[:0], result, stop
         )
         if raised(stop):
             return
-        status[number] = found
-        if found == STATUS.at_rest:
+        status[number] = outcome
+        if outcome == STATUS.at_rest:
             spent[:] = 0.0
         elif count > 0:
             rest, periods = rows[first:], result[COLUMN.multiple]

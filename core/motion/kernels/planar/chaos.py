@@ -334,7 +334,7 @@ def from_phases(
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
     max_periods = int(cell.max_periods)
     starts = min(MAX_STARTS, max(PHASES, max_periods // PERIODS_A_START))
-    found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
+    runs, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
     count, cycles, known = 0, 0, 0.0
     least, most = math.inf, -math.inf
     periods = max(1, max_periods // PHASES)
@@ -348,30 +348,30 @@ def from_phases(
         patience = MORE_PATIENCE if cycles > 0 else patience
         run = long_run(number, phase, periods, patience, drive, e, travel, rows, sums, stop)
         least, most = min(least, run.least), max(most, run.most)
-        one = found[count]
-        status = means_of(run, phase, cell, drive, rows, sums, one, stop)
+        means = runs[count]
+        status = means_of(run, phase, cell, drive, rows, sums, means, stop)
         if status == STATUS.limit_reached:
             return status
         if status == STATUS.runaway:
             continue
         if status != STATUS.aperiodic:
             cycles += 1
-            known = max(known, COARSER * one[COLUMN.error])
+            known = max(known, COARSER * means[COLUMN.error])
         elif number < PHASES:
             part = run.periods // QUARTERS
-            quarters[count] = one[COLUMN.velocity]  # of all of a run that took few periods
+            quarters[count] = means[COLUMN.velocity]  # of all of a run that took few periods
             for quarter in range(QUARTERS if part > 0 else 0):
                 covered = travel[quarter * part : (quarter + 1) * part].sum()
                 quarters[count, quarter] = covered / (part * TURN)
         count += 1
     if count == 0:
         return STATUS.runaway
-    velocities = found[:count, COLUMN.velocity]
+    velocities = runs[:count, COLUMN.velocity]
     spread = velocities.std() * math.sqrt(count / max(1, count - 1))
     for column in range(RESULTS):
-        result[column] = found[:count, column].mean()
-    result[COLUMN.landing_speed] = found[:count, COLUMN.landing_speed].max()
-    result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
+        result[column] = runs[:count, column].mean()
+    result[COLUMN.landing_speed] = runs[:count, COLUMN.landing_speed].max()
+    result[COLUMN.hop_height] = runs[:count, COLUMN.hop_height].max()
     result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
         if count == 1:  # all others run away

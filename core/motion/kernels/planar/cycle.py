@@ -198,7 +198,7 @@ def normal_cycle(
         return 0, 1, 1
     tau = lift_off(drive, start)
     w, total, count, look_at = 0.0, 0.0, 0, FIRST_LOOK
-    doubt = CERTAIN
+    uncertainty = CERTAIN
     while count < MAX_SEGMENTS - LONGEST_CYCLE - 2:
         span, speed, after, up, tt, tw, wt, ww = one_hop(drive, tau, w, e)
         if span < 0:
@@ -208,8 +208,8 @@ def normal_cycle(
         total += span
         if most_growth < math.inf:
             slope = rebound(e, speed)[1]
-            doubt = grown(doubt, span, speed, after, drive, slope, (tt, tw, wt, ww))
-            if not growth(doubt, speed, after, drive) <= most_growth:
+            uncertainty = grown(uncertainty, span, speed, after, drive, slope, (tt, tw, wt, ww))
+            if not growth(uncertainty, speed, after, drive) <= most_growth:
                 return 0, count, 0
         tau, w = after % TURN, up
         if rests(drive, tau, w, e, SETTLED_EXACTLY):
@@ -219,7 +219,7 @@ def normal_cycle(
             write_segment(rows, count, tau, span, -1.0, 0.0, w)
             count += 1
             total += span
-            tau, w, doubt = lift_off(drive, tau), 0.0, CERTAIN
+            tau, w, uncertainty = lift_off(drive, tau), 0.0, CERTAIN
             first = same_start(rows, count, tau)
             if first >= 0:
                 for row in range(first):
@@ -250,7 +250,7 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 
 
 @compiled
-def phase_doubt(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
+def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
     """Return by how much roundings may move a phase of the cycle, as far as that moves the part.
 
     They grow along a chain of hops by the product M of the matrices of `one_hop`, |M|/min |M| so

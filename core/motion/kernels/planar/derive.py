@@ -14,11 +14,11 @@ from core.motion.kernels.planar.flow import NO_WAVES, TURN, SineDrive, upright
 from core.motion.kernels.planar.sine_slip import two_sided
 from core.motion.kernels.planar.slope_tables import (
     BY,
+    DERIVED,
     DERIVED_BY,
     DIRECTIONS,
     ROW,
     SUMMED,
-    TOLD,
 )
 from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
 from core.motion.kernels.planar.solve import solve_cell
@@ -34,7 +34,7 @@ FOLD = 1e-3
 """Of a cycle that hardly closes: its state is known to some 1e-14 over its distance from a fold or
 a doubling, and its derivatives are to hold seven digits."""
 
-WIDTH = len(TOLD) * DERIVED_BY
+WIDTH = len(DERIVED) * DERIVED_BY
 MARGIN = RESULTS + WIDTH
 """Column of the least distance from a kink; the results come before, then the derivatives."""
 DERIVED_COLUMNS = MARGIN + 1
@@ -172,12 +172,12 @@ def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
         for i in range(DERIVED_BY):
             slopes[told, i] = d[row, i] / time
     for i in range(DERIVED_BY):
-        slopes[TOLD.landing_speed, i] = d[ROW.landing, i]
-        slopes[TOLD.hop_height, i] = d[ROW.height, i]
-        lifted = drive.gs * slopes[TOLD.velocity, i]
+        slopes[DERIVED.landing_speed, i] = d[ROW.landing, i]
+        slopes[DERIVED.hop_height, i] = d[ROW.height, i]
+        lifted = drive.gs * slopes[DERIVED.velocity, i]
         if i == BY.gs:
             lifted += result[COLUMN.velocity]
-        slopes[TOLD.drive, i] = slopes[TOLD.friction, i] + slopes[TOLD.impact, i] + lifted
+        slopes[DERIVED.drive, i] = slopes[DERIVED.friction, i] + slopes[DERIVED.impact, i] + lifted
 
 
 @borrowing
@@ -188,17 +188,17 @@ def turn_slopes(c: float, s: float, slopes: Floats) -> None:
     too, and the shares forward and backward change places.
     """
     mirrored = (-c if s < 0 else c) < 0
-    for told in range(len(TOLD)):
+    for told in range(len(DERIVED)):
         if s < 0:
             slopes[told, BY.c], slopes[told, BY.s] = -slopes[told, BY.c], -slopes[told, BY.s]
         if mirrored:
             slopes[told, BY.c], slopes[told, BY.gs] = -slopes[told, BY.c], -slopes[told, BY.gs]
     if mirrored:
         for i in range(DERIVED_BY):
-            slopes[TOLD.velocity, i] = -slopes[TOLD.velocity, i]
-            forward = slopes[TOLD.forward, i]
-            slopes[TOLD.forward, i] = slopes[TOLD.backward, i]
-            slopes[TOLD.backward, i] = forward
+            slopes[DERIVED.velocity, i] = -slopes[DERIVED.velocity, i]
+            forward = slopes[DERIVED.forward, i]
+            slopes[DERIVED.forward, i] = slopes[DERIVED.backward, i]
+            slopes[DERIVED.backward, i] = forward
 
 
 @borrowing
@@ -218,9 +218,10 @@ def from_edges(drive: SineDrive) -> float:
 def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells under a sine.
 
-    A row of the table holds the results as `solve_cells` gives them, the derivatives of `Told` by
-    the first `DERIVED_BY` directions, NaN where the motion does not repeat, and the least distance
-    of a decision on the way from its other outcome; below `KINK` the motion has no derivative.
+    A row of the table holds the results as `solve_cells` gives them, the derivatives of
+    `DerivedMeans` by the first `DERIVED_BY` directions, NaN where the motion does not repeat, and
+    the least distance of a decision on the way from its other outcome; below `KINK` the motion has
+    no derivative.
     Those by restitution are NaN, too, where the least restitution is a jump (theory 13.16).
     Those of landing speed and hop height are NaN where two are the largest.
     """
@@ -230,22 +231,22 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number, :RESULTS]
         cell = cell_of(row)
-        found, first, count, u = solve_cell(
+        outcome, first, count, u = solve_cell(
             cell, row, NO_WAVES, True, rows, sums, log, result, stop
         )
-        slopes = table[number, RESULTS:MARGIN].reshape(len(TOLD), DERIVED_BY)
+        slopes = table[number, RESULTS:MARGIN].reshape(len(DERIVED), DERIVED_BY)
         slopes[:] = math.nan
         if raised(stop):
             result[:] = math.nan
             return
-        status[number] = found
+        status[number] = outcome
         table[number, MARGIN] = 0.0
-        if found not in (STATUS.periodic, STATUS.at_rest):
+        if outcome not in (STATUS.periodic, STATUS.at_rest):
             continue
         drive, _, _ = upright(cell, row, NO_WAVES)
         nearest[:] = 0.0
         nearest[0] = from_edges(drive)
-        if found == STATUS.at_rest:
+        if outcome == STATUS.at_rest:
             slopes[:] = 0.0
             table[number, MARGIN] = nearest[0]
             continue
@@ -270,5 +271,5 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
         turn_slopes(cell.drive_number_along, cell.drive_number_normal, slopes)
         known = True  # by restitution there may be none alone, where it begins with a jump
         for i in range(BY.e):
-            known = known and math.isfinite(slopes[TOLD.velocity, i])
+            known = known and math.isfinite(slopes[DERIVED.velocity, i])
         table[number, MARGIN] = nearest[0] if known else 0.0

@@ -238,8 +238,8 @@ def two_sided(drive: Drive) -> tuple[float, float]:
     raise NotImplementedError
 
 
-@_by_drive(sine_slip.slip_doubt, wave_slip.slip_doubt)
-def slip_doubt(drive: Drive) -> float:
+@_by_drive(sine_slip.slip_uncertainty, wave_slip.slip_uncertainty)
+def slip_uncertainty(drive: Drive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
     Friction falls there by (mu_s - mu_k) n, so that a slip starts with a jerk, and velocity changes

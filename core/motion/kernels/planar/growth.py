@@ -20,7 +20,7 @@ lose the rest, and rounding decides where they lead.
 LAST_DIGIT = 1e15
 """Of the same: up to where one digit of a way from rest to rest is left."""
 
-Doubt = tuple[float, float, float]
+Uncertainty = tuple[float, float, float]
 """Mean square of what roundings did to phase and rebound, and their mean product, in roundings."""
 
 CERTAIN = (0.0, 0.0, 0.0)
@@ -28,9 +28,9 @@ CERTAIN = (0.0, 0.0, 0.0)
 
 @compiled
 def grown(
-    known: Doubt, span: float, speed: float, after: float, drive: Drive, slope: float,
+    known: Uncertainty, span: float, speed: float, after: float, drive: Drive, slope: float,
     slopes: tuple[float, float, float, float],
-) -> Doubt:  # fmt: skip
+) -> Uncertainty:  # fmt: skip
     """Return the doubt after a hop from that before it, E' = M E M^T + j j^T (theory 13.7).
 
     What was there is carried on by M, the derivatives of the hop, d(phase)/d(tau), d(phase)/d(w),
@@ -53,7 +53,7 @@ def grown(
 
 
 @compiled
-def growth(known: Doubt, speed: float, after: float, drive: Drive) -> float:
+def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> float:
     """Return how many roundings the state after a hop is in doubt by, as far as they move a part.
 
     sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22): a landing that comes late matters by what

@@ -9,14 +9,14 @@ import numpy as np
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Stop, copy
 from core.motion.kernels.cells import Cell
-from core.motion.kernels.planar.cycle import phase_doubt
+from core.motion.kernels.planar.cycle import phase_uncertainty
 from core.motion.kernels.planar.drive import (
     Drive,
     first_slip,
     hop_height,
     lifts,
     sizes,
-    slip_doubt,
+    slip_uncertainty,
     to_lift_off,
     track_speed,
 )
@@ -143,12 +143,12 @@ def repeating(
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
     slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
     e = restitution_of(cell)
-    doubt = ROUNDING + (phase_doubt(rows, count, drive, e) if lifts(drive) else 0.0)
+    doubt = ROUNDING + (phase_uncertainty(rows, count, drive, e) if lifts(drive) else 0.0)
     rubbing = mu_k * (s + gn) * min(1.0, MAX_RUBBING * slides)
     result[COLUMN.error] = error + doubt * (c + abs(gs) + rubbing)
     result[COLUMN.error] += mu_k * left_out_softly(rows, count, drive, e)[0] / (periods * TURN)
     if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
-        result[COLUMN.error] += slip_doubt(drive) * slides
+        result[COLUMN.error] += slip_uncertainty(drive) * slides
     for mode in range(MODES):
         result[COLUMN.stick + mode] = sums[TIMES + mode] / time
     write_impacts(rows, count, drive, periods, result)

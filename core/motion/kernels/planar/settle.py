@@ -129,9 +129,9 @@ def settle_followed(
             states[back] = states[back - 1]
             slopes[back] = slopes[back - 1] * slope
         states[0], slopes[0] = u, slope
-        found = repeated(after, states, slopes, known, tolerance, scale)
-        if found[2] > 0:
-            return found
+        settled = repeated(after, states, slopes, known, tolerance, scale)
+        if settled[2] > 0:
+            return settled
         u = sped_up(rows, count, u, after, slope, drive, sums, log)
     return u, math.inf, 0, STATUS.limit_reached
 

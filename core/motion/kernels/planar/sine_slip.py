@@ -176,18 +176,18 @@ def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
 
 
 @compiled
-def slip_doubt(drive: SineDrive) -> float:
+def slip_uncertainty(drive: SineDrive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
     (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S moves the phase asin(S)
     by dS/sqrt(1 - S^2): it is known the less, the nearer S is to 1.
     """
     jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
-    doubt = 0.0
+    uncertainty = 0.0
     for threshold in (drive.least, drive.largest):
         if abs(threshold) < 1.0:
-            doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
-    return doubt
+            uncertainty += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
+    return uncertainty
 
 
 @compiled

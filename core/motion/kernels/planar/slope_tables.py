@@ -10,8 +10,8 @@ Direction = namedtuple("Direction", "c s gs gn mu_s mu_k e start_along start_pha
 The state is last: of a cycle that starts at a lift-off only its velocity is free.
 """
 
-Told = namedtuple(
-    "Told",
+DerivedMeans = namedtuple(
+    "DerivedMeans",
     "velocity stick forward backward flight landing_speed hop_height friction impact drive",
 )
 """The means of a motion that are derived."""
@@ -30,13 +30,13 @@ are distances.
 """
 
 BY = Direction(*range(len(Direction._fields)))
-TOLD = Told(*range(len(Told._fields)))
+DERIVED = DerivedMeans(*range(len(DerivedMeans._fields)))
 ROW = Carried(*range(len(Carried._fields)))
 DERIVED_BY = 7  # the groups among the directions
 DIRECTIONS = len(Direction._fields)
 SUMMED = (
-    (TOLD.velocity, ROW.distance), (TOLD.stick, ROW.stick), (TOLD.forward, ROW.forward),
-    (TOLD.backward, ROW.backward), (TOLD.flight, ROW.flight), (TOLD.friction, ROW.friction),
-    (TOLD.impact, ROW.impact),
+    (DERIVED.velocity, ROW.distance), (DERIVED.stick, ROW.stick), (DERIVED.forward, ROW.forward),
+    (DERIVED.backward, ROW.backward), (DERIVED.flight, ROW.flight),
+    (DERIVED.friction, ROW.friction), (DERIVED.impact, ROW.impact),
 )  # fmt: skip
 """Means, and the rows of what they are means of."""

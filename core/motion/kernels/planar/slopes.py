@@ -26,7 +26,7 @@ from core.motion.kernels.planar.sine_flight import lowest_at, top_at
 from core.motion.kernels.planar.slide import MAX_MODES, skids
 from core.motion.kernels.planar.slope_tables import BY, ROW
 from core.motion.kernels.planar.tables import SEGMENT
-from core.motion.kernels.quadrature import PLACES, WEIGHTS
+from core.motion.kernels.quadrature import NODES, WEIGHTS
 from core.motion.kernels.statuses import MODE
 
 SMOOTH = 1.5  # of phase: what an integral is taken over at a time
@@ -104,7 +104,7 @@ def rub(
     done = 0.0
     while done < span:
         half = 0.5 * min(SMOOTH, span - done)
-        for place, weight in zip(PLACES, WEIGHTS):  # noqa: B905 # numba knows no strict
+        for place, weight in zip(NODES, WEIGHTS):  # noqa: B905 # numba knows no strict
             for side in (-place, place):
                 since = done + half * (1.0 + side)
                 swing, _ = swings(sine, cosine, since)

@@ -69,12 +69,12 @@ def average_cells(
         cell = cell_of(row)
         drive, phase, way = drive_of(cell, row, waves)
         result[:] = math.nan
-        found = UNREPEATED
+        outcome = UNREPEATED
         if cell.tolerance >= LEAST_TOLERANCE:
-            found = means_within(cell, phase, drive, rows, sums, result, stop)
-        if found == UNREPEATED:
-            found = from_phases(cell, phase, drive, rows, sums, result, stop)
-        if found == STATUS.aperiodic:
+            outcome = means_within(cell, phase, drive, rows, sums, result, stop)
+        if outcome == UNREPEATED:
+            outcome = from_phases(cell, phase, drive, rows, sums, result, stop)
+        if outcome == STATUS.aperiodic:
             reach_way(drive, phase, cell, rows, sums, result, stop)
         if not math.isnan(result[COLUMN.velocity]):
             result[COLUMN.across] = 0.0
@@ -82,7 +82,7 @@ def average_cells(
         if raised(stop):
             result[:] = math.nan
             return
-        status[number] = found
+        status[number] = outcome
 
 
 @compiled

@@ -47,14 +47,14 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
             a, b = drive.table[2 * AIR, k], drive.table[2 * AIR + 1, k]
             velocity += (a * math.cos(k * tau) - b * math.sin(k * tau)) / k
         return velocity
-    at, now, mean, found, within = 0.0, 0.0, 0.0, 0.0, tau % TURN
+    at, now, mean, speed, within = 0.0, 0.0, 0.0, 0.0, tau % TURN
     for step in range(drive.steps):
         end, level = drive.table[ENDS, step], drive.table[2 * AIR, step]
         if at <= within:
-            found = now - level * (within - at)
+            speed = now - level * (within - at)
         mean += (now - 0.5 * level * (end - at)) * (end - at) / TURN
         now, at = now - level * (end - at), end
-    return found - mean
+    return speed - mean
 
 
 @borrowing

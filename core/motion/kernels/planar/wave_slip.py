@@ -122,7 +122,7 @@ def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
 
 
 @borrowing
-def slip_doubt(drive: WaveDrive) -> float:
+def slip_uncertainty(drive: WaveDrive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
     (mu_s - mu_k) max|n(tau)| times the rounding of the push over its slope: a phase at which a sum
@@ -132,13 +132,13 @@ def slip_doubt(drive: WaveDrive) -> float:
     if drive.steps > 0:
         return 0.0
     size = drive.along + drive.mu_s * (drive.normal + drive.gn)
-    jump, doubt = (drive.mu_s - drive.mu_k) * (drive.normal + drive.gn), 0.0
+    jump, uncertainty = (drive.mu_s - drive.mu_k) * (drive.normal + drive.gn), 0.0
     for kind in (drive.forward, drive.backward):
         row = drive.table[ROOTS + kind]
         for number in range(1, int(row[0]) + 1):
             slope = value_and_slope(push_of(drive, kind), row[number])[1]
-            doubt += jump * THRESHOLD * size / max(abs(slope), 1e-8 * size)
-    return doubt
+            uncertainty += jump * THRESHOLD * size / max(abs(slope), 1e-8 * size)
+    return uncertainty
 
 
 @borrowing

@@ -54,7 +54,7 @@ DROPPED = 4  # marks before the last, up to which nothing is counted: a quarter 
 FIRST_ASKED = 7  # mark: runs of 23 periods, of which 17 count, and no fewer tell an error
 SHARE = 0.8
 """Of the error at 99 %: that at 95 %, and something for being asked again and again."""
-ROOM = MAX_SEGMENTS // PHASES  # of a run's hops since the part was at rest
+HOP_CAPACITY = MAX_SEGMENTS // PHASES  # of a run's hops since the part was at rest
 
 Run = namedtuple("Run", "phase slip rebound time hops look jolt upheld impacts fastest highest")
 """Columns of a run on its way: what it goes on from, and what it has seen.
@@ -116,7 +116,7 @@ def follow_on(
             look_at = count + count // 2
             if find_cycle(drive, e, rows, count, tau, w)[0]:
                 return False
-        if count >= ROOM - LONGEST_CYCLE - 2:
+        if count >= HOP_CAPACITY - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         share_out(travel, began, time, sums[DISTANCE] - covered)
         if u * drive.gs >= 0:
@@ -187,7 +187,7 @@ def means_within(
     while periods < most:
         periods, begin = end_of(mark, most), end_of(mark - DROPPED, most)
         for number in range(PHASES):
-            room = rows[number * ROOM : (number + 1) * ROOM]
+            room = rows[number * HOP_CAPACITY : (number + 1) * HOP_CAPACITY]
             run, own = runs[number], marks[number, mark % (DROPPED + 1)]
             if not follow_on(
                 run, periods * TURN, number < SEARCHES, drive, e, travel[number], room,

@@ -103,17 +103,17 @@ def push_of(scene: int, cell: Cell) -> float:
 
 
 @compiled
-def room_of(waves: Floats) -> Floats:
+def buffer_of(waves: Floats) -> Floats:
     """Return room for the drive of a cell under the plain sine, rows of `DRIVE`."""
     columns = waves.shape[2]
-    room = np.zeros((len(DRIVE), columns))
-    room[DRIVE.length] = 2.0 * math.pi / columns
-    room[DRIVE.share] = 1.0
-    return room
+    buffer = np.zeros((len(DRIVE), columns))
+    buffer[DRIVE.length] = 2.0 * math.pi / columns
+    buffer[DRIVE.share] = 1.0
+    return buffer
 
 
 @compiled
-def drive_of(scene: int, cell: Cell, waves: Floats, row: int, room: Floats) -> Floats:
+def drive_of(scene: int, cell: Cell, waves: Floats, row: int, buffer: Floats) -> Floats:
     """Return the drive of a cell: that of its own wave, or the plain sine, put into the room.
 
     (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the speed of the track (theory 13.1).
@@ -122,13 +122,13 @@ def drive_of(scene: int, cell: Cell, waves: Floats, row: int, room: Floats) -> F
         return waves[row]
     sines, cosines = waves[0]
     for k in range(sines.size):
-        room[DRIVE.along, k] = cell.drive_number_along * sines[k]
-        room[DRIVE.normal, k] = cell.drive_number_normal * sines[k]
+        buffer[DRIVE.along, k] = cell.drive_number_along * sines[k]
+        buffer[DRIVE.normal, k] = cell.drive_number_normal * sines[k]
     if scene != PLANAR:
         for k in range(sines.size):
-            room[DRIVE.across, k] = cell.drive_number_across * sines[k]
-            room[DRIVE.speed, k] = cell.drive_number_along * cosines[k]
-    return room
+            buffer[DRIVE.across, k] = cell.drive_number_across * sines[k]
+            buffer[DRIVE.speed, k] = cell.drive_number_along * cosines[k]
+    return buffer
 
 
 @compiled
@@ -146,7 +146,11 @@ def step_cells(
     most = max(1, int(groups[:, GROUPS - 1].max()))
     states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))
     coarse, shifted, fine = np.zeros(RESULTS), np.zeros(RESULTS), np.zeros(RESULTS)
-    room, shifted_room, fine_room = room_of(waves), room_of(shifted_waves), room_of(fine_waves)
+    buffer, shifted_buffer, fine_buffer = (
+        buffer_of(waves),
+        buffer_of(shifted_waves),
+        buffer_of(fine_waves),
+    )
     finest = 2 * steps + 1
     for i in range(groups.shape[0]):
         cell = cell_of(groups[i])
@@ -154,17 +158,17 @@ def step_cells(
         if not np.all(np.isfinite(groups[i])) or cell.gravity_number_normal < 0.0:
             status[i] = STATUS.no_solution
             continue
-        drive = drive_of(scene, cell, fine_waves, i, fine_room)
-        found = run(scene, cell, rolling, absolute, drive, finest, states, tallies, fine, stop)
+        drive = drive_of(scene, cell, fine_waves, i, fine_buffer)
+        outcome = run(scene, cell, rolling, absolute, drive, finest, states, tallies, fine, stop)
         frictionless = cell.friction_static == 0.0 and cell.friction_kinetic == 0.0
         if scene == WALL:
             frictionless = frictionless and cell.wall_friction == 0.0
-        if frictionless and found != STATUS.no_solution and found != STATUS.at_rest:
-            found = STATUS.neutral if cell.gravity_number_along == 0.0 else STATUS.runaway
-        status[i] = STATUS.not_computed if raised(stop) else found
-        if found in (STATUS.no_solution, STATUS.runaway):
+        if frictionless and outcome != STATUS.no_solution and outcome != STATUS.at_rest:
+            outcome = STATUS.neutral if cell.gravity_number_along == 0.0 else STATUS.runaway
+        status[i] = STATUS.not_computed if raised(stop) else outcome
+        if outcome in (STATUS.no_solution, STATUS.runaway):
             continue
-        drive = drive_of(scene, cell, waves, i, room)
+        drive = drive_of(scene, cell, waves, i, buffer)
         run(scene, cell, rolling, absolute, drive, steps, states, tallies, coarse, stop)
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         if not math.isfinite(apart):  # the coarser run found no solution in a step
@@ -172,7 +176,7 @@ def step_cells(
         error = max(apart, fine[COLUMN.error], fine[COLUMN.spread])
         if error > 1e-12:
             # Where in a step landings and stops fall is chance, and may hide the error of the step.
-            drive = drive_of(scene, cell, shifted_waves, i, shifted_room)
+            drive = drive_of(scene, cell, shifted_waves, i, shifted_buffer)
             run(scene, cell, rolling, absolute, drive, steps, states, tallies, shifted, stop)
             apart = abs(fine[COLUMN.velocity] - shifted[COLUMN.velocity])
             error = SAFETY * max(error, apart if math.isfinite(apart) else 0.0)

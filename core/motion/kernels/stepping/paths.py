@@ -38,7 +38,7 @@ def path(
     resting = ux == 0.0 and uy + spin == 0.0 and uz == 0.0 and z <= 0.0
     spare = math.inf if resting else -1.0
     pressed, leaning = uz == 0.0 and z <= 0.0, uy == 0.0 and y <= 0.0
-    begin, given, elapsed = phases[0], 0, 0.0
+    begin, sampled, elapsed = phases[0], 0, 0.0
     for k in range(steps):
         if raised(stop):
             break
@@ -67,17 +67,17 @@ def path(
             after = floor_step(body, touch, push, laws)
         vx, vy, vz, spin, normal, spare = after
         end = elapsed + h if wave.size > 0 else (k + 1) * h
-        while given < phases.size and (phases[given] - begin <= end or k == steps - 1):
-            s = (phases[given] - begin) / h - k
+        while sampled < phases.size and (phases[sampled] - begin <= end or k == steps - 1):
+            s = (phases[sampled] - begin) / h - k
             if wave.size > 0:
-                s = (phases[given] - begin - elapsed) / h
-            position[given, 0] = x + s * h * (ux + 0.5 * s * (vx - ux))
-            position[given, 1] = y + s * h * (uy + 0.5 * s * (vy - uy))
-            position[given, 2] = z + s * h * (uz + 0.5 * s * (vz - uz))
-            velocity[given, 0] = ux + s * (vx - ux)
-            velocity[given, 1] = uy + s * (vy - uy)
-            velocity[given, 2] = uz + s * (vz - uz)
-            given += 1
+                s = (phases[sampled] - begin - elapsed) / h
+            position[sampled, 0] = x + s * h * (ux + 0.5 * s * (vx - ux))
+            position[sampled, 1] = y + s * h * (uy + 0.5 * s * (vy - uy))
+            position[sampled, 2] = z + s * h * (uz + 0.5 * s * (vz - uz))
+            velocity[sampled, 0] = ux + s * (vx - ux)
+            velocity[sampled, 1] = uy + s * (vy - uy)
+            velocity[sampled, 2] = uz + s * (vz - uz)
+            sampled += 1
         elapsed = end
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)

@@ -109,7 +109,7 @@ def repeats(
 ) -> int:  # fmt: skip
     """Return after how many periods the motion repeats, and put its means into the result.
 
-    0 if it does not; see `told_apart`. A state that comes back to rounding, `difference` <=
+    0 if it does not; see `distinct_from`. A state that comes back to rounding, `difference` <=
     `rounding`, repeats for ever. Else slips and landings fall on steps that vary, and the state
     wanders by the order of a step; then it must come back to within that, `allowed`, for a whole
     window, over the window as well, and its mean velocity must not drift, `settled`, so that a slow
@@ -123,7 +123,7 @@ def repeats(
             and (now[STATE.spare] >= 0.0) == (then[STATE.spare] >= 0.0)
         ):
             fill_means(tallies, done - multiple, done, period, result)
-            return told_apart(states, tallies, done, multiple, allowed)
+            return distinct_from(states, tallies, done, multiple, allowed)
     for multiple in range(1, MAX_MULTIPLE + 1):
         window = multiple * ((WINDOW + multiple - 1) // multiple)
         # A transient of hops is given time before it may pass for chance.
@@ -140,12 +140,12 @@ def repeats(
         if good:
             fill_means(tallies, done - window, done, period, result)
             if settled(tallies, done, multiple, window, rounding, bound, period, result):
-                return told_apart(states, tallies, done, multiple, allowed)
+                return distinct_from(states, tallies, done, multiple, allowed)
     return 0
 
 
 @compiled
-def told_apart(states: Floats, tallies: Floats, done: int, cycle: int, allowed: float) -> int:
+def distinct_from(states: Floats, tallies: Floats, done: int, cycle: int, allowed: float) -> int:
     """Return after how many periods the motion repeats as far as the method can tell.
 
     The smallest part of a cycle that repeats but for the method's own error, `difference` <= 3

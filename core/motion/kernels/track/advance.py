@@ -12,7 +12,7 @@ from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
 from core.motion.kernels.track.contacts import begin_slip, change_contacts
 from core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
-from core.motion.kernels.track.modes import Begin, StepSettings, fill_multiple, fill_place
+from core.motion.kernels.track.modes import Begin, StepSettings, fill_multiple, fill_position
 from core.motion.kernels.track.polynomials import first_fall, value
 from core.motion.kernels.track.spend import kinetic, spend
 from core.motion.kernels.track.tables import (
@@ -50,7 +50,7 @@ def advance(
     mode. `spent` gets the energies of the period added, columns as in `SPENT`, if it has any.
     """
     tally[:] = 0.0
-    tau, at_once, given = 0.0, 0, 0
+    tau, at_once, sampled = 0.0, 0, 0
     start, across = state[STATE.x], state[STATE.y]
     for _ in range(MAX_STEPS):
         if tau >= TURN:
@@ -87,11 +87,11 @@ def advance(
             span, event = go_on(contacts, slips, span, rest)
             at_once = 0
         for axis in range(3):
-            fill_place(work, axis, state[STATE.x + axis], used)
+            fill_position(work, axis, state[STATE.x + axis], used)
         spend(cell, tau, span, used, contacts, slips, work, spent)
-        while given < phases.size and phases[given] < tau + span:
-            sample(phases[given] - tau, used, contacts, slips, work, samples[given])
-            given += 1
+        while sampled < phases.size and phases[sampled] < tau + span:
+            sample(phases[sampled] - tau, used, contacts, slips, work, samples[sampled])
+            sampled += 1
         count(span, used, contacts, slips, work, tally)
         move(step, state, contacts, slips, event, span, used, work)
         count_event(event, contacts, state, tally)

@@ -38,19 +38,19 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop
     if found.status == STATUS.limit_reached:
         return samples
     state[STATE.x] = 0.0
-    tally, given, turns = np.zeros(len(TALLY)), 0, 0
-    while given < phases.size and not raised(stop):
-        before = turns * TURN
-        end = given
+    tally, sampled, periods = np.zeros(len(TALLY)), 0, 0
+    while sampled < phases.size and not raised(stop):
+        before = periods * TURN
+        end = sampled
         while end < phases.size and phases[end] < before + TURN:
             end += 1
         fine = advance(
             cell, wall, rolling, FINE.order, FINE.tolerance * drive.size(work), state, hold,
-            tally, work, phases[given:end] - before, samples[given:end], tally[:0],
+            tally, work, phases[sampled:end] - before, samples[sampled:end], tally[:0],
         )  # fmt: skip
         if not fine:
             return samples
-        given, turns = end, turns + 1
+        sampled, periods = end, periods + 1
     return samples
 
 
@@ -68,18 +68,18 @@ def spend_cells(
     tally = np.zeros(len(TALLY))
     for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
-        found, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
+        settled, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
         spent[:] = math.nan
         if raised(stop):
             return
-        status[number] = found.status
-        if found.multiple == 0:
+        status[number] = settled.status
+        if settled.multiple == 0:
             continue
         tolerance, fine = FINE.tolerance * drive.size(work), True
         spent[:] = 0.0
-        for _ in range(found.multiple):
+        for _ in range(settled.multiple):
             fine = fine and advance(
                 cell_of(row), wall, rolling, FINE.order, tolerance, state, hold, tally, work,
                 NO_PHASES, history.ends[:0], spent,
             )  # fmt: skip
-        spent /= found.multiple * TURN if fine else math.nan
+        spent /= settled.multiple * TURN if fine else math.nan

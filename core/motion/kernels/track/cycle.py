@@ -200,21 +200,21 @@ def settle(
     """
     start, start_hold = state.copy(), hold.copy()
     near = APART_AT_MOST * drive.size(work)
-    found, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MAX_JUMPS
+    settled, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MAX_JUMPS
     for _ in range(3):
-        found, jumps = approach(
+        settled, jumps = approach(
             cell, wall, rolling, series, most, most_jumps, state, hold, history, work
         )
-        if found.status != STATUS.aperiodic:
-            return found
+        if settled.status != STATUS.aperiodic:
+            return settled
         most_jumps = 0
         if jumps > 0:
             state[:], hold[:] = start, start_hold
             continue
-        found = neared(wall, rolling, history, found.done, near)
-        if found.multiple == 0:
-            return found
-    return found
+        settled = neared(wall, rolling, history, settled.done, near)
+        if settled.multiple == 0:
+            return settled
+    return settled
 
 
 @compiled
@@ -230,11 +230,11 @@ def to_cycle(
     drive.set_drive(cell, row, work)
     state, hold = at_rest()
     most = int(cell.max_periods)
-    found = settle(cell, wall, rolling, series, most, state, hold, history, work)
-    if found.multiple > 0:
-        first = found.done - found.multiple
+    settled = settle(cell, wall, rolling, series, most, state, hold, history, work)
+    if settled.multiple > 0:
+        first = settled.done - settled.multiple
         state, hold = history.starts[first].copy(), history.holds[first].copy()
-    return found, state, hold
+    return settled, state, hold
 
 
 @compiled
@@ -306,10 +306,10 @@ def approach(
 
 
 @compiled
-def same_events(history: History, one: int, other: int) -> bool:
+def same_events(history: History, first: int, second: int) -> bool:
     """True if two periods had the same events, in the same order: equal signatures of `TALLY`."""
     tallies = history.tallies
-    return bool(tallies[one, TALLY.signature] == tallies[other, TALLY.signature])
+    return bool(tallies[first, TALLY.signature] == tallies[second, TALLY.signature])
 
 
 @compiled

@@ -116,7 +116,7 @@ def to_zero(
 
 
 @borrowing
-def fill_place(work: Work, axis: int, start: float, order: int) -> None:
+def fill_position(work: Work, axis: int, start: float, order: int) -> None:
     """Fill the series of a place from that of its velocity, q_(k+1) = u_k/(k + 1)."""
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
@@ -157,10 +157,10 @@ def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[f
     if step.wall:
         span = min(span, term_span(work, ROW.velocity + 1, ROW.velocity + 1, order, step.tolerance))
     span, event = min(span, LONGEST), EVENT.nothing
-    fill_place(work, 2, state[STATE.z], order)
+    fill_position(work, 2, state[STATE.z], order)
     span, event = sooner(work, ROW.place + 2, order, span, EVENT.land, event)
     if step.wall:
-        fill_place(work, 1, state[STATE.y], order)
+        fill_position(work, 1, state[STATE.y], order)
         span, event = sooner(work, ROW.place + 1, order, span, EVENT.bump, event)
     return span, event, order
 
@@ -320,7 +320,7 @@ def slide(
         span, name = sooner(work, ROW.load, order - 1, span, EVENT.leave, name)
     if step.wall:
         place = ROW.place + second
-        fill_place(work, second, state[STATE.x + second], order)
+        fill_position(work, second, state[STATE.x + second], order)
         word = EVENT.bump if on_floor else EVENT.land
         span, name = sooner(work, place, order, span, word, name)
     if closes or not contact.friction > 0.0:

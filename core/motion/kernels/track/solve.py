@@ -122,38 +122,46 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     if at_once != UNDECIDED:
         return Settled(at_once, 0, 0, math.inf)
     work = new_work()
-    found, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
+    settled, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
     speed = drive.size(work)
-    if found.multiple == 0:
-        if found.status == STATUS.aperiodic:
-            status = without_repeating(cell, wall, speed, history, found.done, result)
-            return Settled(status, 0, found.done, math.inf)
-        return found
-    fill_means(history.tallies, found.done - found.multiple, found.done, TURN, result)
-    result[COLUMN.multiple] = float(found.multiple)
-    if found.status == STATUS.at_rest:
+    if settled.multiple == 0:
+        if settled.status == STATUS.aperiodic:
+            status = without_repeating(cell, wall, speed, history, settled.done, result)
+            return Settled(status, 0, settled.done, math.inf)
+        return settled
+    fill_means(history.tallies, settled.done - settled.multiple, settled.done, TURN, result)
+    result[COLUMN.multiple] = float(settled.multiple)
+    if settled.status == STATUS.at_rest:
         result[COLUMN.velocity] = 0.0
-        return found
-    status = found.status if rubs else STATUS.neutral
+        return settled
+    status = settled.status if rubs else STATUS.neutral
     velocity = result[COLUMN.velocity]
     if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
-        apart, told = settled_anew(row, wall, rolling, found, velocity, history, work)
+        apart, confirmed = settled_anew(row, wall, rolling, settled, velocity, history, work)
     else:
-        told = True
+        confirmed = True
         apart = followed_on(
-            cell, wall, rolling, found.multiple, state.copy(), hold.copy(), velocity, history, work
+            cell,
+            wall,
+            rolling,
+            settled.multiple,
+            state.copy(),
+            hold.copy(),
+            velocity,
+            history,
+            work,
         )
         if not apart < SLOWLY * speed:
             other, _ = settled_velocity(
-                cell, wall, rolling, COARSE, found.done, state, hold, history, work
+                cell, wall, rolling, COARSE, settled.done, state, hold, history, work
             )
             apart = abs(other - velocity)
-    error = 2.0 * apart + found.left + LEAST_ERROR * speed
+    error = 2.0 * apart + settled.left + LEAST_ERROR * speed
     result[COLUMN.error] = error if error < 2.0 * speed else 2.0 * speed
-    if not told or not error < max(SURELY, 100.0 * cell.tolerance) * speed:
+    if not confirmed or not error < max(SURELY, 100.0 * cell.tolerance) * speed:
         result[COLUMN.multiple] = 0.0
-        return Settled(STATUS.sensitive, 0, found.done, error)
-    return Settled(status, found.multiple, found.done, found.left)
+        return Settled(STATUS.sensitive, 0, settled.done, error)
+    return Settled(status, settled.multiple, settled.done, settled.left)
 
 
 @compiled
@@ -186,7 +194,7 @@ def changed(row: Floats, hairs: float) -> Cell:
 
 @compiled
 def settled_anew(
-    row: Floats, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
+    row: Floats, wall: bool, rolling: float, settled: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
     """Return how far other runs come from a mean velocity, and whether digits do not decide.
@@ -196,10 +204,10 @@ def settled_anew(
     its last digits. It does where both runs have strayed from each other on the way, |du_x| > 0.1
     of the drive's speed; others then tell how far the means are apart.
     """
-    speeds = history.ends[: found.done, STATE.ux].copy()
+    speeds = history.ends[: settled.done, STATE.ux].copy()
     state, hold = at_rest()
     other, done = settled_velocity(
-        changed(row, 1.0), wall, rolling, COARSE, found.done, state, hold, history, work
+        changed(row, 1.0), wall, rolling, COARSE, settled.done, state, hold, history, work
     )
     most, strayed = abs(other - velocity), 0.0
     for period in range(min(done, speeds.size)):
@@ -210,7 +218,7 @@ def settled_anew(
         series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
         state, hold = at_rest()
         other, _ = settled_velocity(
-            changed(row, 2.0 + number), wall, rolling, series, found.done, state, hold, history,
+            changed(row, 2.0 + number), wall, rolling, series, settled.done, state, hold, history,
             work,
         )  # fmt: skip
         most = max(most, abs(other - velocity)) if math.isfinite(other) else math.nan
@@ -241,10 +249,10 @@ def solve_cells(
     most = max(1, int(groups[:, GROUPS - 1].max()))
     history = new_history(most, stop)
     for number in range(groups.shape[0]):
-        found = solve(groups[number], wall, rolling, history, table[number])
+        settled = solve(groups[number], wall, rolling, history, table[number])
         if raised(stop):
             table[number] = np.nan
             return
-        status[number] = found.status
-        if found.status in (STATUS.runaway, STATUS.limit_reached):
+        status[number] = settled.status
+        if settled.status in (STATUS.runaway, STATUS.limit_reached):
             table[number] = np.nan

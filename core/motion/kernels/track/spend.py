@@ -7,7 +7,7 @@ import math
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
-from core.motion.kernels.quadrature import PLACES, WEIGHTS
+from core.motion.kernels.quadrature import NODES, WEIGHTS
 from core.motion.kernels.results import SPENT
 from core.motion.kernels.track.drive import sine_slope
 from core.motion.kernels.track.polynomials import value
@@ -48,8 +48,8 @@ def spend(
     gravity = (cell.gravity_number_along, cell.gravity_number_across, cell.gravity_number_normal)
     pushes = (cell.drive_number_along, cell.drive_number_across, cell.drive_number_normal)
     half = 0.5 * span
-    for number in range(PLACES.size):
-        for side in (-PLACES[number], PLACES[number]):
+    for number in range(NODES.size):
+        for side in (-NODES[number], NODES[number]):
             at = half * (1.0 + side)
             power, swing, weight = 0.0, 0.0, half * WEIGHTS[number]
             slope = sine_slope(work, tau + at)

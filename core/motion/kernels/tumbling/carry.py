@@ -90,15 +90,15 @@ def carry(
     after[:] = state
     if support == FLAT and sigma == 0:
         return
-    place = max(support, 0)
+    corner = max(support, 0)
     x, v, lost = state[STATE.along], state[STATE.along_rate], state[STATE.lost]
     p, q = state[STATE.pitch], state[STATE.pitch_rate]
-    _, c_0 = corner_at(cell, place, p)
+    _, c_0 = corner_at(cell, corner, p)
     rho = cell.half_diagonal
     x_sum = v_sum = p_sum = q_sum = lost_sum = 0.0
     v_here, p_here, q_here = v, p, q
     for stage in range(4):
-        s, _ = corner_at(cell, place, p_here)
+        s, _ = corner_at(cell, corner, p_here)
         slip = v_here - rho * q_here * s
         share = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         weight = step / 6 if stage in (0, 3) else step / 3
@@ -115,5 +115,5 @@ def carry(
     after[STATE.lost] = lost + lost_sum
     settle_on(cell, after, support, sigma)
     if support >= 0 and sigma == 0 and cell.turning != 0.0:
-        _, c = corner_at(cell, place, after[STATE.pitch])
+        _, c = corner_at(cell, corner, after[STATE.pitch])
         after[STATE.along] = x + rho * (c_0 - c)

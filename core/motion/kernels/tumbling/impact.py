@@ -140,21 +140,21 @@ def strike(cell: Cell, state: Floats, after: Floats) -> bool:
     eps = cell.restitution
     first, second, _ = compress(cell, state, right, left, after)
     if cell.law == MOREAU:
-        for place in (STATE.along_rate, STATE.up_rate, STATE.pitch_rate):
-            state[place] += (1.0 + eps) * (after[place] - state[place])
+        for rate in (STATE.along_rate, STATE.up_rate, STATE.pitch_rate):
+            state[rate] += (1.0 + eps) * (after[rate] - state[rate])
     else:
         copy(after, state)
         s, c = corner_at(cell, right, state[STATE.pitch])
         push(cell, state, s, c, eps * first, 0.0)
-        place = right
+        rate = right
         if left >= 0:
             s_l, c_l = corner_at(cell, left, state[STATE.pitch])
             push(cell, state, s_l, c_l, eps * second, 0.0)
             if first == 0.0:
-                place, s, c = left, s_l, c_l
+                rate, s, c = left, s_l, c_l
         limit = cell.friction_kinetic * eps * (first + second)
         _, _, tt = delassus(cell, s, c)
-        wanted = -slip_of(cell, state, place) / tt
+        wanted = -slip_of(cell, state, rate) / tt
         push(cell, state, s, c, 0.0, min(max(wanted, -limit), limit))
     for _ in range(20):
         least = gap_rate_of(cell, state, right)

@@ -191,7 +191,7 @@ def _result(
     tallies = run.tallies[-periods:]
     phase = 2.0 * math.pi * periods
     across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
-    told = run.at_large(periods) and not run.laws.contacts.rolling
+    is_across_known = run.at_large(periods) and not run.laws.contacts.rolling
 
     def total(name: str) -> float:
         return sum(getattr(tally, name) for tally in tallies)
@@ -203,7 +203,7 @@ def _result(
         velocity, spread, error,
         *(total(name) / phase for name in ("stick", "forward", "backward", "flight")),
         total("impacts") / periods, most("landing_speed"), most("hop_height"),
-        float(multiple), across if told else 0.0,
+        float(multiple), across if is_across_known else 0.0,
     )  # fmt: skip
     arrays = (np.asarray(value, dtype=np.float64) for value in values)
     found = Motion._make((*arrays, np.asarray(STATUS[status], dtype=np.int8)))

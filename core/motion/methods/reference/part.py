@@ -178,41 +178,41 @@ class Part:
 
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
         """Return where a stretch's first event is, from 0 to 1, and its name; 1 if none comes."""
-        found = [(1.0, "")]
+        events = [(1.0, "")]
 
         def ask(name: str, condition: Array) -> None:
-            found.append((fall_from_start(condition), name))
+            events.append((fall_from_start(condition), name))
 
         phases = stretch.start + stretch.length * AT
         if mode.floor:
             ask("lift", stretch.normal)
         else:
-            found.append((self.returns(stretch, Z, UZ), "land"))
+            events.append((self.returns(stretch, Z, UZ), "land"))
         if mode.wall:
             ask("leave", stretch.side)
         elif self.on_wall:  # still touching: held by the floor
             ask("press", FROM_NODES @ (self.laws.free(phases, 0.0)[1] + PRESSED))
         elif self.laws.contacts.wall:
-            found.append((self.returns(stretch, Y, UY), "bump"))
+            events.append((self.returns(stretch, Y, UY), "bump"))
         if mode.floor or mode.wall:
             if not mode.slips:
                 first, second, _, _ = self.laws.impending(phases, mode)
                 if np.any(first) or np.any(second):  # else what floats off does not slip before
                     ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
             elif begins:  # it is 0 at the start: what is left without that root
-                found.append((first_fall(MEAN @ stretch.growth), "stop"))
+                events.append((first_fall(MEAN @ stretch.growth), "stop"))
             else:
                 ask("stop", stretch.size)
-        return min(found, key=lambda one: one[0])
+        return min(events, key=lambda one: one[0])
 
-    def returns(self, stretch: Stretch, place: int, speed: int) -> float:
+    def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
         """Return where a part comes back to a contact, from 0 to 1; infinite if it does not.
 
         Of a part that starts at the contact, the distance is divided by its root at the start, a
         double one where the part has no speed there: small hops and grazes are so told from none.
         """
-        if self.state[place] > TOUCHING:
-            return first_fall(stretch.states[place])
+        if self.state[axis] > TOUCHING:
+            return first_fall(stretch.states[axis])
         if self.state[speed] > STOPPED:
             return first_fall(MEAN @ stretch.states[speed])
         return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
@@ -318,16 +318,16 @@ class Part:
         for _ in range(MAX_CUTS):
             stretch = solve(self.laws, mode, self.state, self.phase, length, begins)
             tail = math.inf if stretch is None else max(stretch.tail, RESOLVED)
-            room = 0.9 * (self.care.tail / tail) ** (1.0 / len(AT))
+            growth_limit = 0.9 * (self.care.tail / tail) ** (1.0 / len(AT))
             if stretch is not None and tail <= self.care.tail:
                 break
-            length *= max(0.3, room)
+            length *= max(0.3, growth_limit)
         else:
             raise FailedError
         if slips:
             first, last = abs(float(values(stretch.size, 0.0))), abs(float(stretch.size.sum()))
             grows = last / first if first > 0.0 and not begins else 1.0
-            self.reach = length * room * min(3.0, max(0.1, grows))
+            self.reach = length * growth_limit * min(3.0, max(0.1, grows))
         return stretch
 
     def close(self, mode: Mode, end: float) -> bool:

@@ -28,11 +28,11 @@ NARROWEST = 2.0**-44
 
 def _columns(terms: int, function: object, length: int = TERMS) -> Array:
     """Return the matrix whose columns are a function of the unit polynomials, padded with 0."""
-    found = np.zeros((length, terms))
+    columns = np.zeros((length, terms))
     for k, unit in enumerate(np.eye(terms)):
         column = function(unit)[:length]  # type: ignore[operator]
-        found[: len(column), k] = column
-    return found
+        columns[: len(column), k] = column
+    return columns
 
 
 AT = 0.5 * (legendre.leggauss(NODES)[0] + 1.0)

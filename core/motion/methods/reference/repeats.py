@@ -71,7 +71,7 @@ class Growth:
         Change of the distance travelled over the cycle.
     """
 
-    places: list[int]
+    indices: list[int]
     map: Array
     travel: Array
 
@@ -89,11 +89,11 @@ class Growth:
 
     def lasting(self, change: Array) -> Array:
         """Return where the cycle moves if each round changes the state by so much."""
-        return np.asarray(np.linalg.solve(np.eye(len(self.places)) - self.map, change), np.float64)
+        return np.asarray(np.linalg.solve(np.eye(len(self.indices)) - self.map, change), np.float64)
 
     def weights(self) -> Array:
         """Return by how much the travel of the cycle changes with a change in each round."""
-        left = np.eye(len(self.places)) - self.map.T
+        left = np.eye(len(self.indices)) - self.map.T
         return np.asarray(np.linalg.solve(left, self.travel), np.float64)
 
 
@@ -138,7 +138,7 @@ class ReferenceRun:
         """Whether friction held the part for all of the last period."""
         tally = self.tallies[-1]
         moved = tally.forward + tally.backward + tally.flight
-        return moved == 0.0 and self.distance(1, self.places(1)) == 0.0
+        return moved == 0.0 and self.distance(1, self.indices(1)) == 0.0
 
     @property
     def slides_free(self) -> bool:
@@ -149,18 +149,20 @@ class ReferenceRun:
 
     # --- coming back
 
-    def places(self, multiple: int) -> list[int]:
+    def indices(self, multiple: int) -> list[int]:
         """Return what of the state has to come back after so many periods.
 
         The distance from the wall, too, unless the wall was untouched over the cycle and the part
         does not near it. Of a cylinder without a wall only the slip across plays a part.
         """
-        found = [Z, UX, UY, UZ]
+        indices = [Z, UX, UY, UZ]
         if not self.laws.contacts.wall:
-            return found
+            return indices
         if self.laws.contacts.rolling:
-            found.append(SPIN)
-        return found if self.at_large(multiple) and self.nearing(multiple) <= 0.0 else [*found, Y]
+            indices.append(SPIN)
+        return (
+            indices if self.at_large(multiple) and self.nearing(multiple) <= 0.0 else [*indices, Y]
+        )
 
     def at_large(self, multiple: int) -> bool:
         """True if the last cycle did not touch the wall."""
@@ -190,14 +192,14 @@ class ReferenceRun:
             return None
         return self.compared(self.after[last - 1]) - self.compared(self.before[first])
 
-    def distance(self, multiple: int, places: list[int], back: int = 0) -> float:
+    def distance(self, multiple: int, indices: list[int], back: int = 0) -> float:
         """Return how far the state is from coming back, as a share of the drive's size."""
         off = self.off(multiple, back)
-        return math.inf if off is None else float(np.abs(off[places]).max()) / self.scale
+        return math.inf if off is None else float(np.abs(off[indices]).max()) / self.scale
 
     def apart(self, multiple: int) -> float:
         """Return how far the state is from coming back after so many periods."""
-        return self.distance(multiple, self.places(multiple))
+        return self.distance(multiple, self.indices(multiple))
 
     def touches_alike(self, multiple: int) -> bool:
         """True if the same contacts touch at both ends of the last cycle."""
@@ -206,11 +208,11 @@ class ReferenceRun:
     def cycle(self) -> int:
         """Return after how many periods the motion repeats; 0 if that cannot be seen yet."""
         for multiple in range(1, min(MAX_MULTIPLE, len(self.after) - self.plain_since) + 1):
-            places = self.places(multiple)
-            apart = self.distance(multiple, places)
+            indices = self.indices(multiple)
+            apart = self.distance(multiple, indices)
             if apart > NOISE or not self.touches_alike(multiple):
                 continue
-            if apart > SAME and apart < SLOWEST * self.distance(multiple, places, back=multiple):
+            if apart > SAME and apart < SLOWEST * self.distance(multiple, indices, back=multiple):
                 return 0  # still on its way: not to be told as a multiple of what it is
             divisors = (one for one in range(1, multiple) if multiple % one == 0)
             if min(map(self.apart, divisors), default=math.inf) < DISTINCT:
@@ -230,8 +232,8 @@ class ReferenceRun:
             last = [tally.events for tally in self.tallies[-quarter:]]
             if last[multiple:] != last[:-multiple]:
                 continue
-            places = self.places(multiple)
-            apart = [self.distance(multiple, places, back) for back in range(quarter - multiple)]
+            indices = self.indices(multiple)
+            apart = [self.distance(multiple, indices, back) for back in range(quarter - multiple)]
             nears = all(new < old for new, old in itertools.pairwise(apart))
             leaves = all(new > old for new, old in itertools.pairwise(apart))
             return nears or leaves
@@ -246,14 +248,14 @@ class ReferenceRun:
         for multiple in range(1, min(MAX_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
             if not self.touches_alike(multiple) or not self.same_events(multiple):
                 continue
-            places = self.places(multiple)
-            if Y in places and self.at_large(multiple):  # on its way to the wall
-                places.remove(Y)
-                if self.distance(multiple, places) < SAME:
+            indices = self.indices(multiple)
+            if Y in indices and self.at_large(multiple):  # on its way to the wall
+                indices.remove(Y)
+                if self.distance(multiple, indices) < SAME:
                     self.drift(multiple)
                     return
-            apart = self.distance(multiple, places)
-            earlier = self.distance(multiple, places, back=multiple)
+            apart = self.distance(multiple, indices)
+            earlier = self.distance(multiple, indices, back=multiple)
             if SAME < apart < min(NEAR, SLOWEST * earlier):
                 if apart > 0.01 * earlier:  # else it is there soon without
                     self.look(multiple)
@@ -284,21 +286,21 @@ class ReferenceRun:
         if growth.attracts:
             off = self.compared(self.after[-1]) - self.compared(self.before[-multiple])
             state = start.copy()
-            state[growth.places] += growth.lasting(growth.map @ off[growth.places])
-            if self.comes_back(state, multiple, growth.places, 0.5 * np.abs(off)):
+            state[growth.indices] += growth.lasting(growth.map @ off[growth.indices])
+            if self.comes_back(state, multiple, growth.indices, 0.5 * np.abs(off)):
                 self.part.state, self.plain_since = state, len(self.after)
                 return
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
         """True if looking at a cycle is worth its while; note it if it is."""
-        takes = multiple * (len(self.places(multiple)) + 1)
+        takes = multiple * (len(self.indices(multiple)) + 1)
         if self.looked + takes > len(self.after) + LOOKS:
             return False
         self.looked += takes
         return True
 
-    def comes_back(self, state: Array, multiple: int, places: list[int], within: Array) -> bool:
+    def comes_back(self, state: Array, multiple: int, indices: list[int], within: Array) -> bool:
         """True if a state is possible, and a cycle from it ends so near to it."""
         if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
             return False
@@ -307,7 +309,7 @@ class ReferenceRun:
         except FailedError:
             return False
         off = np.abs(self.compared(part.state) - self.compared(state))
-        return float(off[places].max(initial=0.0)) <= float(within[places].max(initial=0.0))
+        return float(off[indices].max(initial=0.0)) <= float(within[indices].max(initial=0.0))
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
         """Return the part after a cycle from some state."""
@@ -325,21 +327,21 @@ class ReferenceRun:
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
         if self.laws.groups.planar:
             fixed += [Y, UY]
-        places = [place for place in self.places(multiple) if place not in fixed]
-        growth = np.zeros((len(places), len(places)))
-        travel = np.zeros(len(places))
-        for column, place in enumerate(places):
+        indices = [index for index in self.indices(multiple) if index not in fixed]
+        growth = np.zeros((len(indices), len(indices)))
+        travel = np.zeros(len(indices))
+        for column, index in enumerate(indices):
             state, size = start.copy(), CHANGE * self.scale
-            state[place] += size
+            state[index] += size
             try:
                 part = self.followed(state, flags, multiple, USUAL)
             except FailedError:
                 growth[:, column] = math.nan
                 continue
             change = self.compared(part.state) - self.compared(end)
-            growth[:, column] = change[places] / size
+            growth[:, column] = change[indices] / size
             travel[column] = (part.state[X] - end[X]) / size
-        return Growth(places, growth, travel)
+        return Growth(indices, growth, travel)
 
     # --- the mean velocity
 
@@ -361,8 +363,8 @@ class ReferenceRun:
         start, flags = self.before[-multiple], self.flags[-multiple]
         end = self.compared(self.after[-1])
         finer = self.compared(self.followed(start, flags, multiple, FINER).state)
-        left = (end - self.compared(start))[growth.places]
-        shift = (finer - end)[growth.places]
+        left = (end - self.compared(start))[growth.indices]
+        shift = (finer - end)[growth.indices]
         # Without friction nothing dies out: what went wrong in every period so far stays.
         weights = growth.travel * len(self.after) if self.slides_free else growth.weights()
         moved = 0.0 if self.slides_free else float(weights @ (left + shift))

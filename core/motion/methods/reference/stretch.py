@@ -37,7 +37,7 @@ SMALL = 1e-7
 """Of the differences that give the slopes of Newton's iteration; enough for its last step."""
 
 
-FOUND = 1e-10
+ROOT_TOLERANCE = 1e-10
 """A last step of Newton's iteration below this, in g/w, leaves nothing but rounding."""
 
 MAX_STEPS = 15
@@ -175,7 +175,7 @@ def _straight(
         step = np.linalg.solve(np.eye(NODES) - slope[:, None] * reach, rate - pull[0])
         rate = rate - step
         size = size0 + reach @ rate
-        if length * np.abs(step).max() < FOUND:
+        if length * np.abs(step).max() < ROOT_TOLERANCE:
             break
     else:
         return None
@@ -220,7 +220,7 @@ def _turning(
         change = length * (np.abs(step[:NODES]).max() + largest * np.abs(step[NODES:]).max())
         if not change < 1e3:
             return None
-        if change < FOUND:
+        if change < ROOT_TOLERANCE:
             break
     else:
         return None

@@ -217,23 +217,23 @@ def regularised_motion(
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
     watch = watch or Watch()
     kept = [0, 2] if planar else [0, 1, 2]
-    for place, row in zip(np.ndindex(shape), rows, strict=True):
+    for index, row in zip(np.ndindex(shape), rows, strict=True):
         if watch.stopped():
             break
         part, numbers = one_of(row, groups.wave is not None, 4)
         usable = bool(np.isfinite(row).all()) and min(numbers) > 0
         if not (usable and part.friction_kinetic >= 0 and 0 <= part.restitution <= 1):
-            status[place] = STATUS["no_solution"]
+            status[index] = STATUS["no_solution"]
             continue
         slip, stiffness, error, periods = numbers
         cell, *coarse = _cells(part, slip, stiffness, softer, kept)
         try:
-            found = _cell_motion(cell, coarse, solver, error, int(periods), watch)
+            means = _cell_motion(cell, coarse, solver, error, int(periods), watch)
         except StoppedError:
             break
         for name, values in fields.items():
-            values[place] = found[name]
-        status[place] = STATUS[str(found["status"])]
+            values[index] = means[name]
+        status[index] = STATUS[str(means["status"])]
     return with_whole_shares(Motion(**fields, status=status))
 
 

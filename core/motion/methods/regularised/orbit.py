@@ -44,7 +44,7 @@ class _Piece:
     """A stretch of a period: the phase that it begins at, and scipy's solution since then."""
 
     phase: float
-    found: Any
+    solution: Any
 
 
 @dataclass(frozen=True)
@@ -56,17 +56,17 @@ class _Period:
     @property
     def end(self) -> Array:
         """State at the end."""
-        return self.pieces[-1].found.y[:, -1]
+        return self.pieces[-1].solution.y[:, -1]
 
     @property
     def phases(self) -> Array:
         """Phases of the steps, ascending; some may be equal."""
-        return np.concatenate([piece.phase + piece.found.t for piece in self.pieces])
+        return np.concatenate([piece.phase + piece.solution.t for piece in self.pieces])
 
     def at(self, phase: float) -> Array:
         """Return the state at a phase; the options must have asked for dense output."""
         piece = next(p for p in reversed(self.pieces) if p.phase <= phase)
-        return piece.found.sol(phase - piece.phase)
+        return piece.solution.sol(phase - piece.phase)
 
 
 class RegularisedRun:
@@ -112,7 +112,7 @@ class RegularisedRun:
         phase, pieces = 0.0, []
         for cell, end in self.cell.pieces(0.0, PERIOD):
             pieces += self._smoothly(cell, phase, end, start)
-            phase, start = end, pieces[-1].found.y[:, -1]
+            phase, start = end, pieces[-1].solution.y[:, -1]
         return _Period(tuple(pieces))
 
     def _smoothly(self, cell: Cell, phase: float, end: float, start: Array) -> list[_Piece]:
@@ -123,11 +123,11 @@ class RegularisedRun:
         """
         pieces: list[_Piece] = []
         for _ in range(MAX_RESTARTS):
-            found = self._from(cell, phase, end, start)
-            pieces.append(_Piece(phase, found))
-            if found.success:
+            solution = self._from(cell, phase, end, start)
+            pieces.append(_Piece(phase, solution))
+            if solution.success:
                 return pieces
-            phase, start = phase + float(found.t[-1]), found.y[:, -1]
+            phase, start = phase + float(solution.t[-1]), solution.y[:, -1]
         raise SpentError
 
     def _from(self, cell: Cell, phase: float, end: float, start: Array) -> Any:
@@ -166,8 +166,8 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
     # The position at the end of a period is its travel, since it starts at 0.
     states = [state]
 
-    def gap(place: int, multiple: int) -> float:
-        return float(np.max(np.abs(states[place] - states[place - multiple])))
+    def gap(index: int, multiple: int) -> float:
+        return float(np.max(np.abs(states[index] - states[index - multiple])))
 
     def repeats(multiple: int) -> bool:
         """True if the gaps still to come are small, or nothing but the integrator's noise.
@@ -253,8 +253,8 @@ def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
     periods = max(1, orbit.multiple)
     state = orbit.states[0]
     for _ in range(periods):
-        found = run.period(state)
-        at, steps = found.at, found.phases
+        solution = run.period(state)
+        at, steps = solution.at, solution.phases
         phases = np.sort(np.concatenate([steps, (steps[1:] + steps[:-1]) / 2]))
         cuts = {
             function: _crossings(function, at, phases) for function in (release, slip, along, climb)
@@ -276,5 +276,5 @@ def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
                 impacts += 1
                 landing = max(landing, -climb(at(phase)))
         hop = max([hop, *(at(phase)[n - 1] for phase in cuts[climb])])
-        state = found.end
+        state = solution.end
     return {**share, "impacts": impacts / periods, "landing_speed": landing, "hop_height": hop}

@@ -50,7 +50,7 @@ class ResultVariable:
         )
 
 
-def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
+def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
     """Yield every variable of the result of a study, in order, `regime` left out."""
     for demand in study.demands:
         yield from _of_demand(demand)
@@ -89,23 +89,23 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     quantity = QUANTITIES[name]
     unit, what = quantity.unit, _lower(quantity.label)
 
-    def told(
+    def variable(
         part: str, words: str, comment: str, over: str = "", unit: str = unit
     ) -> ResultVariable:
         return ResultVariable(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
 
     def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
-        yield told(part, words, comment, over, unit)
+        yield variable(part, words, comment, over, unit)
         error = f"Error of the {_lower(words)}"
-        yield told(f"{part}_error", error, INTERVAL, over, unit)
+        yield variable(f"{part}_error", error, INTERVAL, over, unit)
 
     if "distribution" in study.analyses:
         yield from with_error("mean", "Mean", "Over the points that have a valid value.")
         yield from with_error("deviation", "Standard deviation", "Over the same points.")
         comment = "The value below which so large a share of the points lies."
         yield from with_error(QUANTILE, "Quantile", comment, QUANTILE)
-        yield told("distribution", "Distribution", comment, LEVEL)
-    yield told(
+        yield variable("distribution", "Distribution", comment, LEVEL)
+    yield variable(
         "left_out", "Share left out", "Points that have no value, or in a regime where the values "
         "do not describe a real part.", unit="1",
     )  # fmt: skip
@@ -120,18 +120,18 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
         )  # fmt: skip
     if "morris" in study.analyses:
         comment = "The mean size of what moving this parameter through half its distribution does, "
-        yield told("effect", "Mean effect (mu*)", comment + "twice.", UNCERTAIN)
+        yield variable("effect", "Mean effect (mu*)", comment + "twice.", UNCERTAIN)
         comment = "How much that depends on where one is: by curvature, or by other parameters."
-        yield told("effect_deviation", "Deviation of the effect (sigma)", comment, UNCERTAIN)
+        yield variable("effect_deviation", "Deviation of the effect (sigma)", comment, UNCERTAIN)
     if "budget" in study.analyses:
-        yield told("nominal", "Nominal value", "All parameters at their nominal values.")
+        yield variable("nominal", "Nominal value", "All parameters at their nominal values.")
         for end in ("lower", "upper"):
             comment = f"This parameter at the {end} end of its tolerance, the others nominal."
-            yield told(f"at_{end}", f"Value at the {end} end", comment, UNCERTAIN)
+            yield variable(f"at_{end}", f"Value at the {end} end", comment, UNCERTAIN)
         comment = "The derivative by this parameter, times half its tolerance; none at a kink."
-        yield told("linear", "Linear change", comment, UNCERTAIN)
+        yield variable("linear", "Linear change", comment, UNCERTAIN)
         comment = "Of this parameter in the variance of the linear budget; none at a kink."
-        yield told("variance_share", "Share of the variance", comment, UNCERTAIN, "1")
+        yield variable("variance_share", "Share of the variance", comment, UNCERTAIN, "1")
         comment = "Over the box of all tolerances: of its corners, and of points inside."
-        yield told("least", "Least value", comment)
-        yield told("largest", "Largest value", comment)
+        yield variable("least", "Least value", comment)
+        yield variable("largest", "Largest value", comment)

@@ -22,7 +22,7 @@ ROUNDS = ((8.0, 4), (LONGEST, 1))
 """How many times as long they are followed, and how many are kept then."""
 
 
-def standing(
+def most_reliable(
     problem: OptimisationProblem,
     unit: Array,
     judged: tuple[Array, Array, Array],
@@ -45,28 +45,28 @@ def standing(
     design, scales : mapping of str to ndarray
         Of one design, arrays of shape (1,).
     """
-    value, beyond, doubt = judged
+    value, beyond, chance_error = judged
     best = int(np.lexsort((-value, beyond))[0])
-    if not np.isfinite(value[best]) or doubt[best] == 0:
+    if not np.isfinite(value[best]) or chance_error[best] == 0:
         return best, float(value[best])
     open_ = np.flatnonzero((beyond <= beyond[best]) & np.isfinite(value))
     cells = np.minimum((unit[:, open_] * NICHES).astype(np.int64), NICHES - 1)
-    unsure = _known(doubt[open_])
+    unsure = _known(chance_error[open_])
     ranked = [_best_of_cells(cells, value[open_] - share * unsure) for share in SHARES]
     chosen = open_[np.unique(np.concatenate(ranked))]
     lower, upper = problem.lower[:, None], problem.upper[:, None]
     for times, most in ROUNDS:
         shares = unit[:, chosen]
         x = np.where(shares == 1, upper, lower + shares * (upper - lower))
-        again, violation, unsure = problem.longer(times).judged_and_doubt(x, design, scales)
+        again, violation, unsure = problem.longer(times).judged_with_error(x, design, scales)
         kept = np.lexsort((_known(unsure) - again, violation))[:most]
         chosen = chosen[kept]
     return int(chosen[0]), float(again[kept[0]])
 
 
-def _known(doubt: Array) -> Array:
+def _known(chance_error: Array) -> Array:
     """Return the doubt, 0 where nobody knows it: the longer run has the word there."""
-    return np.where(doubt < UNKNOWN, doubt, 0.0)
+    return np.where(chance_error < UNKNOWN, chance_error, 0.0)
 
 
 def _best_of_cells(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:

@@ -33,7 +33,7 @@ def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
     return dims
 
 
-def answers(
+def reduced_arrays(
     units: Units, grid: Grid, asked: Reduction, states: Iterable[tuple[int, int, State]]
 ) -> Arrays:
     """Return the arrays of a reduction from what is known of all of its blocks."""
@@ -48,7 +48,7 @@ def answers(
         box = boxes.cutting.kept(boxes.cutting.box(block, 0))
         region = tuple(slice(*ends) for ends in box)
         shape = tuple(stop - start for start, stop in box)
-        for name, values in _answers(boxes, grid, asked, state):
+        for name, values in _arrays_of_block(boxes, grid, asked, state):
             if dims[name][:1] == (QUANTILE,):
                 arrays[name][(slice(None), *region)] = values.reshape((-1, *shape))
             else:
@@ -73,7 +73,7 @@ def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
     yield from (f"level_{name}" for name in field.levels)
 
 
-def _answers(
+def _arrays_of_block(
     boxes: Boxes, grid: Grid, asked: Reduction, state: State
 ) -> Iterator[tuple[str, NDArray[Any]]]:
     """Yield the answers of a block, each of shape (slots,), or (quantiles, slots)."""

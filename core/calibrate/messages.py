@@ -25,7 +25,7 @@ FAR = 3.5  # errors, from which on a run is named
 LITTLE = 0.1  # bit
 
 
-def told(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
+def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
     """Return a value in the unit in which a person reads it."""
     shown = units.of(unit, abs(value))
     return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
@@ -103,14 +103,14 @@ class Findings:
         shares = self.arrays["mode_share"]
         if len(shares) < 2:
             return
-        heaps = []
+        modes = []
         for k, share in enumerate(shares):
             values = [
-                f"{one.name} {told(self.arrays[f'mode_{one.name}'][k], one.unit, self.units)}"
+                f"{one.name} {in_unit(self.arrays[f'mode_{one.name}'][k], one.unit, self.units)}"
                 for one in self.model.unknowns
             ]
-            heaps.append(f"{', '.join(values)} ({100 * share:.0f} %)")
-        yield f"The data cannot separate {' from '.join(heaps)}: each explains the runs"
+            modes.append(f"{', '.join(values)} ({100 * share:.0f} %)")
+        yield f"The data cannot separate {' from '.join(modes)}: each explains the runs"
 
     @cached_property
     def _pairs(self) -> dict[tuple[str, str], str]:
@@ -118,9 +118,9 @@ class Findings:
         if len(self.arrays["mode_share"]) > 1:
             return {}
         pairs = combinations(enumerate(self.model.unknowns), 2)
-        told = {(one.name, other.name): self._pair(one, other, j, k)
+        sentences = {(one.name, other.name): self._pair(one, other, j, k)
                 for (j, one), (k, other) in pairs}  # fmt: skip
-        return {names: sentence for names, sentence in told.items() if sentence}
+        return {names: sentence for names, sentence in sentences.items() if sentence}
 
     @property
     def unsettled(self) -> set[str]:
@@ -174,7 +174,7 @@ class Findings:
                     unknown
                 )
                 if near and free and some and density[end] > AT_BOUND * density.max():
-                    value = told(bound, unknown.unit, self.units)
+                    value = in_unit(bound, unknown.unit, self.units)
                     beyond = f"its {word} bound, {value}: widen its range"
                     yield f"{unknown.name} may lie beyond {beyond}"
 
@@ -183,9 +183,11 @@ class Findings:
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:
             return
-        size = told(self._value("discrepancy"), self.output.unit, self.units)
+        size = in_unit(self._value("discrepancy"), self.output.unit, self.units)
         residual = self.arrays["residual"]
-        rms = told(float(np.sqrt(np.nanmean(np.square(residual)))), self.output.unit, self.units, 4)
+        rms = in_unit(
+            float(np.sqrt(np.nanmean(np.square(residual)))), self.output.unit, self.units, 4
+        )
         if not runs.errors_known:
             yield (
                 f"The best values leave residuals of {rms} (rms); no errors were given to explain "
@@ -220,7 +222,7 @@ class Findings:
         best = int(np.argmax(gain))
         values = {name: column[best] for name, column in columns_of(grid).items()}
         drive = ", ".join(
-            f"{name} {told(value, QUANTITIES[name].unit, self.units)}"
+            f"{name} {in_unit(value, QUANTITIES[name].unit, self.units)}"
             for name, value in values.items()
             if name in grid.axes or len(grid.axes) == 0
         )
@@ -229,7 +231,7 @@ class Findings:
             yield f"No candidate would add much: after the best of them {narrower}"
             return
         expected, spread = (
-            told(self.arrays[n].ravel()[best], self.output.unit, self.units)
+            in_unit(self.arrays[n].ravel()[best], self.output.unit, self.units)
             for n in ("expected", "expected_deviation")
         )
         yield (
@@ -246,8 +248,8 @@ class Findings:
         }
         narrowest = min(shares, key=lambda unknown: shares[unknown])
         now = self._value(f"upper_95_{narrowest.name}") - self._value(f"lower_95_{narrowest.name}")
-        wide = told(now, narrowest.unit, self.units, 2)
-        left = told(now * float(shares[narrowest]), narrowest.unit, self.units, 2)
+        wide = in_unit(now, narrowest.unit, self.units, 2)
+        left = in_unit(now * float(shares[narrowest]), narrowest.unit, self.units, 2)
         return (
             f"the 95 % interval of {narrowest.name} is expected to be {left} wide, and not {wide}"
         )

@@ -13,7 +13,7 @@ from core.optimise import newton
 from core.optimise.families import OF_SYSTEM
 from core.optimise.families.family import Family
 from core.optimise.families.optimum import Optimum, ParetoSet
-from core.optimise.found import Optima
+from core.optimise.optima import Optima
 from core.optimise.problem import LIMIT, OptimisationProblem
 from core.study.optimise_study import Pareto
 
@@ -38,12 +38,12 @@ def answered(problem: OptimisationProblem) -> Answered | None:
         return None
     if not family.contacts <= names <= {LIMIT, "floor_contact", "wall_contact"}:
         return None
-    if not _has_answer(problem, family):
+    if not _has_optimum(problem, family):
         return None
     return Answered(family, "floor_contact" in names, "wall_contact" in names)
 
 
-def _has_answer(problem: OptimisationProblem, family: Family) -> bool:
+def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
     """True if a family has an answer for the variables, the limit and the track of a problem."""
     plan = problem.plan
     at_rest = "speed" not in plan.parameters and (
@@ -94,15 +94,15 @@ def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[st
     """Return what the answers take, each of shape (cells,): drive, gravity and friction."""
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
-    given = {name: known[name] for name in names}
+    inputs = {name: known[name] for name in names}
     for name in ("friction_static", "gravity_across"):
         if name in known:
-            given[name] = known[name]
+            inputs[name] = known[name]
     for name in ANGLES:
         if name in known:
-            given[name] = known[name]
+            inputs[name] = known[name]
     cells = next(iter(design.values())).shape
-    return {n: np.broadcast_to(np.asarray(v, dtype=np.float64), cells) for n, v in given.items()}
+    return {n: np.broadcast_to(np.asarray(v, dtype=np.float64), cells) for n, v in inputs.items()}
 
 
 def _closed(
@@ -111,16 +111,16 @@ def _closed(
     """Return the closed answer of every design, or that many points of its front."""
     which = answered(problem)
     assert which is not None
-    given = groups(problem, design)
+    inputs = groups(problem, design)
     asked = {
         "limit": design.get(LIMIT, np.inf),
         "weight": problem.weight,
         "floor_contact": which.floor,
         "wall_contact": which.wall,
-        "friction_static": given["friction_kinetic"],
+        "friction_static": inputs["friction_kinetic"],
         "points": points,
     }
-    return which.family.closed_answer(problem.criterion, asked | given)
+    return which.family.closed_optimum(problem.criterion, asked | inputs)
 
 
 def by_closed_form(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
@@ -143,16 +143,16 @@ def by_newton(problem: OptimisationProblem, design: Mapping[str, Array]) -> Opti
     """Return the compiled answer of every design."""
     which = answered(problem)
     assert which is not None
-    given = groups(problem, design)
+    inputs = groups(problem, design)
     bounds: dict[str, Any] = {}
     for name in ANGLES:
         if name in problem.names:
             place = problem.names.index(name)
             ends = (problem.lower[place], problem.upper[place])
         else:
-            ends = (given[name], given[name])
+            ends = (inputs[name], inputs[name])
         bounds[f"{name}_lower"], bounds[f"{name}_upper"] = ends
-    bounds |= {name: values for name, values in given.items() if name not in ANGLES}
+    bounds |= {name: values for name, values in inputs.items() if name not in ANGLES}
     best = newton.fastest(
         which.family.name,
         **bounds,
@@ -162,7 +162,7 @@ def by_newton(problem: OptimisationProblem, design: Mapping[str, Array]) -> Opti
     )
     # The solver's residual is per radian, in units of the drive.
     span = float(np.max(problem.upper - problem.lower))
-    residual = best.residual * given["vibration_acceleration"] * span
+    residual = best.residual * inputs["vibration_acceleration"] * span
     return Optima(_ordered(problem, best.alpha, best.beta), best.status, best.objective, residual)
 
 

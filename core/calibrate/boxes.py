@@ -1,9 +1,9 @@
 """The grid of the unknowns, which is fine where the mass of the posterior is.
 
-The box between the bounds is cut into equal leaves, and whichever leaf holds much mass over which
+The box between the bounds is cut into equal boxes, and whichever box holds much mass over which
 the predictions change is halved along each unknown, again and again. How much predictions change
-within a leaf is known from its neighbours, and counts as an error of theirs: a mode that is far
-narrower than the first leaves cannot be missed as long as they see the speeds rise and fall.
+within a box is known from its neighbours, and counts as an error of theirs: a mode that is far
+narrower than the first boxes cannot be missed as long as they see the speeds rise and fall.
 """
 
 from __future__ import annotations
@@ -18,33 +18,33 @@ from core.calibrate.scatter import Likelihood, summed
 from core.mechanics.arrays import Array
 from core.watch import Watch
 
-FIRST_SHARE = 4  # of all points, one in so many may be of the first leaves
-FINEST_FIRST = 8  # halvings of a bound to bound that the first leaves have at most
-MAX_BITS = 60  # of the number of a leaf: halvings times unknowns
+FIRST_SHARE = 4  # of all points, one in so many may be of the first boxes
+FINEST_FIRST = 8  # halvings of a bound to bound that the first boxes have at most
+MAX_BITS = 60  # of the number of a box: halvings times unknowns
 ROUND = 0.8  # of the whole score, the share that is refined at a time
 ENOUGH = 0.01  # of the score: predictions change by a tenth of their errors
-BENT = 0.25  # of the square of what a leaf foretold wrongly: its halves bend less
+BENT = 0.25  # of the square of what a box foretold wrongly: its halves bend less
 FAR = 3.0  # errors: a residual beyond them is no chance
-UNIFORM = 1.0 / 12.0  # the variance of what is anywhere in a leaf, over its width squared
+UNIFORM = 1.0 / 12.0  # the variance of what is anywhere in a box, over its width squared
 
 
 @dataclass(frozen=True)
-class Leaves:
+class Boxes:
     """Boxes of the unknowns, in shares of the way from bound to bound.
 
     Attributes
     ----------
-    centre : ndarray, shape (leaves, unknowns)
-    halvings : ndarray of int, shape (leaves,)
+    centre : ndarray, shape (boxes, unknowns)
+    halvings : ndarray of int, shape (boxes,)
         Each has a width of 1/2 to that power, along every unknown.
-    value, variance : ndarray, shape (leaves, runs)
+    value, variance : ndarray, shape (boxes, runs)
         What motions give at the centres.
-    slope : ndarray, shape (leaves, runs, unknowns)
+    slope : ndarray, shape (boxes, runs, unknowns)
         How values change.
-    rough : ndarray, shape (leaves, runs)
+    rough : ndarray, shape (boxes, runs)
         Variance of values about what slopes tell.
-    shown : ndarray, shape (leaves, watched runs)
-        The share of a leaf in which the part does what was seen.
+    shown : ndarray, shape (boxes, watched runs)
+        The share of a box in which the part does what was seen.
     """
 
     centre: Array
@@ -56,33 +56,33 @@ class Leaves:
     shown: Array
 
     def __len__(self) -> int:
-        """Return the number of leaves."""
+        """Return the number of boxes."""
         return len(self.halvings)
 
     @property
     def width(self) -> Array:
-        """The widths, shape (leaves,)."""
+        """The widths, shape (boxes,)."""
         return np.exp2(-self.halvings.astype(np.float64))
 
     @property
     def log_volume(self) -> Array:
-        """Logarithms of the volumes, shape (leaves,)."""
+        """Logarithms of the volumes, shape (boxes,)."""
         return -self.halvings * self.centre.shape[1] * np.log(2.0)
 
     @property
     def change(self) -> Array:
-        """Variance of values within a leaf, shape (leaves, runs)."""
+        """Variance of values within a box, shape (boxes, runs)."""
         steps: Array = np.square(self.slope).sum(axis=2)
         return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
 
-    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> Leaves:
-        """Return some of the leaves."""
-        return Leaves(*(getattr(self, field.name)[where] for field in fields(self)))
+    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> Boxes:
+        """Return some of the boxes."""
+        return Boxes(*(getattr(self, field.name)[where] for field in fields(self)))
 
-    def joined(self, other: Leaves) -> Leaves:
-        """Return these and other leaves."""
+    def joined(self, other: Boxes) -> Boxes:
+        """Return these and other boxes."""
         both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
-        return Leaves(*(np.concatenate(pair) for pair in both))
+        return Boxes(*(np.concatenate(pair) for pair in both))
 
 
 @dataclass(frozen=True)
@@ -91,19 +91,19 @@ class Explored:
 
     Attributes
     ----------
-    leaves : Leaves
+    boxes : Boxes
         The boxes.
-    log_mass : ndarray, shape (leaves,)
+    log_mass : ndarray, shape (boxes,)
         Logarithms of the mass in each.
     points : int
         How many points were tried.
     sizes : ndarray, shape (sizes,)
         How likely each size of the discrepancy is.
     left : float
-        What is left to refine: the mean of how far predictions change in a leaf, over errors.
+        What is left to refine: the mean of how far predictions change in a box, over errors.
     """
 
-    leaves: Leaves
+    boxes: Boxes
     log_mass: Array
     points: int
     sizes: Array
@@ -119,36 +119,36 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
         If the watch says so.
     """
     count = len(likelihood.model.unknowns)
-    leaves = _first(likelihood, most, watch)
-    tried = len(leaves)
+    boxes = _first(likelihood, most, watch)
+    tried = len(boxes)
     while True:
-        log = _log_mass(likelihood, leaves)
+        log = _log_mass(likelihood, boxes)
         log_mass = summed(log)
-        score = _score(likelihood, leaves, log)
+        score = _score(likelihood, boxes, log)
         left = float(score.sum())
         order = np.argsort(-score)
         wanted = int(np.searchsorted(np.cumsum(score[order]), ROUND * left)) + 1
         wanted = min(wanted, (most - tried) >> count, int((score > 0).sum()))
         if left < ENOUGH or wanted < 1:
-            return Explored(leaves, log_mass, tried, _sizes(log), left)
+            return Explored(boxes, log_mass, tried, _sizes(log), left)
         chosen = order[:wanted]
-        kept = np.ones(len(leaves), dtype=bool)
+        kept = np.ones(len(boxes), dtype=bool)
         kept[chosen] = False
-        parents = leaves.only(chosen)
+        parents = boxes.only(chosen)
         children = wanted << count
         finer = _split(likelihood, parents, watch.part(children / most))
-        leaves = leaves.only(kept).joined(finer)
+        boxes = boxes.only(kept).joined(finer)
         tried += children
 
 
 def points_of(likelihood: Likelihood, centre: Array) -> Array:
     """Return points of the unknowns from shares of the way from bound to bound."""
     model = likelihood.model
-    found: Array = model.lower + centre * model.width
-    return found
+    points: Array = model.lower + centre * model.width
+    return points
 
 
-def _first(likelihood: Likelihood, most: int, watch: Watch) -> Leaves:
+def _first(likelihood: Likelihood, most: int, watch: Watch) -> Boxes:
     count = len(likelihood.model.unknowns)
     halvings = int(np.log2(most / FIRST_SHARE) / count)
     halvings = max(2, min(FINEST_FIRST, halvings))
@@ -163,7 +163,7 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> Leaves:
     slopes = [np.gradient(values, 1.0 / size, axis=k) for k in range(count)]
     slope = np.stack(slopes, axis=-1).reshape(-1, runs, count)
     rough = sum(np.square(_bend(values, axis)) for axis in range(count))
-    return Leaves(
+    return Boxes(
         centre,
         np.full(len(centre), halvings),
         predicted.value,
@@ -178,12 +178,12 @@ def _bend(values: Array, axis: int) -> Array:
     """Return by how much values of neighbours leave a straight line, within half of their way."""
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
-    found: Array = 0.25 * np.diff(near, 2, axis=axis)
-    return found
+    bend: Array = 0.25 * np.diff(near, 2, axis=axis)
+    return bend
 
 
 def _softened(shown: Array) -> Array:
-    """Return what was seen in the first leaves: a border may lie between a leaf and the next."""
+    """Return what was seen in the first boxes: a border may lie between a box and the next."""
     soft = shown
     for axis in range(shown.ndim - 1):
         near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
@@ -192,8 +192,8 @@ def _softened(shown: Array) -> Array:
     return soft
 
 
-def _split(likelihood: Likelihood, parents: Leaves, watch: Watch) -> Leaves:
-    """Return the halves along each unknown of some leaves."""
+def _split(likelihood: Likelihood, parents: Boxes, watch: Watch) -> Boxes:
+    """Return the halves along each unknown of some boxes."""
     count = parents.centre.shape[1]
     signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
     step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
@@ -206,18 +206,18 @@ def _split(likelihood: Likelihood, parents: Leaves, watch: Watch) -> Leaves:
     # Over all signs, which are orthogonal, a plane through the children is a sum of products.
     slope = np.einsum("pcr,ck->prk", family, signs) / (children * step)
     plane = np.einsum("prk,ck->pcr", slope * step, signs) + family.mean(axis=1, keepdims=True)
-    # Halves of a leaf lie on a straight line whatever it is; what the leaf foretold tells more.
-    told = np.nan_to_num(parents.value)[:, np.newaxis] + np.einsum(
+    # Halves of a box lie on a straight line whatever it is; what the box foretold tells more.
+    foretold = np.nan_to_num(parents.value)[:, np.newaxis] + np.einsum(
         "prk,ck->pcr", parents.slope * step, signs
     )
-    rough = np.maximum(np.square(family - plane), BENT * np.square(family - told)).mean(axis=1)
+    rough = np.maximum(np.square(family - plane), BENT * np.square(family - foretold)).mean(axis=1)
     mixed = shown.reshape(len(parents), children, shown.shape[1]).mean(axis=1)
     shown = np.where(
         np.repeat((mixed > 0) & (mixed < 1), children, axis=0),
         0.5 * (shown + np.repeat(mixed, children, axis=0)),
         shown,
     )
-    return Leaves(
+    return Boxes(
         flat,
         np.repeat(parents.halvings + 1, children),
         predicted.value,
@@ -228,15 +228,15 @@ def _split(likelihood: Likelihood, parents: Leaves, watch: Watch) -> Leaves:
     )
 
 
-def _log_mass(likelihood: Likelihood, leaves: Leaves) -> Array:
-    """Return the mass of leaves, each with each size of the discrepancy, as logarithms."""
-    points, within = points_of(likelihood, leaves.centre), leaves.rough + leaves.change
-    log = likelihood.log(leaves.value, leaves.variance, leaves.shown, points, within)
-    return log + leaves.log_volume[:, np.newaxis]
+def _log_mass(likelihood: Likelihood, boxes: Boxes) -> Array:
+    """Return the mass of boxes, each with each size of the discrepancy, as logarithms."""
+    points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
+    log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
+    return log + boxes.log_volume[:, np.newaxis]
 
 
 def _sizes(log: Array) -> Array:
-    """Return how likely each size of the discrepancy is, of the masses of leaves."""
+    """Return how likely each size of the discrepancy is, of the masses of boxes."""
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
@@ -244,25 +244,25 @@ def _sizes(log: Array) -> Array:
     return found / found.sum()
 
 
-def _score(likelihood: Likelihood, leaves: Leaves, log: Array) -> Array:
-    """Return how much refining leaves would add, shape (leaves,)."""
+def _score(likelihood: Likelihood, boxes: Boxes, log: Array) -> Array:
+    """Return how much refining boxes would add, shape (boxes,)."""
     runs = likelihood.model.runs
     top = log.max()
     if not np.isfinite(top):
-        return np.zeros(len(leaves))
+        return np.zeros(len(boxes))
     mass = np.exp(log - top)
     mass /= mass.sum()
     where, size = runs.measured, likelihood.scatter.sizes
     usual = float(mass.sum(axis=0) @ np.square(size))
     if runs.errors_known:
         usual = float(np.square(size[np.argmax(mass.sum(axis=0))]))
-    known = leaves.variance[:, where] + np.square(runs.error[where]) + usual
+    known = boxes.variance[:, where] + np.square(runs.error[where]) + usual
     # Far from what was measured a small change of a value changes the likelihood much.
-    residual = np.nan_to_num(leaves.value[:, where] - runs.value[where])
+    residual = np.nan_to_num(boxes.value[:, where] - runs.value[where])
     slope = np.maximum(1.0, np.square(residual / FAR) / known)
-    smooth = (leaves.change[:, where] / known * slope).sum(axis=1)
-    rough = (leaves.rough[:, where] / known * slope).sum(axis=1)
-    border = (leaves.shown * (1.0 - leaves.shown)).sum(axis=1)
-    found: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + rough + border, 10.0)
-    found[leaves.halvings >= MAX_BITS // leaves.centre.shape[1]] = 0.0
-    return found
+    smooth = (boxes.change[:, where] / known * slope).sum(axis=1)
+    rough = (boxes.rough[:, where] / known * slope).sum(axis=1)
+    border = (boxes.shown * (1.0 - boxes.shown)).sum(axis=1)
+    score: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + rough + border, 10.0)
+    score[boxes.halvings >= MAX_BITS // boxes.centre.shape[1]] = 0.0
+    return score
