@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def data_folder() -> Path:
-    """Return where the system keeps what a user's programs make; `data` where there is no home.
+    """Return the system's folder for the data of a user's programs; `data` where there is no home.
 
     That is `XDG_DATA_HOME`, or `~/.local/share`; `~/Library/Application Support` on macOS.
     """
@@ -17,7 +17,7 @@ def data_folder() -> Path:
 
 
 def cache_folder() -> Path:
-    """Return where the system keeps what programs can make again; `.cache` where there is no home.
+    """Return the system's folder for caches of programs; `.cache` where there is no home.
 
     That is `XDG_CACHE_HOME`, or `~/.cache`; `~/Library/Caches` on macOS.
     """

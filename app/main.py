@@ -73,7 +73,7 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         current_default_thread_limiter().total_tokens = THREADS
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
-        if (lacking := traces.wrong()) is not None:
+        if (lacking := traces.fault()) is not None:
             logger.warning(lacking)
         await runner.start()
         stopping = asyncio.Event()
@@ -110,7 +110,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.warmth = Warmth()  # started where the service is served
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `app.web.routes.health.readyz`.
-    app.state.readiness = [("jobs", runner.wrong), ("ledger", ledger.wrong)]
+    app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     watch_jobs(app.state.metrics, admission, cluster, settings)
     runner.work_progress.witnesses.append(app.state.metrics)

@@ -49,8 +49,8 @@ def _listed(raw: object) -> object:
     return [word.strip() for word in raw.split(",") if word.strip()]
 
 
-def wrong_url(url: str) -> str | None:
-    """Return what is wrong with the URL of a database, without a part of it; None if nothing is."""
+def url_fault(url: str) -> str | None:
+    """Return the fault of a database's URL, without a part of it; None if it is right."""
     kind, _, rest = url.partition("://")
     if kind == "sqlite":
         return (
@@ -236,7 +236,7 @@ class Settings(BaseSettings):
 
     @property
     def ledger(self) -> Path | str:
-        """Where the ledger is: a file, or the URL of a database."""
+        """The ledger: a file, or the URL of a database."""
         url = self.ledger_url
         return url.get_secret_value() if url else self.data_directory / "jobs.sqlite3"
 
@@ -256,7 +256,7 @@ class Settings(BaseSettings):
     def _database(cls, url: SecretStr | None) -> SecretStr | None:
         # No part of it is echoed: what is wrong may be a password in the wrong place.
         if url is not None:
-            why = wrong_url(url.get_secret_value())
+            why = url_fault(url.get_secret_value())
             if why is not None:
                 raise ValueError(why)
         return url

@@ -35,7 +35,7 @@ FLUSH = 1.0  # s that the last spans may take to leave
 
 
 def sent_as(service: str) -> Traces:
-    """Return what makes spans and sends them in the name of a service."""
+    """Return a provider that makes spans and sends them in the name of a service."""
     provider = TracerProvider(
         resource=Resource.create({"service.name": service}), shutdown_on_exit=False
     )

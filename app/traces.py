@@ -19,7 +19,7 @@ ENDPOINTS = ("OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"
 
 
 def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
-    """Return what makes spans and sends them; None if nobody asks, or it cannot be."""
+    """Return a provider that makes spans and sends them; None if not asked for, or impossible."""
     if not _is_wanted(environment) or not _is_installed():
         return None
     from app.spans import sent_as  # OpenTelemetry, which few have
@@ -27,8 +27,8 @@ def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
     return sent_as(environment.get("OTEL_SERVICE_NAME", "vibrafeed"))
 
 
-def wrong(environment: Mapping[str, str] = os.environ) -> str | None:
-    """Return why there are no traces though the environment asks for them, or None."""
+def fault(environment: Mapping[str, str] = os.environ) -> str | None:
+    """Return the reason why there are no traces though the environment asks for them, or None."""
     if _is_wanted(environment) and not _is_installed():
         return "traces are asked for, and the extra `traces` is not installed"
     return None

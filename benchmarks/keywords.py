@@ -16,7 +16,7 @@ from pathlib import Path
 
 from core.catalogue import scene_parameters
 from core.kinds import KINDS
-from core.motion.drive_units import GIVEN
+from core.motion.drive_units import PARAMETERS_OF_UNIT
 from core.motion.row_parts import CHOOSING
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
@@ -155,7 +155,11 @@ def parameters(kinds: Iterable[str]) -> list[str]:
     }
     if any(KINDS[kind].scenes[-1] is SYSTEMS for kind in kinds):
         # A part in time may stand on a drive unit or on a bowl's track, a row at a stop.
-        taken |= {*GIVEN, *CHOOSING, *(n for n in BOWL_TRACK if QUANTITIES[n].parameter)}
+        taken |= {
+            *PARAMETERS_OF_UNIT,
+            *CHOOSING,
+            *(n for n in BOWL_TRACK if QUANTITIES[n].parameter),
+        }
     return [name for name in QUANTITIES if name in taken and name not in numbered()]
 
 
@@ -271,7 +275,7 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from core.intake.keywords import Given
+    from core.intake.keywords import StudyLike
     from core.motion.drive_error import DriveError
     from core.study import Study
     from vibrafeed._names import (
@@ -322,7 +326,7 @@ def _signature(node: ast.FunctionDef) -> list[str]:
     ]
     return [
         f"def {node.name}(",
-        *(f"    {arg.arg}: Given | None = None," for arg in node.args.posonlyargs),
+        *(f"    {arg.arg}: StudyLike | None = None," for arg in node.args.posonlyargs),
         "    /,",
         "    *,",
         *own,

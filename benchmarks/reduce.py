@@ -27,13 +27,13 @@ from typing import Any
 
 import numpy as np
 import xarray
-from core.reduce.reduced_arrays import reduced_arrays
 
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.grid import Grid
 from core.plan.loops.lanes import LaneLoop
 from core.plan.loops.trace import traced
+from core.reduce.arrays import reduced_arrays
 from core.reduce.run import Units, cores
 from core.reduce.state import State, merged
 from core.sweep.reduced import ReducedSweep

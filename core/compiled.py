@@ -106,7 +106,7 @@ bits: Any = _bits
 
 @intrinsic
 def _raised(context: Any, flag: Any) -> Any:
-    """Return whether the first byte of an array is not 0, as it is now and not as it was."""
+    """True if the first byte of an array is not 0, as it is now and not as it was."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])

@@ -38,7 +38,7 @@ class Stopwatch:
 
     @property
     def is_running(self) -> bool:
-        """Whether something is being compiled now."""
+        """True while something is being compiled."""
         return self._depth > 0
 
     @contextmanager

@@ -51,7 +51,7 @@ class VibrafeedError(Exception):
     """Base of every error that vibrafeed raises on purpose."""
 
     def _render_traceback_(self) -> list[str]:
-        """Return what a notebook shows: the words alone. The way to them is of no use there."""
+        """Return the message alone for a notebook; the stack is of no use there."""
         return [f"{type(self).__name__}: {self}"]
 
 

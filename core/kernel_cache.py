@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: a folder a package, named after what its code depends on.
+"""The cache of compiled kernels: a folder a package, named after what its code depends on.
 
 numba's own cache watches the one file a function stands in, so that a kernel which calls into
 another file would keep the old callee. Here the code of a package lies in a folder named after a
@@ -142,7 +142,7 @@ def processor() -> str:
 
 
 def loop_name(source: str) -> str:
-    """Return what names the text of a function that stands in no file."""
+    """Return the file name that the text of a function gets which stands in no file."""
     return f"{LOOPS}-{hashlib.sha256(source.encode()).hexdigest()[:32]}"
 
 
@@ -161,7 +161,7 @@ def _forget_old(package: str, current: Path) -> None:
 
 
 class _CacheFolder(caching._CacheLocator):
-    """Where numba finds the code of one function, and what tells that it is that of its source."""
+    """The folder where numba finds the code of one function, with the stamp of its source."""
 
     def __init__(self, package: str, function: Callable[..., Any], file: str, path: Path) -> None:
         self._py_file, self._lineno = file, function.__code__.co_firstlineno
@@ -193,7 +193,7 @@ class _CacheFolder(caching._CacheLocator):
 
 
 class _Results(caching.CompileResultCacheImpl):
-    """How numba writes compiled code; in our place only."""
+    """The writer of compiled code that numba uses in this cache, and only there."""
 
     _locator_classes: list[type[object]] = [_CacheFolder]  # noqa: RUF012 numba declares it so
 
@@ -219,7 +219,7 @@ class _Cache(caching.FunctionCache):
 
 
 def cache_of(function: Callable[..., Any]) -> Any:
-    """Return what keeps the code of a function for numba; None if there is no folder for it."""
+    """Return the cache of a function for numba; None if there is no folder for it."""
     try:
         return _Cache(function)  # type: ignore[no-untyped-call]
     except RuntimeError:

@@ -42,7 +42,7 @@ def lazily(
 
 
 class Exported(Mapping[str, Record], Generic[Record]):
-    """What packages export under one name; a package is loaded when its record is asked for.
+    """The records that packages export under one name; a package is loaded on request.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How compiled functions that call each other become machine code: each entry once, as a whole.
+"""Links compiled functions that call each other into machine code: each entry once, as a whole.
 
 numba makes machine code of a function before it compiles the caller, links the optimised code into
 that, and optimises both anew: what lies ten calls deep is optimised ten times. Here a function that
@@ -177,11 +177,11 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
         return super().compile(signature)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return what tells the compiler of a caller the type of a call."""
+        """Return the template by which a caller's compiler types a call."""
         return self._part.get_call_template(args, kws)
 
     def get_overload(self, signature: Any) -> Any:
-        """Return what the compiler of a caller finds the code by."""
+        """Return the key by which a caller's compiler finds the code."""
         return self._part.get_overload(signature)
 
 
@@ -213,11 +213,11 @@ class Choice:
         return self.py_func(*arguments)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return what tells the compiler of a caller the type of a call."""
+        """Return the template by which a caller's compiler types a call."""
         return self._way(args).get_call_template(args, kws)
 
     def get_overload(self, signature: Any) -> Any:
-        """Return what the compiler of a caller finds the code by."""
+        """Return the key by which a caller's compiler finds the code."""
         return self._way(signature).get_overload(signature)
 
     def _way(self, types: Any) -> Any:

@@ -150,11 +150,11 @@ class Suggestions:
         self.left = SEARCHED
 
     def __call__(self, name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-        """Return what `suggestion` does, or a plain word once that has been asked often enough."""
+        """Return the same as `suggestion`, or a plain word once it was asked often."""
         return self.within(lambda: suggestion(name, known, listed))
 
     def within(self, search: Callable[[], str]) -> str:
-        """Return what a search gives, as above."""
+        """Return the result of a search, as above."""
         self.left -= 1
         return search() if self.left >= 0 else "Fix the ones before it first"
 

@@ -23,7 +23,7 @@ LOOK = 0.05
 
 @dataclass(frozen=True)
 class Watch:
-    """What a long computation asks while it runs: whether to stop, and whom to tell how far it is.
+    """The watch over a long computation: it says whether to stop, and takes its progress.
 
     Attributes
     ----------

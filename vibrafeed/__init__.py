@@ -1,4 +1,4 @@
-"""How parts accelerate and travel on vibratory feeder tracks: sweeps, motion in time, best drives.
+"""Motion of parts on vibratory feeder tracks: sweeps, motion in time, best drives.
 
 >>> import vibrafeed
 >>> motion = vibrafeed.simulate(
@@ -277,7 +277,7 @@ def plot(
 
 
 def _opened(source: Any) -> Any:
-    """Return what is to be drawn, files read."""
+    """Return the datasets to be drawn, files read."""
     if isinstance(source, str | _os.PathLike):
         return import_module("core.plots.files").read(source)
     return [_opened(one) for one in source] if isinstance(source, list | tuple) else source

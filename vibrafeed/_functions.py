@@ -178,7 +178,7 @@ def optimise(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Datas
 
 
 def sensitivity(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return how outputs vary with parameters that are not known exactly, over a grid.
+    """Return the variation of outputs with parameters that are not known exactly, over a grid.
 
     `uncertain` gives parameters and their distributions. What is told of each output (mean and
     quantiles, probabilities, Sobol indices, a tolerance budget) is said by `analyses`.
@@ -219,7 +219,7 @@ def sensitivity(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Da
 
 
 def calibrate(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return what measured speeds tell of unknown parameters.
+    """Return the estimates of unknown parameters from measured speeds.
 
     `observations` are the runs, each with the parameters that are its own, what was measured and
     its error; they may stand in a CSV or XLSX file. `unknowns`, `offsets` and `factors` are what is
@@ -306,7 +306,7 @@ def open_lazily(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Da
 def drive_error(
     study: StudyLike | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
 ) -> DriveError:
-    """Return how far the errors of a measured drive move the conveying velocity of one part.
+    """Return the error of a part's conveying velocity by the errors of a measured drive.
 
     The part is followed under drives that the recording cannot tell from the fitted one. Errors of
     friction and other parameters, of the model and of the sensor's scale are not among them.
@@ -380,12 +380,12 @@ def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -
 
 
 def _memory() -> int:
-    """Return how many bytes this machine's memory has."""
+    """Return the memory of this machine in bytes."""
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
 def _watch() -> Watch | None:
-    """Return what tells how far a long computation is, in a notebook; elsewhere None."""
+    """Return a watch that shows progress in a notebook; elsewhere None."""
     if "ipykernel" not in sys.modules:
         return None
     return import_module("core.watch").Watch(progress=_progress(time.monotonic))

@@ -40,7 +40,7 @@ class _Finder:
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return where a claimed package or a module of it is; None for all others."""
+        """Return the spec of a claimed package or a module of it; None for all others."""
         if name in ("vibrafeed.core", "vibrafeed.app"):  # there would be two of everything
             own = name.rpartition(".")[2]
             raise ModuleNotFoundError(f"No module named '{name}': its name is '{own}'", name=name)

@@ -2543,7 +2543,7 @@ def sensitivity(
     parameters: Mapping[str, Values] | None = None,
     **numbered: Unpack[DriveNumbers],
 ) -> xarray.Dataset:
-    """Return how outputs vary with parameters that are not known exactly, over a grid.
+    """Return the variation of outputs with parameters that are not known exactly, over a grid.
 
     `uncertain` gives parameters and their distributions. What is told of each output (mean and
     quantiles, probabilities, Sobol indices, a tolerance budget) is said by `analyses`.
@@ -3283,7 +3283,7 @@ def calibrate(
     parameters: Mapping[str, Values] | None = None,
     **numbered: Unpack[DriveNumbers],
 ) -> xarray.Dataset:
-    """Return what measured speeds tell of unknown parameters.
+    """Return the estimates of unknown parameters from measured speeds.
 
     `observations` are the runs, each with the parameters that are its own, what was measured and
     its error; they may stand in a CSV or XLSX file. `unknowns`, `offsets` and `factors` are what is
@@ -3956,7 +3956,7 @@ def drive_error(
     parameters: Mapping[str, Values] | None = None,
     **numbered: Unpack[DriveNumbers],
 ) -> DriveError:
-    """Return how far the errors of a measured drive move the conveying velocity of one part.
+    """Return the error of a part's conveying velocity by the errors of a measured drive.
 
     The part is followed under drives that the recording cannot tell from the fitted one. Errors of
     friction and other parameters, of the model and of the sensor's scale are not among them.

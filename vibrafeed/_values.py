@@ -1,4 +1,4 @@
-"""What a keyword of a study may hold, for editors and type checkers; nothing loads it to run."""
+"""Types of the keywords of a study, for editors and type checkers; nothing loads them to run."""
 
 from __future__ import annotations
 

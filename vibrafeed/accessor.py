@@ -1,4 +1,4 @@
-"""What datasets of vibrafeed can do besides: `dataset.vf`, an accessor of xarray.
+"""The accessor `dataset.vf` of xarray: pictures, tables and the study of a dataset.
 
 Every function that returns a dataset imports this module. Who only reads files with xarray imports
 it: ``import vibrafeed.accessor``.
@@ -50,7 +50,7 @@ class Accessor:
         self._dataset = dataset
 
     def __repr__(self) -> str:
-        """Return what the accessor is for."""
+        """Return a short text on the purpose of the accessor."""
         names = [name for name in dir(type(self)) if not name.startswith("_")]
         scene = self._dataset.attrs.get("scene", "no scene")
         return f"<vibrafeed accessor of a dataset of {scene}: {', '.join(names)}>"

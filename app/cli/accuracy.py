@@ -98,7 +98,7 @@ def write_report(
 
 
 def dataset_of(folder: Path, name: str) -> Path:
-    """Return where the measurements of a study go, by the stem of its file; or of `EXTREMES`."""
+    """Return the path of a study's measurements, by the stem of its file; or of `EXTREMES`."""
     return folder / f"accuracy-{name}.nc"
 
 

@@ -1,4 +1,4 @@
-"""What the command line tells of scenes: parameters, outputs, regimes."""
+"""Scenes on the command line: parameters, outputs, regimes."""
 
 from __future__ import annotations
 

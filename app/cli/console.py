@@ -7,10 +7,10 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 
+import rich.table
 import typer
 from rich import box
 from rich.console import Console
-from rich.table import Table as Grid
 from rich.text import Text
 
 from app.cli.layout import Rows, block_lines, folded, least_widths, plain_lines
@@ -72,7 +72,7 @@ def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) ->
         for line in plain_lines(columns, rows):
             say(line)
         return
-    grid = Grid(box=box.SIMPLE)
+    grid = rich.table.Table(box=box.SIMPLE)
     for column, width in zip(columns, least_widths(columns, rows), strict=True):
         grid.add_column(
             column,

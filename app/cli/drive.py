@@ -135,7 +135,7 @@ def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
 
 
 def _problems_of_picture(plot: Path | None) -> list[Problem]:
-    """Return what is wrong with the name of a picture; exit if nothing can draw it."""
+    """Return the problems of a picture's name; exit if nothing can draw it."""
     if plot is None:
         return []
     try:

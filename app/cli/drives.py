@@ -1,4 +1,4 @@
-"""What the command line tells of a measured drive: a table, and the parameters of a study."""
+"""A measured drive on the command line: a table, and the parameters of a study."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
 
 
 def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
-    """Return what a recording tells of its drive, as a document; metres, degrees and hertz."""
+    """Return the drive of a recording as a document; metres, degrees and hertz."""
     harmonics = [
         {
             "axis": axis,
@@ -72,8 +72,8 @@ def facts(fit: Fit) -> Iterator[tuple[str, str]]:
         yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
     for name, shares in (("not explained by the fit", fit.left_over), ("drift", fit.drifting)):
         each = zip(fit.axes, PERCENT * shares, strict=True)
-        significant = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
-        yield name, f"{significant} of the drive"
+        listed = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
+        yield name, f"{listed} of the drive"
     if fit.tilt is not None:
         climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
         yield "tilt", f"climbs by {climb:.2f} degrees, rises to its left by {lean:.2f} degrees"

@@ -1,4 +1,4 @@
-"""What came out of a calibration, for a person: what was found, the unknowns, and the runs."""
+"""The result of a calibration on the console: findings, the unknowns, and the runs."""
 
 from __future__ import annotations
 

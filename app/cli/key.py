@@ -22,7 +22,7 @@ from app.cli.serve import PRIVATE, settings_in_force
 from app.cli.studies import refuse
 from app.jobs import audit
 from app.jobs.errors import LaterLedgerError
-from app.jobs.keys import Key, Keys, NoSuchKeyError, WrongKeyError, new_key
+from app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, new_key
 from app.jobs.ledger import Ledger
 from core.errors import Problem
 
@@ -64,7 +64,7 @@ def add(
     with _database() as database:
         try:
             made, kept = Keys(database).add(asked, days)
-        except WrongKeyError as error:
+        except InvalidKeyError as error:
             refuse({Path("key add"): list[Problem](error.problems)})
     typer.echo(made)
     typer.echo(

@@ -94,7 +94,7 @@ def lookup(
 
 
 def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulate: bool) -> Table:
-    """Return what the atlas says; report every problem and exit."""
+    """Return the values of the atlas; report every problem and exit."""
     source = rows or Path("lookup")
     refused: dict[Path, list[Problem]] = {}
     parameters, problems = _named(assignments)

@@ -174,7 +174,7 @@ def _ask(question: Question) -> str:
 
 
 def _idle(name: str, answers: dict[str, str]) -> Problem:
-    """Return what to tell of an option that nothing asks for."""
+    """Return the problem of an option that nothing asks for."""
     question = _BY_NAME[name]
     if question.unless in answers:
         message = f"{_flag(question.unless)} says it already"

@@ -16,7 +16,7 @@ from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
 from core.dataset.records import Records
 from core.errors import Problem, VibrafeedError
-from core.plan.parts import ANSWERS, MAX_PARTS, SHARDS, PartsMissingError, ranges
+from core.plan.parts import ARRAYS, MAX_PARTS, SHARDS, PartsMissingError, ranges
 from core.sweep.targets import is_zarr
 from core.watch import Watch
 
@@ -80,7 +80,7 @@ def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
     elif prepared.part_of == SHARDS and not is_zarr(target):
         message = "the parts of a sweep are shards of a Zarr group"
         problem = Problem("output", message, "Write -o result.zarr, or s3://bucket/key")
-    elif prepared.part_of == ANSWERS and is_zarr(target):
+    elif prepared.part_of == ARRAYS and is_zarr(target):
         problem = Problem("output", "what is reduced goes to NetCDF", "Write -o result.nc")
     elif not 1 <= count <= MAX_PARTS:
         problem = Problem("part", f"{count:,} parts", f"Take 1 to {MAX_PARTS:,}")

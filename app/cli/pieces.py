@@ -97,7 +97,7 @@ class Pieces:
         return self._store.has_block(self._key, self._cells, index)
 
     def _compute(self, prepared: Prepared, watch: Watch) -> Computed:
-        """Return what is computed of all pieces; those under way when it is stopped in part."""
+        """Return the arrays of all pieces; those under way when it is stopped in part."""
         count = len(self)
         left = [index for index in range(count) if not self._is_kept(index)]
         if len(left) < count:
@@ -118,7 +118,7 @@ class Pieces:
                 yield self._cut.box(index), self._read(index, watch)
 
     def _piece(self, index: int, watch: Watch) -> tuple[Computed, float]:
-        """Return what is computed of a piece, and the seconds that it took."""
+        """Return the arrays of a piece, and the seconds that it took."""
         started, compiling = time.perf_counter(), stopwatch.spent
         computed = self._kind.compute(self._prepared.within(self._cut.box(index)), watch)
         return computed, time.perf_counter() - started - (stopwatch.spent - compiling)

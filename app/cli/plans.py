@@ -1,4 +1,4 @@
-"""What a study would do, before it does it: for a person, and as a document."""
+"""The plan of a study, printed before it runs: for a person, and as a document."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
-    """Return what a study would do, as a document: cells, bytes, dimensions, equations."""
+    """Return the plan of a study as a document: cells, bytes, dimensions, equations."""
     plan = prepared.plan
     facts: dict[str, Any] = {
         "study": str(path),
@@ -74,7 +74,7 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
 
 
 def more(prepared: Prepared, checked: float) -> Iterator[str]:
-    """Yield what --verbose tells of a study besides its result.
+    """Yield the lines that --verbose prints of a study besides its result.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the commands that print published values share: `friction` and `leaves`."""
+"""Parts of the commands that print published values: `friction` and `leaves`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `vibrafeed new` asks, and how an answer is checked."""
+"""The questions of `vibrafeed new`, and the checks of their answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came out of a study: for a person, and as a document for programs."""
+"""The result of a study: for a person, and as a document for programs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _CHOICE = re.compile(r"\w+ = ")
 
 
 def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, Any]:
-    """Return what came out of a study, as a document; values in the units of files."""
+    """Return the result of a study as a document; values in the units of files."""
     found = {name: _finite_ends(one) for name, one in _outputs(result).items()}
     shares = {}
     if "regime" in result.variables:
@@ -128,7 +128,7 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
 
 
 def _knee(result: Table, units: ShownUnits) -> str:
-    """Return where the knee of a front is, with both outputs and the choice; else nothing."""
+    """Return the knee of a front, with both outputs and the choice; else nothing."""
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
         return ""
@@ -148,7 +148,7 @@ def _knee(result: Table, units: ShownUnits) -> str:
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
-    """Return where the part travels fastest, of a simulation of many; else nothing."""
+    """Return the cell where the part travels fastest, of a simulation of many; else nothing."""
     speed = result.variables.get("conveying_velocity")
     if speed is None or speed.values.size < 2 or "motion_status" not in result.variables:
         return ""

@@ -184,7 +184,7 @@ class Running:
 
 
 def _say_what_is_kept(pieces: Pieces) -> None:
-    """Say how many pieces of a study are kept, if some are, and how to go on with them."""
+    """Print the number of kept pieces of a study, if any, and the command to go on."""
     if pieces.kept:
         done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"
         console.fail(f"  {done}. The same command with --resume goes on with them.")
@@ -193,7 +193,7 @@ def _say_what_is_kept(pieces: Pieces) -> None:
 
 
 def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
-    """Say what carries on with a result of which cells are left."""
+    """Print the command that carries on with a result of which cells are left."""
     options = "--resume" if target.endswith(".nc") else "--resume --force"
     if pieces.kept:
         how = f"{options} goes on with the {pieces.kept:,} of {len(pieces):,} pieces that are kept."

@@ -52,7 +52,7 @@ def scrub(
                 named = ", ".join(damage.files[:MAX_FILES]) + (f" and {more:,} more" * (more > 0))
                 rows.append((damage.name[:SHOWN], damage.state, named))
             if damage.state == BROKEN and repair:
-                store.take_away(damage.name, store.folder(damage.name) / damage.files[0])
+                store.remove_file(damage.name, store.folder(damage.name) / damage.files[0])
         if interrupted():
             console.fail("It was stopped; the rest is not looked at.")
     if as_json:

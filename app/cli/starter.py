@@ -215,7 +215,7 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return what may be chosen of a drive whose amplitude is the largest that there is."""
+    """Return the variables of a drive whose amplitude is the largest that there is."""
     largest = answers.get("amplitude")
     if largest is None:  # a stroke, from end to end
         stroke = typed(answers["peak_to_peak"])

@@ -103,7 +103,7 @@ def run_streamed(
 def _check_disk_space(
     path: Path, sweep: Prepared, target: str, *, compression: bool, resume: bool
 ) -> int:
-    """Say how large the result becomes, and refuse what its disk cannot hold; return the bytes."""
+    """Print the size of the result, and refuse one that its disk cannot hold; return the bytes."""
     compressed = compression or is_zarr(target)
     size = bytes_in_file(sweep, compressed=compressed)
     about = "about " if compressed else ""

@@ -1,4 +1,4 @@
-"""What commands have in common: studies checked together, refusals, exit codes, Ctrl-C."""
+"""The form of hard cases: studies by their numbers, and truths from elsewhere."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def prepare_all(
 
 
 def stem_of(path: Path) -> str:
-    """Return what a result is called after its study."""
+    """Return the stem of a result's name, after its study."""
     return "study" if path == STANDARD else path.stem
 
 
@@ -75,7 +75,7 @@ def _name_of(path: Path) -> str:
 
 
 def content_of(path: Path) -> object:
-    """Return what stands in a file, or what standard input holds: TOML, or a JSON object.
+    """Return the content of a file, or of standard input: TOML, or a JSON object.
 
     Raises
     ------

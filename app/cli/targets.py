@@ -1,4 +1,4 @@
-"""Where results go: files by their suffix, folders, and places that are refused before a run."""
+"""The targets of results: files by suffix, folders, and paths that are refused before a run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
-    """Return where the result of each study goes; exit if it cannot go there.
+    """Return the target of the result of each study; exit if it cannot be written.
 
     A folder is what exists as one, ends in a slash, or has no suffix.
     """
@@ -76,7 +76,7 @@ def make_folder_of(target: str) -> None:
 
 
 def kept_apart(target: str) -> str:
-    """Return where what is not whole goes: beside a file that is there, which may be whole."""
+    """Return the path of a partial result: beside a file that is there, which may be whole."""
     if not Path(target).exists():
         return target
     suffix = suffix_of(target)

@@ -1,4 +1,4 @@
-"""What a study of uncertain parameters found, for a person: one design in words and tables."""
+"""The result of a sensitivity study for a person: one design in words and tables."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ COMMAND = Path("validate")  # what problems are said to be of
 
 
 class Form(StrEnum):
-    """How outcomes are written."""
+    """The formats of outcomes."""
 
     TEXT = "text"
     JSON = "json"

@@ -316,14 +316,14 @@ class Admission:
             self._scrubbed = check.name
             if check.state == BROKEN:
                 path = self.store.folder(check.name) / check.files[0]
-                self.store.take_away(check.name, path)
+                self.store.remove_file(check.name, path)
             read += check.bytes
             if read >= SCRUBBED:
                 return
         self._scrubbed = ""
 
     def used_bytes(self) -> int:
-        """Return what all studies take on the disk, counted a minute ago at most."""
+        """Return the bytes of all studies on the disk, counted a minute ago at most."""
         return self._quota.used()
 
 

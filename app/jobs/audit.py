@@ -1,4 +1,4 @@
-"""Who did what: a table in the ledger of what was posted, dismissed, shared, and of keys."""
+"""The audit table of the ledger: who posted, dismissed or shared what, and changes of keys."""
 
 from __future__ import annotations
 

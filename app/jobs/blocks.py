@@ -19,7 +19,7 @@ _NOTES = "notes"
 
 
 def pack(computed: Computed) -> tuple[bytes, memoryview]:
-    """Return what was computed of a piece as a digest and the bytes that follow it."""
+    """Return the arrays of a piece as a digest and the bytes that follow it."""
     notes = np.frombuffer(json.dumps(dict(computed.notes)).encode(), np.uint8)
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
@@ -27,7 +27,7 @@ def pack(computed: Computed) -> tuple[bytes, memoryview]:
 
 
 def unpack(block: bytes) -> Computed | None:
-    """Return what was computed of a piece; None if its digest is another one."""
+    """Return the arrays of a piece; None if its digest is another one."""
     view = memoryview(block)
     digest, content = view[:DIGEST], view[DIGEST:]
     if hashlib.sha256(content).digest() != digest:
@@ -64,7 +64,7 @@ class Blocks(Studies):
                 return
 
     def read_block(self, key: str, cells: int, index: int) -> Computed:
-        """Return what was computed of a piece; raise `TornBlockError` if it cannot be read."""
+        """Return the arrays of a piece; raise `TornBlockError` if it cannot be read."""
         path = self._block(key, cells, index)
         try:
             block = path.read_bytes()

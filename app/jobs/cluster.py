@@ -62,7 +62,7 @@ class Cluster:
         return client
 
     async def workers(self) -> int:
-        """Return how many tasks can run at once.
+        """Return the number of tasks that can run at once.
 
         That is 0 while no worker is there: ours are started again, or a scheduler elsewhere has
         none.
@@ -86,7 +86,7 @@ class Cluster:
             await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
 
     def alive(self) -> int:
-        """Return how many workers there were a moment ago; 0 if none has been asked for yet."""
+        """Return the number of workers a moment ago; 0 if none has been asked for yet."""
         if self._start is None or not self._start.done() or _is_lost(self._start):
             return 0
         client, _ = self._start.result()
@@ -125,7 +125,7 @@ class Cluster:
 
 
 def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
-    """Return what calls a function of this program by its name, wherever it is sent.
+    """Return a callable that finds a function of this program by its name, wherever it is sent.
 
     It is sent with all it holds, tells that it begins, and finds the rest by the name `vibrafeed`:
     schedulers and workers may have other packages called `app` and `core`. The first call of a
@@ -159,7 +159,7 @@ def _is_lost(start: asyncio.Task[_Made]) -> bool:
 
 
 def _polite() -> WorkerPlugin:
-    """Return what makes each worker polite, those too that take the place of dead ones."""
+    """Return a plugin that lowers the priority of each worker, those too that replace dead ones."""
 
     class Polite(WorkerPlugin):
         def setup(self, worker: object) -> None:

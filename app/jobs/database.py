@@ -26,9 +26,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import URL, Connection, Engine, Row, create_engine, event, inspect, make_url
-from sqlalchemy.exc import DBAPIError
-from sqlalchemy.exc import TimeoutError as NoConnectionError
+from sqlalchemy import URL, Connection, Engine, Row, create_engine, event, exc, inspect, make_url
 from sqlalchemy.sql.expression import Select
 
 from app.jobs.errors import LaterLedgerError, LostLedgerError
@@ -217,9 +215,9 @@ def _plain_errors() -> Iterator[None]:
     """Raise what SQLite raised, and OSError for what a database elsewhere says of its state."""
     try:
         yield
-    except NoConnectionError as error:
+    except exc.TimeoutError as error:
         raise OSError(errno.EAGAIN, "all connections to the ledger are in use") from error
-    except DBAPIError as error:
+    except exc.DBAPIError as error:
         if isinstance(error.orig, sqlite3.Error):
             raise error.orig from error
         code = getattr(error.orig, "sqlstate", None) or ""

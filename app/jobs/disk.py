@@ -1,4 +1,4 @@
-"""What a disk that fails says, in words: of files and of the ledger alike."""
+"""Messages for a disk that fails: of files and of the ledger alike."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
 
 
 def why(error: OSError | sqlite3.Error) -> str:
-    """Return what is wrong, in a few words; none of them names a file."""
+    """Return the fault in a few words; none of them names a file."""
     if isinstance(error, LostLedgerError):
         return LOST
     if isinstance(error, LostStoreError):

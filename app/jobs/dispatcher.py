@@ -63,7 +63,7 @@ class RunningTime:
 
 @dataclass
 class _Progress:
-    """How far an item is.
+    """The progress of an item.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the ledger hands out: jobs, items of work, and which jobs a list is to hold."""
+"""The entries of the ledger: jobs, items of work, and the filter of a list of jobs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ STATES = (*ACTIVE, "successful", "failed", "dismissed")
 
 @dataclass(frozen=True)
 class Wanted:
-    """Which jobs a list is to hold; what is empty or None chooses nothing.
+    """The filter of a list of jobs; a field that is empty or None chooses nothing.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Job:
-    """What a client posted; times in seconds since the epoch.
+    """A job as a client posted it; times in seconds since the epoch.
 
     Attributes
     ----------

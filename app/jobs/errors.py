@@ -1,4 +1,4 @@
-"""What can go wrong with jobs and their files; `app.web.problems` says what each is over HTTP."""
+"""Errors of jobs and their files; `app.web.problems` says what each is over HTTP."""
 
 from __future__ import annotations
 

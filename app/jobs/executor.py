@@ -85,7 +85,7 @@ class Executor:
         function: Callable[..., float],
         *arguments: Any,
     ) -> float:
-        """Return what a function returns on a worker.
+        """Return the result of a function on a worker.
 
         Whoever is cancelled need not wait for the worker. What a worker does not end by itself
         within the grace ends with its process.
@@ -142,7 +142,7 @@ class Executor:
         await asyncio.gather(*self._ending, return_exceptions=True)
 
     def waits(self) -> str | None:
-        """Return what new work has to wait for, or None."""
+        """Return the reason why new work has to wait, or None."""
         return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
     async def _submitted(self, function: Callable[..., float], arguments: Any) -> _Call:

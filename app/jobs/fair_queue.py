@@ -64,7 +64,7 @@ class FairQueue:
 
     @property
     def waiting(self) -> bool:
-        """Whether somebody waits for a place."""
+        """True if somebody waits for a slot."""
         return bool(self._waiting)
 
     def resize(self, slots: int) -> None:

@@ -73,14 +73,14 @@ class Key:
 
     @property
     def sees_all(self) -> bool:
-        """Whether it is shown what belongs to others, too."""
+        """True if it is also shown what belongs to others."""
         return self.role == "admin"
 
 
 NOBODY = Key("", "admin")  # who asks where no keys are needed
 
 
-class WrongKeyError(VibrafeedError):
+class InvalidKeyError(VibrafeedError):
     """A key cannot be made like this; `problems` holds all that is wrong."""
 
     def __init__(self, problems: Iterable[Problem]):
@@ -131,13 +131,13 @@ class Keys:
         """
         made, digest = new_key()
         now = time.time()
-        problems = _wrong(key, days)
+        problems = _problems_of(key, days)
         with self._database.transaction() as connection:
             if any(one.name == key.name and one.stands(now) for one in self.all()):
                 fix = f"Give another, or withdraw that one: vibrafeed key withdraw {key.name}"
                 problems.append(Problem("name", f"a key {key.name!r} is in force", fix))
             if problems:
-                raise WrongKeyError(problems)
+                raise InvalidKeyError(problems)
             ends = None if days is None else now + days * DAY
             kept = replace(key, hash=digest, created=now, ends=ends)
             connection.execute(KEYS.insert().values(id=uuid.uuid4().hex, **vars(kept)))
@@ -170,17 +170,17 @@ class Keys:
 
     @property
     def is_due(self) -> bool:
-        """Whether the ledger has to be looked at again."""
+        """True if the ledger has to be looked at again."""
         return self._known is None or time.monotonic() - self._looked > LOOK
 
     @property
     def is_known(self) -> bool:
-        """Whether the ledger has been looked at."""
+        """True if the ledger has been looked at."""
         return self._known is not None
 
     @property
     def is_fresh(self) -> bool:
-        """Whether the ledger has been looked at some moments ago at most."""
+        """True if the ledger has been looked at some moments ago at most."""
         return self._known is not None and time.monotonic() - self._looked < 2 * LOOK
 
     def look(self) -> None:
@@ -198,7 +198,7 @@ class Keys:
 
     @property
     def are_needed(self) -> bool:
-        """Whether there is a key, or ever was one: withdrawing the last opens nothing."""
+        """True if there is a key, or ever was one: withdrawing the last opens nothing."""
         return bool(self._set or self._known)
 
     def of_hash(self, digest: str) -> Key | None:
@@ -217,7 +217,7 @@ def _key(row: Row[*tuple[Any, ...]]) -> Key:
     return Key(**fields)
 
 
-def _wrong(key: Key, days: float | None) -> list[Problem]:
+def _problems_of(key: Key, days: float | None) -> list[Problem]:
     problems = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"

@@ -72,8 +72,8 @@ class Ledger:
         """
         return self.database.transaction()
 
-    def wrong(self) -> str | None:
-        """Return why the ledger cannot be read, or None."""
+    def fault(self) -> str | None:
+        """Return the reason why the ledger cannot be read, or None."""
         try:
             self._read(select(VERSION))
         except (OSError, sqlite3.Error) as error:
@@ -230,13 +230,13 @@ class Ledger:
             database.execute(JOBS.update().where(JOBS.c.id == number).values(shared=int(shared)))
 
     def active(self, owner: str) -> int:
-        """Return how many jobs of an owner run or wait."""
+        """Return the number of jobs of an owner that run or wait."""
         found = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
         [(count,)] = self._read(found)
         return int(count)
 
     def counts(self) -> dict[str, int]:
-        """Return how many jobs there are in each state."""
+        """Return the number of jobs in each state."""
         rows = self._read(select(JOBS.c.state, func.count()).group_by(JOBS.c.state))
         return dict.fromkeys(STATES, 0) | {row[0]: row[1] for row in rows}
 
@@ -357,7 +357,7 @@ class Ledger:
             database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))
 
     def queue(self) -> Queue:
-        """Return how much work waits and runs, and for how long it has waited."""
+        """Return the amount of work that waits and runs, and the time that it has waited."""
         now = time.time()
         every, first = (
             self._read(select(func.count(), func.min(WORK.c.created)).where(which))[0]
@@ -372,7 +372,7 @@ def _is_free(now: float) -> ColumnElement[bool]:
 
 
 def _new_work(**values: str | float) -> Insert:
-    """Return what enters an item of work that nobody has begun."""
+    """Return the statement that enters an item of work that nobody has begun."""
     fresh = {"created": time.time(), "done": 0, "seconds": 0.0, "lease": 0.0}
     return WORK.insert().values(fresh | values)
 

@@ -15,7 +15,7 @@ MAX_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 
 @dataclass(frozen=True)
 class Making:
-    """How a result was made: by which process, of how many points and pieces, in what time [s]."""
+    """The making of a result: by which process, of how many points and pieces, in what time [s]."""
 
     process: str
     cells: int
@@ -25,7 +25,7 @@ class Making:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What is known of a result.
+    """The manifest of a result.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, Row, select
 
 from app.jobs.database import Database
-from app.jobs.tables import HOLDINGS, JOBS
+from app.jobs.tables import JOBS, OWNED_STUDIES
 
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
 
@@ -56,79 +56,81 @@ class Ownership:
             known = self.of(owner, key)
             if known is None:
                 connection.execute(
-                    HOLDINGS.insert().values(
+                    OWNED_STUDIES.insert().values(
                         owner=owner, key=key, bytes=bytes_, result=int(result), shared=0,
                         used=time.time(),
                     )
                 )  # fmt: skip
             else:
                 used = {"used": time.time(), "result": int(result or known.result)}
-                connection.execute(HOLDINGS.update().where(_held_by(owner, key)).values(used))
+                connection.execute(OWNED_STUDIES.update().where(_held_by(owner, key)).values(used))
         return known is None
 
     def of(self, owner: str, key: str) -> OwnedStudy | None:
-        """Return what an owner holds of a study; None for nothing."""
-        rows = self._database.read(select(HOLDINGS).where(_held_by(owner, key)))
+        """Return the holding of an owner in a study; None for nothing."""
+        rows = self._database.read(select(OWNED_STUDIES).where(_held_by(owner, key)))
         return _holding(rows[0]) if rows else None
 
     def readable(self, owner: str, key: str) -> list[OwnedStudy]:
         """Return by which holdings somebody may read a study; note its use."""
-        is_seen = (HOLDINGS.c.owner == owner) | (HOLDINGS.c.shared == 1)
-        rows = self._database.read(select(HOLDINGS).where(HOLDINGS.c.key == key, is_seen))
+        is_seen = (OWNED_STUDIES.c.owner == owner) | (OWNED_STUDIES.c.shared == 1)
+        rows = self._database.read(select(OWNED_STUDIES).where(OWNED_STUDIES.c.key == key, is_seen))
         owned = [_holding(row) for row in rows]
         now = time.time()
         if any(abs(now - holding.used) > USED_EVERY for holding in owned):
             with self._database.transaction() as connection:
                 connection.execute(
-                    HOLDINGS.update().where(HOLDINGS.c.key == key, is_seen).values(used=now)
+                    OWNED_STUDIES.update()
+                    .where(OWNED_STUDIES.c.key == key, is_seen)
+                    .values(used=now)
                 )
         return owned
 
     def share(self, owner: str | None, key: str, shared: bool) -> None:
         """Let all keys read a study, or owners only; of None it is all holdings."""
-        is_meant = HOLDINGS.c.key == key
+        is_meant = OWNED_STUDIES.c.key == key
         if owner is not None:
-            is_meant &= HOLDINGS.c.owner == owner
+            is_meant &= OWNED_STUDIES.c.owner == owner
         with self._database.transaction() as connection:
-            connection.execute(HOLDINGS.update().where(is_meant).values(shared=int(shared)))
+            connection.execute(OWNED_STUDIES.update().where(is_meant).values(shared=int(shared)))
 
     def is_shared(self, owner: str | None, key: str) -> bool:
         """True if an owner, or anybody where it is None, shares a study."""
-        is_meant = (HOLDINGS.c.key == key) & (HOLDINGS.c.shared == 1)
+        is_meant = (OWNED_STUDIES.c.key == key) & (OWNED_STUDIES.c.shared == 1)
         if owner is not None:
-            is_meant &= HOLDINGS.c.owner == owner
-        return bool(self._database.read(select(HOLDINGS.c.key).where(is_meant).limit(1)))
+            is_meant &= OWNED_STUDIES.c.owner == owner
+        return bool(self._database.read(select(OWNED_STUDIES.c.key).where(is_meant).limit(1)))
 
     def of_owner(self, owner: str) -> list[OwnedStudy]:
         """Return all that an owner holds, what was used longest ago first."""
-        found = select(HOLDINGS).where(HOLDINGS.c.owner == owner)
-        rows = self._database.read(found.order_by(HOLDINGS.c.used, HOLDINGS.c.key))
+        found = select(OWNED_STUDIES).where(OWNED_STUDIES.c.owner == owner)
+        rows = self._database.read(found.order_by(OWNED_STUDIES.c.used, OWNED_STUDIES.c.key))
         return [_holding(row) for row in rows]
 
     def of_others(self, owner: str) -> set[str]:
         """Return the studies that others than an owner hold."""
-        found = select(HOLDINGS.c.key).where(HOLDINGS.c.owner != owner).distinct()
+        found = select(OWNED_STUDIES.c.key).where(OWNED_STUDIES.c.owner != owner).distinct()
         return {row[0] for row in self._database.read(found)}
 
     def let_go(self, key: str, owner: str | None = None) -> None:
         """Note that an owner holds a study no more, nobody where it is None; their jobs say so."""
-        is_held, is_asked = HOLDINGS.c.key == key, JOBS.c.key == key
+        is_held, is_asked = OWNED_STUDIES.c.key == key, JOBS.c.key == key
         if owner is not None:
-            is_held &= HOLDINGS.c.owner == owner
+            is_held &= OWNED_STUDIES.c.owner == owner
             is_asked &= JOBS.c.owner == owner
         with self._database.transaction() as connection:
-            connection.execute(HOLDINGS.delete().where(is_held))
+            connection.execute(OWNED_STUDIES.delete().where(is_held))
             connection.execute(
                 JOBS.update().where(is_asked, JOBS.c.state == "successful").values(gone=1)
             )
 
     def studies(self) -> set[str]:
         """Return all studies that are held."""
-        return {row[0] for row in self._database.read(select(HOLDINGS.c.key).distinct())}
+        return {row[0] for row in self._database.read(select(OWNED_STUDIES.c.key).distinct())}
 
 
 def _held_by(owner: str, key: str) -> ColumnElement[bool]:
-    return (HOLDINGS.c.owner == owner) & (HOLDINGS.c.key == key)
+    return (OWNED_STUDIES.c.owner == owner) & (OWNED_STUDIES.c.key == key)
 
 
 def _holding(row: Row[*tuple[Any, ...]]) -> OwnedStudy:

@@ -1,4 +1,4 @@
-"""What a worker runs of a sweep that is cut into parts, and how many parts that are."""
+"""The tasks of workers for a sweep that is cut into parts, and the number of these parts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError
 from core.intake import prepare_content
-from core.plan.parts import ANSWERS, MAX_PARTS, SHARDS, Parts, PartsMissingError
+from core.plan.parts import ARRAYS, MAX_PARTS, SHARDS, Parts, PartsMissingError
 from core.plan.prepared import Prepared
 from core.watch import Watch
 
@@ -42,7 +42,7 @@ def sensible_count(prepared: Prepared) -> int:
 
 def is_in_parts(prepared: Prepared, settings: Settings) -> bool:
     """True if a job is carried out in parts: what is reduced, or too large for memory."""
-    if prepared.part_of == ANSWERS:
+    if prepared.part_of == ARRAYS:
         return True
     large = prepared.cells > settings.max_cells or prepared.bytes > settings.max_bytes
     return prepared.part_of == SHARDS and large and find_spec("obstore") is not None

@@ -36,7 +36,7 @@ class PriorityClasses:
         self._prices: OrderedDict[str, float] = OrderedDict()
 
     def next(self, waiting: Sequence[Work], active: Collection[str]) -> Work | None:
-        """Return what is to be taken up of the work that waits, in order; None if nothing is.
+        """Return the next item of the work that waits, in order; None if there is none.
 
         `active` are the keys of what this server has taken up.
         """
@@ -54,7 +54,7 @@ class PriorityClasses:
         return None
 
     def price(self, item: Work) -> float:
-        """Return how long an item is expected to take on one core [s]."""
+        """Return the expected time of an item on one core [s]."""
         if item.key not in self._prices:
             self._prices[item.key] = self._priced(item)
             while len(self._prices) > MAX_KNOWN:
@@ -62,7 +62,7 @@ class PriorityClasses:
         return self._prices[item.key]
 
     def block_price(self, item: Work) -> float:
-        """Return how long a block of it is expected to take [s]."""
+        """Return the expected time of a block of it [s]."""
         return self.price(item) / max(1, item.blocks)
 
     def _priced(self, item: Work) -> float:

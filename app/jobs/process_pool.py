@@ -74,7 +74,7 @@ class ProcessPool:
         seconds: float,
         look: Callable[[], Awaitable[None]] | None = None,
     ) -> _T:
-        """Return what a function returns in a process, which ends with the call if need be.
+        """Return the result of a function in a process, which ends with the call if need be.
 
         Parameters
         ----------
@@ -161,7 +161,7 @@ class _Process:
         return self._process.is_alive()
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Return what a function returns there; raise what it raises."""
+        """Return the result of a function in the process; raise its error."""
         self.calls += 1
         try:
             self._pipe.send((function, arguments))

@@ -21,7 +21,7 @@ JOB = select(
 
 
 def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
-    """Return what is true of the jobs that are wanted."""
+    """Return the SQL conditions of the wanted jobs."""
     # Times are compared as they are told, to the millisecond. What has not begun has no duration.
     created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
@@ -70,7 +70,7 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
 
 
 def _done(row: Row[*tuple[Any, ...]]) -> int:
-    """Return how many blocks of a job are done; those of one that is over, when it ended."""
+    """Return the number of blocks of a job that are done; of one that is over, when it ended."""
     if row.state == "successful":
         return int(row.blocks)
     if row.state in ACTIVE:

@@ -123,7 +123,7 @@ class Quota:
         return leaving
 
     def _own_leaving(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
-        """Return what an owner lets go, so that a study fits what their key may keep."""
+        """Return the holdings that an owner gives up, so that a study fits their quota."""
         if self._beyond(promised, key, who) <= 0:
             return []
         self._count(RIGHT_FOR)
@@ -148,7 +148,7 @@ class Quota:
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
-        """Return how many bytes more than a key may keep its owner would have with a study."""
+        """Return the bytes beyond the quota of a key that its owner would have with a study."""
         if who.bytes is None:
             return 0
         held = self.ownership.of_owner(who.name)
@@ -185,7 +185,7 @@ class Quota:
         return self._ledger.promised() | {key: needed}
 
     def _lacking(self, promised: Mapping[str, int]) -> tuple[int, int]:
-        """Return how many bytes are lacking in the quota and on the disk; negative are left."""
+        """Return the bytes that are lacking in the quota and on the disk; negative are left."""
         taken = {**self._sizes, **self._since}
         others = sum(size for key, size in taken.items() if key not in promised)
         in_quota = others + sum(promised.values()) - self._settings.disk_quota_bytes

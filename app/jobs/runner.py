@@ -95,14 +95,14 @@ class Runner:
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._wake.set)
 
-    def wrong(self) -> str | None:
-        """Return what keeps jobs from being carried out, or None."""
+    def fault(self) -> str | None:
+        """Return the reason why jobs cannot be carried out, or None."""
         if self._main is None or self._main.done():
             return "no work is looked for"
         return self._dispatcher.executor.trouble or self._dispatcher.trouble
 
     def waits(self) -> str | None:
-        """Return what work that has not begun waits for, besides its turn."""
+        """Return the reason why work that has not begun waits, besides its turn."""
         return self._dispatcher.executor.waits()
 
     def _clear_up(self) -> None:
@@ -154,7 +154,7 @@ class Runner:
                 self._active[item.owner] = item, keeping
 
     def _next(self) -> Work | None:
-        """Return what is to be claimed next; this takes long where studies have to be read."""
+        """Return the next item to claim; this takes long where studies have to be read."""
         active = {item.key for item, _ in self._active.copy().values()}
         return self._priority_classes.next(self._ledger.waiting(), active)
 
@@ -217,7 +217,7 @@ class Runner:
                     raise
 
     async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
-        """Return why work failed as parts of a problem document; None if it did not."""
+        """Return the parts of a problem document for work that failed; None if it did not."""
         try:
             await carrying
         except (LostError, sqlite3.OperationalError):  # it is tried again

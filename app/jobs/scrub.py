@@ -19,7 +19,7 @@ OURS = ("study.json", MANIFEST, LIST, "blocks")
 
 @dataclass(frozen=True)
 class Damage:
-    """What was found in the folder of a study.
+    """A damage that was found in the folder of a study.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Damage:
 
 
 def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
-    """Yield what is found in each folder, by name from the first after `after`; change nothing."""
+    """Yield the damages in each folder, by name from the first after `after`; change nothing."""
     if not store.directory.exists():
         return
     for folder in sorted(store.directory.iterdir()):

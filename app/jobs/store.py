@@ -76,7 +76,7 @@ class Store(Blocks):
             self.object_store.send(key, self.folder(key))
 
     def fetch(self, key: str) -> bool | None:
-        """Return whether a result was there, and now is here; None if it is still on its way."""
+        """True if a result was there and is now here, False if not; None while it is on its way."""
         return (
             False if self.object_store is None else self.object_store.fetch(key, self.folder(key))
         )
@@ -88,7 +88,7 @@ class Store(Blocks):
             self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
-        """Return what is known of a result; None while there is none.
+        """Return the manifest of a result; None while there is none.
 
         One of which a file is missing, or has another size, is none.
         """
@@ -108,7 +108,7 @@ class Store(Blocks):
         return None if broken else manifest
 
     def manifest_as_it_is(self, key: str) -> Manifest | None:
-        """Return what a manifest says, be its files there or not; None if it cannot be read."""
+        """Return the manifest, be its files there or not; None if it cannot be read."""
         path = self.folder(key) / MANIFEST
         try:
             manifest = Manifest(**json.loads(path.read_bytes()))
@@ -130,7 +130,7 @@ class Store(Blocks):
             return manifest.files[name].get("sha256")
         return read_list(self.folder(key)).get(name)
 
-    def take_away(self, key: str, path: Path, status: os.stat_result | None = None) -> None:
+    def remove_file(self, key: str, path: Path, status: os.stat_result | None = None) -> None:
         """Remove a result of which a file is broken, the manifest first: it is computed again.
 
         Parameters
@@ -215,11 +215,11 @@ class Store(Blocks):
         """True if the Zarr group of a study has been joined; a torn one is taken away."""
         group = self.folder(key) / ZARR
         if group.exists() and not (group / GROUP).is_file():
-            self.take_away(key, group)
+            self.remove_file(key, group)
         return group.exists()
 
     def in_group(self, key: str, path: str = GROUP) -> Path:
-        """Return where a key of the Zarr group of a study is, be the group whole or growing."""
+        """Return the path of a key of the Zarr group of a study, be the group whole or growing."""
         folder = self.folder(key) / ZARR
         if folder.exists():
             return folder / path
@@ -267,7 +267,7 @@ class Store(Blocks):
                 shutil.rmtree(folder / f"{result}{ENDING}", ignore_errors=True)
 
     def bytes(self, key: str) -> int:
-        """Return how much the files of a study take."""
+        """Return the bytes that the files of a study take."""
         return sum(_sizes(self.folder(key)))
 
     def remove(self, key: str) -> None:
@@ -299,7 +299,7 @@ class Store(Blocks):
 
 
 def _known(folder: Path, name: str) -> dict[str, Any]:
-    """Return what a manifest holds of a file, or of a group."""
+    """Return the entry of a file, or of a group, in a manifest."""
     if name != ZARR:
         return fingerprint(folder / name)
     size = sum(path.stat().st_size for _, path in files_of(folder / ZARR))

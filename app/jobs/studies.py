@@ -126,7 +126,7 @@ class Studies:
         return [key for _, key in sorted(uses)]
 
     def used(self, key: str) -> float:
-        """Return when a study was last used [s since the epoch], to an hour; 0 if it is gone."""
+        """Return the last use of a study [s since the epoch], to an hour; 0 if it is gone."""
         folder = self.folder(key)
         # A study that is just being added has its folder only: it is in use, too.
         for path in (folder / "study.json", folder):
@@ -155,7 +155,7 @@ def kept(path: Path) -> Iterator[Path]:
 
 
 def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
-    """Return why a study that is there is no sweep of this version."""
+    """Return the reason why a study that is there is no sweep of this version."""
     if prepared is not None:
         of_another_process = identifier(prepared.study, "accuracy") == key
         if prepared.not_lazy is not None or of_another_process:
@@ -167,5 +167,5 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
 
 
 def unknown(key: str) -> NotFoundError:
-    """Return what tells that there is no such study."""
+    """Return the error that there is no such study."""
     return NotFoundError(f"There is no study '{key[:80]}'. POST it first.")

@@ -62,7 +62,7 @@ KEYS = Table(
     Column("withdrawn", Double),
 )
 
-HOLDINGS = Table(
+OWNED_STUDIES = Table(
     "holdings",
     TABLES,
     Column("owner", Text, primary_key=True),

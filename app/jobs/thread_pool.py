@@ -20,7 +20,7 @@ class ThreadPool:
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="jobs")
 
     async def __call__(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> _T:
-        """Return what a function returns, once a thread has run it."""
+        """Return the result of a function, once a thread has run it."""
         call = functools.partial(function, *arguments, **options)
         return await asyncio.get_running_loop().run_in_executor(self._threads, call)
 

@@ -1,4 +1,4 @@
-"""What workers run: one block of a study, or the writing of its result.
+"""The tasks of workers: one block of a study, or the writing of its result.
 
 Workers share the data directory with the server, and nothing else: arguments are short, and what
 is computed goes to the disk.

@@ -28,7 +28,7 @@ class Witness(Protocol):
 
 @dataclass
 class _Started:
-    """When an item was taken up [s, monotonic], what the log tells of it, blocks done since."""
+    """An item under way: its start [s, monotonic], its fields in the log, blocks done since."""
 
     at: float
     about: dict[str, object]
@@ -64,7 +64,7 @@ class WorkProgress:
             witness.computed(item, seconds)
 
     def ended(self, item: Work, outcome: str, title: str | None = None) -> None:
-        """Tell how an item ended here: ``done``, ``failed`` or ``given up``; only once counts."""
+        """Report the end of an item here: ``done``, ``failed`` or ``given up``, once."""
         work_progress = self._courses.pop(item.owner, None)
         if work_progress is None:
             return

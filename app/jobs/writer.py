@@ -94,7 +94,7 @@ class Writer:
             if await self._store.integrity.is_intact(file, manifest.files[NETCDF]["sha256"]):
                 return manifest
             found = os.fstat(file.fileno())
-        await asyncio.to_thread(self._store.take_away, key, path, found)
+        await asyncio.to_thread(self._store.remove_file, key, path, found)
         return None
 
     def check(self, sweep: Prepared) -> None:

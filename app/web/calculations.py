@@ -1,4 +1,4 @@
-"""What the service computes at once, as functions that processes of its pool carry out.
+"""Calculations that the service answers at once, as functions for the processes of its pool.
 
 They take and return bytes, texts and numbers: a prepared study cannot be sent.
 """
@@ -73,7 +73,7 @@ def check_study(name: str, body: bytes, settings: Settings) -> None:
 
 
 def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
-    """Return what a body asks for, and its study; raise if it cannot be carried out."""
+    """Return the prepared study of a body, and the study; raise if it cannot be carried out."""
     asked = read_execution(read_json(body), name)
     prepared = prepare_content(asked.study)
     if name == ACCURACY:  # it takes some cells of a grid

@@ -43,7 +43,7 @@ def raise_open_files() -> int:
 
 
 def most_requests(open_files: int) -> int:
-    """Return how many requests have room in so many files: each has a connection and a file."""
+    """Return the number of requests that so many files allow: each has a connection and a file."""
     if open_files == resource.RLIM_INFINITY:
         return 10**9
     return max(1, (open_files - OTHER_FILES - SPARE) // 2)
@@ -68,7 +68,7 @@ class ThriftyParser(h11.Connection):
         super().receive_data(data)
 
     def next_event(self) -> Any:
-        """Return what comes next in them.
+        """Return the next event in the bytes of a connection.
 
         Raises
         ------
@@ -147,12 +147,12 @@ class Connection(H11Protocol):
 
     @property
     def _is_idle(self) -> bool:
-        """Whether no whole request is under way."""
+        """True if no whole request is under way."""
         is_whole = self.conn.their_state not in (h11.IDLE, h11.SEND_BODY)
         return not is_whole or self.cycle is None or self.cycle.response_complete
 
     def _due(self) -> float:
-        """Return when the request must be whole [s on the loop's clock]."""
+        """Return the deadline of the whole request [s on the loop's clock]."""
         if not self.transport.is_closing() and self.transport.get_write_buffer_size() == 0:
             if self.conn.their_state is h11.IDLE:
                 return self._since + HEAD_SECONDS

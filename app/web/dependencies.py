@@ -1,4 +1,4 @@
-"""What routes take from a request: identifiers, settings, the store, the body within its limit.
+"""Dependencies of routes: identifiers, settings, the store, the body within its limit.
 
 All are coroutines: FastAPI would send a plain function to a thread, and that takes longer than it.
 """
@@ -33,12 +33,12 @@ async def store_of(request: Request) -> Store:
 
 
 async def writer_of(request: Request) -> Writer:
-    """Return what writes the app's files."""
+    """Return the writer of the app's files."""
     return cast(Writer, request.app.state.writer)
 
 
 async def admission_of(request: Request) -> Admission:
-    """Return where the app's jobs are handed in."""
+    """Return the admission of the app's jobs."""
     return cast(Admission, request.app.state.admission)
 
 

@@ -1,4 +1,4 @@
-"""What the service says of processes and jobs: the documents of OGC API - Processes, part 1.
+"""Documents about processes and jobs, after OGC API - Processes, part 1.
 
 Links are whole addresses, because clients of the standard fetch them as they stand; `base` is the
 address of the service.
@@ -40,7 +40,7 @@ class Link(BaseModel):
 
 
 class LandingPage(BaseModel):
-    """Where to go from here."""
+    """Links to the parts of the service."""
 
     title: str
     description: str
@@ -80,7 +80,7 @@ class ProcessDescription(ProcessSummary):
 
 
 class StatusInfo(BaseModel):
-    """How a job stands."""
+    """The status of a job."""
 
     processID: str  # noqa: N815
     type: Literal["process"]
@@ -125,7 +125,7 @@ class ResultFile(Link):
 
 
 class Results(BaseModel):
-    """What a job gave."""
+    """The results of a job."""
 
     dataset: ResultFile
     files: list[Link] | None = Field(
@@ -186,7 +186,7 @@ def description(name: str, process: Process, base: str, schema: bytes) -> dict[s
 def status_info(
     job: Job, base: str, *, is_group: bool = False, waits: str | None = None
 ) -> dict[str, Any]:
-    """Return how a job stands.
+    """Return the status of a job.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def status_info(
 
 
 def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
-    """Return what a job gave: its files, and what they cost."""
+    """Return the results of a job: its files, and their cost."""
     here = f"{base}/jobs/{job.id}/results"
     others = [name for name in manifest.files if name not in (NETCDF, ZARR, JSON)]
     is_group = ZARR in manifest.files

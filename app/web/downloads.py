@@ -120,7 +120,7 @@ def file_reply(
 
 @dataclass(frozen=True)
 class Check:
-    """Whether a file is what was written, and what is done if not.
+    """The check of a file against what was written, and the reaction if it differs.
 
     Attributes
     ----------

@@ -14,8 +14,8 @@ from starlette.types import Scope
 
 from app import logs
 from app.jobs.keys import NOBODY, Key, Keys, hash_of
+from app.web.refused_keys import RefusedKeys
 from app.web.replies import problem_document
-from app.web.wrong_keys import WrongKeys
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
@@ -48,7 +48,7 @@ class Entry:
 
     def __init__(self, keys: Keys):
         self.keys = keys
-        self._wrong = WrongKeys(keys.note_refused)
+        self._refused = RefusedKeys(keys.note_refused)
         self._is_looking = False
         # In this process's memory: of several servers each allows so many.
         self._rates = MovingWindowRateLimiter(MemoryStorage())
@@ -74,7 +74,7 @@ class Entry:
                 await asyncio.sleep(SOON)
 
     async def refusal(self, scope: Scope, headers: Headers) -> Response | None:
-        """Return why a request is refused; None, and its key in the request's state, if not."""
+        """Return the refusal of a request; None, and its key in the request's state, if none."""
         if not self.keys.are_needed:
             _enter(scope, NOBODY)
             return None
@@ -89,7 +89,7 @@ class Entry:
         names = {key.name for key in keys if key is not None and key.stands(now)}
         if len(names) != 1 or not all(key is not None and key.stands(now) for key in keys):
             known = next((key.name for key in keys if key is not None), "")
-            if await self._wrong.slowed((scope.get("client") or ("",))[0], known):
+            if await self._refused.slowed((scope.get("client") or ("",))[0], known):
                 return _without("This key is not known here.")
             return problem_document(
                 429, "wrong-keys", "Too many wrong keys", "Ask again with the right key.",

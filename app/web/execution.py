@@ -44,7 +44,7 @@ else:
 
 @dataclass(frozen=True)
 class Process:
-    """What the service carries out.
+    """A process that the service carries out.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ PROCESSES: dict[str, Process] = {
 
 @dataclass(frozen=True)
 class Execution:
-    """What an execute request asks for.
+    """The body of an execute request.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Execution:
 
 
 def read_execution(content: object, kind: str) -> Execution:
-    """Return what the body of an execute request asks for.
+    """Return the request in the body of an execute request.
 
     The body is the study itself, or an execute request with the study under ``inputs.study``. It
     is of the kind of the process whether it says so or not.

@@ -1,4 +1,4 @@
-"""Who may ask, and how much at a time: names and origins, limits, safe headers.
+"""The guard in front of the routes: names and origins, limits, safe headers.
 
 Plain ASGI layers: they pass streams on piece by piece. What a key lets do is `app.web.entry`'s.
 """

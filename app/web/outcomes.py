@@ -31,7 +31,7 @@ def no_such_job(number: str) -> NoSuchJobError:
 
 
 def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
-    """Return what is known of a job's result, or the problem document if it failed."""
+    """Return the manifest of a job's result, or the problem document if it failed."""
     if job.problem is not None:
         return problem_document(**job.problem)
     if job.gone:
@@ -52,18 +52,18 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
 
 
 def check_of(admission: Admission, job: Job, path: Path) -> Check:
-    """Return how a file of a job's result is looked at before it is served."""
+    """Return the check of a file of a job's result before it is served."""
 
     def broken(status: os.stat_result) -> Exception:
-        admission.store.take_away(job.key, path, status)
+        admission.store.remove_file(job.key, path, status)
         return _mended(admission, job)
 
     return Check(admission.store.integrity, broken)
 
 
 def lost(admission: Admission, job: Job, path: Path) -> Exception:
-    """Return what is told of a file that a result should have and has not."""
-    admission.store.take_away(job.key, path)
+    """Return the error for a file that a result should have and has not."""
+    admission.store.remove_file(job.key, path)
     return _mended(admission, job)
 
 

@@ -70,7 +70,7 @@ class Unsent:
 
 
 class _Share:
-    """What one request has taken."""
+    """The share of the output buffer that one request has taken."""
 
     def __init__(self, unsent: Unsent):
         self._unsent, self.size = unsent, 0

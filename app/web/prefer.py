@@ -19,7 +19,7 @@ _PREFERENCE = re.compile(
 
 @dataclass(frozen=True)
 class Preferences:
-    """What a client prefers.
+    """The preferences of a client.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Preferences:
 
 
 def preferences(headers: Iterable[str]) -> Preferences:
-    """Return what the Prefer headers of a request say; what is not understood does not count.
+    """Return the preferences in a request's Prefer headers; unknown ones do not count.
 
     Of a preference that is given more than once the first counts, as the standard asks. Nor does
     what stands past the first 2,000 characters, or is cut off there.

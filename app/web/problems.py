@@ -155,7 +155,7 @@ def _methods(request: Request) -> list[str]:
 
 
 def unforeseen(request_id: str) -> Response:
-    """Return what a client is told of a mistake of ours.
+    """Return the reply to an unforeseen error of the service.
 
     The text of the error stays in the log, under the identifier: it may speak of files and memory.
     """

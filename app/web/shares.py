@@ -85,7 +85,7 @@ class Shares:
     def _rank(
         self, waiter: tuple[int, int, str, asyncio.Future[None]]
     ) -> tuple[int, int, int, int]:
-        """Return what the next to be served has least of.
+        """Return the sort key of the waiting: the next to be served has the least.
 
         The places of its owner, then the turn in which that was served last, then what is due.
         """
@@ -111,7 +111,7 @@ async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
 async def calculated(
     request: Request, function: Callable[..., _T], *arguments: Any, seconds: float
 ) -> _T:
-    """Return what a function returns in a process; it ends with the time, or with the client.
+    """Return the result of a function in a process; it ends with the time, or with the client.
 
     Whoever calls has a place.
     """
@@ -120,7 +120,7 @@ async def calculated(
 
 
 def look_at(request: Request) -> Callable[[], Awaitable[None]]:
-    """Return what raises `ClientDisconnect` once the client of a request has left."""
+    """Return a function that raises `ClientDisconnect` once the client of a request has left."""
 
     async def look() -> None:
         if await request.is_disconnected():
@@ -135,5 +135,5 @@ async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
 
 
 def placed() -> params.Depends:
-    """Return what has a route run in a place, once the body is read and until its reply is made."""
+    """Return a wrapper that runs a route in a slot, from its whole body until its reply."""
     return cast(params.Depends, Depends(_placed, scope="function"))

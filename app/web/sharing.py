@@ -14,7 +14,7 @@ from core.intake import read_json
 
 
 class Sharing(BaseModel):
-    """Who may read: all keys, or the owner only."""
+    """The readers of a result: all keys, or the owner only."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -37,7 +37,7 @@ NO_SHARING = problems(s413="The body is too large", s422="The body or the identi
 
 
 def read_sharing(body: bytes) -> bool:
-    """Return what a body says of sharing; raise `RequestValidationError` for all that is wrong."""
+    """Return the sharing in a body; raise `RequestValidationError` with all its problems."""
     try:
         content = read_json(body)
     except StudyError as error:

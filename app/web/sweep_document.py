@@ -1,4 +1,4 @@
-"""What the service says of a sweep: its study, size, axes, outputs."""
+"""The description of a sweep in the service: its study, size, axes, outputs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class SweepOutput(BaseModel):
 
 
 class SweepDescription(BaseModel):
-    """What the service says of a sweep."""
+    """The description of a sweep."""
 
     id: str
     study: dict[str, Any]
@@ -46,7 +46,7 @@ class SweepDescription(BaseModel):
 
 
 def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
-    """Return what the service says of a sweep."""
+    """Return the description of a sweep."""
     equations = {equation.gives: equation for equation in sweep.plan.equations}
     return {
         "id": key,

@@ -36,7 +36,7 @@ def tables_there() -> dict[str, str]:
 
 
 def missing() -> str:
-    """Return what is told of forms that this service cannot write."""
+    """Return the reply for forms that this service cannot write."""
     lacking = [f"{form}: {installing(*PACKAGES[form])}." for form in _missing()]
     return " ".join(lacking)
 
@@ -46,7 +46,7 @@ def _missing() -> list[str]:
 
 
 def written_by(form: str) -> str:
-    """Return what else the bytes of a table follow from, for its ETag."""
+    """Return the further facts that the bytes of a table follow from, for its ETag."""
     if form not in PACKAGES:
         return form
     FORMATS[f".{form}"].needs()
@@ -54,7 +54,7 @@ def written_by(form: str) -> str:
 
 
 def most_rows(settings: Settings, form: str, most: int) -> int:
-    """Return how many rows a table may have in a form, of those that may have `most`."""
+    """Return the largest number of rows of a table in a form, of those that may have `most`."""
     return min(most, settings.max_sheet_rows) if form == "xlsx" else most
 
 

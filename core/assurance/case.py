@@ -77,7 +77,7 @@ class Truth(NamedTuple):
 
 @dataclass(frozen=True)
 class CaseValues:
-    """What the studies of a case gave.
+    """The values that the studies of a case gave.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What becomes of cases: their studies are run, or another program's results read, and judged."""
+"""The judge of cases: it runs their studies, or reads another program's results, and compares."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WITHOUT_VALUE = {"unbounded", "no_motion", "stopped"}
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a case.
+    """The outcome of a case.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Summary:
-    """How many cases of a family were judged and right, and the one nearest to its tolerance."""
+    """The numbers of judged and right cases of a family, and the one nearest to its tolerance."""
 
     family: str
     judged: int
@@ -100,7 +100,7 @@ def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome
 
 
 def run_case(case: Case) -> tuple[Outcome, CaseValues | None]:
-    """Return what becomes of a case, and what was computed, if it was; warnings are errors."""
+    """Return the outcome of a case, and its values if they were computed; warnings are errors."""
     started = time.perf_counter()
     computed = None
     with warnings.catch_warnings():
@@ -130,7 +130,7 @@ def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) ->
 
 
 def _incomplete(case: Case, computed: CaseValues) -> str:
-    """Return what is wrong with statuses, values and stated errors, whatever the truth is."""
+    """Return the fault of statuses, values and stated errors, whatever the truth is."""
     if case.status and not computed.statuses <= set(case.status):
         return f"not {' or '.join(case.status)}"
     finite, stated = np.isfinite(computed.value), computed.stated
@@ -207,7 +207,7 @@ def outputs_of(terms: Sequence[Term]) -> list[Any]:
 
 
 def _computed(case: Case) -> CaseValues:
-    """Return what the studies of a case give."""
+    """Return the values of the studies of a case."""
     if case.refused:
         prepare_content(case.terms[0].study)
         return CaseValues(np.asarray(math.nan))
@@ -246,7 +246,7 @@ def _outputs(terms: Sequence[Term], tables: Mapping[str, Table]) -> list[Any]:
 
 
 def _picked(table: Table, term: Term) -> Any:
-    """Return what a term takes of an output."""
+    """Return the value that a term takes of an output."""
     values = np.asarray(table.variables[term.output].values, dtype=np.float64)
     if term.pick == "value":
         return values

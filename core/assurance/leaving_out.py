@@ -1,4 +1,4 @@
-"""What is left out, measured: equations, dimensions, memory, coordinates and modules of a study.
+"""The cost of one output, measured: equations, dimensions, memory, coordinates and modules.
 
 Leaving out is a matter of structure (a plan holds what its outputs pull, and nothing else); here it
 is counted while studies run, not read off the plan.
@@ -106,7 +106,7 @@ CARRIED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 @dataclass(frozen=True)
 class Footprint:
-    """What one study of one output costs.
+    """The cost of one study of one output.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) ->
 
 
 def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -> Footprint:
-    """Return what the study of one output costs; `modules` starts a process to count them."""
+    """Return the cost of the study of one output; `modules` starts a process to count them."""
     content = study_of(scene, variant, output)
     prepared, calls = counted(prepare_content(content))
     kinds.tabulate(prepared)  # kernels are loaded, or compiled, before memory counts
@@ -252,7 +252,7 @@ def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...
 
 
 def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
-    """Return how many modules a study imports in a fresh process, and the heavy libraries."""
+    """Return the number of modules that a study imports in a fresh process, and the heavy ones."""
     code = (
         "import json, sys; before = set(sys.modules)\n"
         "from core.intake import prepare_content\n"

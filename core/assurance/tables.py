@@ -30,13 +30,13 @@ def number(value: float, tolerance: float, most: int = 15) -> str:
 
 
 def expected(case: Case) -> str:
-    """Return what is expected, as its source writes it if that has few digits."""
+    """Return the expected value, as its source writes it if that has few digits."""
     said = case.digits or number(case.right.value, case.right.tolerance)
     return f"{RELATIONS[case.relation]}{said}"
 
 
 def verdict(outcome: Outcome) -> str:
-    """Return what became of a case, in a word or two."""
+    """Return the verdict on a case in a word or two."""
     if outcome.passed:
         return "right" if outcome.judged else "not judged"
     return f"wrong: {outcome.note}" if outcome.note else "wrong"
@@ -111,7 +111,7 @@ def _family_row(summary: Summary) -> tuple[str, ...]:
 
 
 def sentence(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return how many were right, in a sentence."""
+    """Return a sentence with the number of problems that were right."""
     judged = [outcome for outcome in outcomes if outcome.judged]
     failures = sum(not outcome.passed for outcome in judged)
     shown = len(outcomes) - len(judged)

@@ -25,7 +25,7 @@ Formula = Callable[..., Any]
 
 
 def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
-    """Return what gives the exact value of a formula, with an error of 8 kappa ulp.
+    """Return a function for the exact value of a formula, with an error of 8 kappa ulp.
 
     kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
     """
@@ -49,7 +49,7 @@ def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
 
 
 def exact_of_floats(formula: Formula, **values: float) -> Callable[[], Truth]:
-    """Return what gives the exact value of a formula, with an error of 8 ulp of the value itself.
+    """Return a function for the exact value of a formula, with an error of 8 ulp of the value.
 
     For formulas whose inputs cancel without a rounding, so that their condition does not count: of
     two floats within a factor of 2 of each other the difference is exact (Sterbenz).

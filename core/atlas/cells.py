@@ -1,4 +1,4 @@
-"""What is exact at some numbers: the events kernel, in the units of the atlas."""
+"""Exact values at some numbers: the events kernel, in the units of the atlas."""
 
 from __future__ import annotations
 

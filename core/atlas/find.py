@@ -35,7 +35,7 @@ STATUS: Mapping[str, int] = {name: flag.value for name, flag in LOOKUP_STATUSES.
 
 
 class AtlasValues(NamedTuple):
-    """What an atlas says of some cells, arrays of shape (n,).
+    """Values of an atlas at some cells, arrays of shape (n,).
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class AtlasValues(NamedTuple):
 
 
 def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
-    """Return what an atlas says at some numbers, arrays of shape (n,)."""
+    """Return the values of an atlas at some numbers, arrays of shape (n,)."""
     pieces = [
         _piece(atlas, Numbers(*(one[start : start + PIECE] for one in numbers)))
         for start in range(0, max(1, numbers.throw_number.size), PIECE)
@@ -139,7 +139,7 @@ def _with_status(
     atlas: Atlas,
     nearest: NDArray[np.intp],
 ) -> AtlasValues:
-    """Return what was found, with nothing that is no answer, and rest where friction tells it."""
+    """Return the values with their status, NaN where there is none; rest where friction decides."""
     status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
     held = rests(numbers) & ~outside
     answered = held | (agrees & ~outside)

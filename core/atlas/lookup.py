@@ -61,7 +61,7 @@ def lookup(
     simulate: bool = False,
     **parameters: Any,
 ) -> xarray.Dataset:
-    """Return what an atlas says of parts and drives: speeds, regimes and shares, with errors.
+    """Return the values of an atlas for parts and drives: speeds, regimes, shares, with errors.
 
     The atlas holds for a block that moves in the plane of the track and does not rebound. What it
     does not answer, near the border of a regime or outside its range, has no speed (NaN) and a
@@ -118,7 +118,7 @@ def lookup(
 
 
 def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool = False) -> Table:
-    """Return what an atlas says over the grid of some parameters.
+    """Return the values of an atlas over the grid of some parameters.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def lookup_rows(
     *,
     simulate: bool = False,
 ) -> Table:
-    """Return what an atlas says of rows, each a part and a drive of its own.
+    """Return the values of an atlas for rows, each a part and a drive of its own.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ def _readable(
 
 
 def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
-    """Return what an atlas does not hold for, whatever the other parameters are."""
+    """Return the problems of values for which an atlas does not hold, whatever the others are."""
     problems = []
     if np.any(arrays.get("restitution", 0.0)):
         message = "an atlas holds for parts that do not rebound: restitution 0"
@@ -303,7 +303,7 @@ def _refuse(problems: list[Problem]) -> None:
 
 
 def _before_motion(prepared: Simulation, parameters: Mapping[str, Array]) -> Known:
-    """Return what a plan knows without following the part."""
+    """Return the quantities that a plan knows without following the part."""
     known: Known = {name: np.asarray(value) for name, value in prepared.plan.defaults.items()}
     known |= {name: parameters[name] for name in prepared.plan.parameters}
     for equation in prepared.plan.equations:
@@ -372,7 +372,7 @@ def _looked_up(
 
 
 def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
-    """Return what was found in the axes of the track: the mirror image is turned back."""
+    """Return the values in the axes of the track: the mirror image is turned back."""
     back = unit < 0
     return values._replace(
         velocity=np.where(back, -values.velocity, values.velocity) + 0.0,

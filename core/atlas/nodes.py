@@ -1,4 +1,4 @@
-"""Where the nodes of the grid lie: close where the function bends, and where regimes change.
+"""The nodes of the grid: they lie close where the function bends, and where regimes change.
 
 It begins with few nodes. What interpolation leaves is measured on lines through points of the
 practical range, against exact cells halfway between nodes; the worst intervals of the axis that
@@ -77,7 +77,7 @@ def _first() -> Axes:
 def _middles(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return where intervals are halved: the angle number spans decades."""
+    """Return the values that halve intervals; the angle number spans decades."""
     if list(AXES)[axis] == "angle_number":
         return np.asarray(np.sqrt(lower * upper))
     return np.asarray((lower + upper) / 2.0)
@@ -86,7 +86,7 @@ def _middles(
 def _costs(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64], lines: Numbers
 ) -> NDArray[np.float64]:
-    """Return what intervals of an axis cost a look-up there: an error, or a border for one."""
+    """Return the cost of intervals of an axis in a look-up: an error, or a border for one."""
     middle = _middles(axis, lower, upper)
     stops = np.stack([lower, middle, upper], axis=-1)
     fields = [np.broadcast_to(one[:, None, None], (one.size, *stops.shape)) for one in lines]

@@ -78,7 +78,7 @@ class LeastSquares:
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
 
     def _slopes(self, share: Array) -> Array:
-        """Return how residuals change, shape (runs + unknowns, unknowns)."""
+        """Return the derivatives of residuals, shape (runs + unknowns, unknowns)."""
         steps = STEP * np.eye(share.size)
         ahead, behind = np.minimum(share + steps, 1.0), np.maximum(share - steps, 0.0)
         residuals = self._residuals(np.concatenate([ahead, behind]))

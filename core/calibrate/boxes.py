@@ -29,7 +29,7 @@ UNIFORM = 1.0 / 12.0  # the variance of what is anywhere in a box, over its widt
 
 
 @dataclass(frozen=True)
-class Boxes:
+class PosteriorBoxes:
     """Boxes of the unknowns, in shares of the way from bound to bound.
 
     Attributes
@@ -75,14 +75,14 @@ class Boxes:
         steps: Array = np.square(self.slope).sum(axis=2)
         return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
 
-    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> Boxes:
+    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> PosteriorBoxes:
         """Return some of the boxes."""
-        return Boxes(*(getattr(self, field.name)[where] for field in fields(self)))
+        return PosteriorBoxes(*(getattr(self, field.name)[where] for field in fields(self)))
 
-    def joined(self, other: Boxes) -> Boxes:
+    def joined(self, other: PosteriorBoxes) -> PosteriorBoxes:
         """Return these and other boxes."""
         both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
-        return Boxes(*(np.concatenate(pair) for pair in both))
+        return PosteriorBoxes(*(np.concatenate(pair) for pair in both))
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Explored:
 
     Attributes
     ----------
-    boxes : Boxes
+    boxes : PosteriorBoxes
         The boxes.
     log_mass : ndarray, shape (boxes,)
         Logarithms of the mass in each.
@@ -103,7 +103,7 @@ class Explored:
         What is left to refine: the mean of how far predictions change in a box, over errors.
     """
 
-    boxes: Boxes
+    boxes: PosteriorBoxes
     log_mass: Array
     points: int
     sizes: Array
@@ -148,7 +148,7 @@ def points_of(likelihood: Likelihood, centre: Array) -> Array:
     return points
 
 
-def _first(likelihood: Likelihood, most: int, watch: Watch) -> Boxes:
+def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
     count = len(likelihood.model.unknowns)
     halvings = int(np.log2(most / FIRST_SHARE) / count)
     halvings = max(2, min(FINEST_FIRST, halvings))
@@ -163,7 +163,7 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> Boxes:
     slopes = [np.gradient(values, 1.0 / size, axis=k) for k in range(count)]
     slope = np.stack(slopes, axis=-1).reshape(-1, runs, count)
     rough = sum(np.square(_bend(values, axis)) for axis in range(count))
-    return Boxes(
+    return PosteriorBoxes(
         centre,
         np.full(len(centre), halvings),
         predicted.value,
@@ -183,7 +183,7 @@ def _bend(values: Array, axis: int) -> Array:
 
 
 def _softened(shown: Array) -> Array:
-    """Return what was seen in the first boxes: a border may lie between a box and the next."""
+    """Return the observed regimes in the first boxes: a border may lie between two of them."""
     soft = shown
     for axis in range(shown.ndim - 1):
         near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
@@ -192,7 +192,7 @@ def _softened(shown: Array) -> Array:
     return soft
 
 
-def _split(likelihood: Likelihood, parents: Boxes, watch: Watch) -> Boxes:
+def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
     """Return the halves along each unknown of some boxes."""
     count = parents.centre.shape[1]
     signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
@@ -217,7 +217,7 @@ def _split(likelihood: Likelihood, parents: Boxes, watch: Watch) -> Boxes:
         0.5 * (shown + np.repeat(mixed, children, axis=0)),
         shown,
     )
-    return Boxes(
+    return PosteriorBoxes(
         flat,
         np.repeat(parents.halvings + 1, children),
         predicted.value,
@@ -228,7 +228,7 @@ def _split(likelihood: Likelihood, parents: Boxes, watch: Watch) -> Boxes:
     )
 
 
-def _log_mass(likelihood: Likelihood, boxes: Boxes) -> Array:
+def _log_mass(likelihood: Likelihood, boxes: PosteriorBoxes) -> Array:
     """Return the mass of boxes, each with each size of the discrepancy, as logarithms."""
     points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
     log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
@@ -236,7 +236,7 @@ def _log_mass(likelihood: Likelihood, boxes: Boxes) -> Array:
 
 
 def _sizes(log: Array) -> Array:
-    """Return how likely each size of the discrepancy is, of the masses of boxes."""
+    """Return the probability of each size of the discrepancy, by the masses of boxes."""
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
@@ -244,8 +244,8 @@ def _sizes(log: Array) -> Array:
     return found / found.sum()
 
 
-def _score(likelihood: Likelihood, boxes: Boxes, log: Array) -> Array:
-    """Return how much refining boxes would add, shape (boxes,)."""
+def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
+    """Return the gain from refining boxes, shape (boxes,)."""
     runs = likelihood.model.runs
     top = log.max()
     if not np.isfinite(top):

@@ -38,7 +38,7 @@ def typical_error(posterior: Posterior) -> float:
 def information(
     model: Model, posterior: Posterior, grid: Grid, watch: Watch
 ) -> tuple[Array, Array, Array, Array]:
-    """Return what measuring the speed of each candidate would add.
+    """Return the information that measuring the speed of each candidate would add.
 
     It is the entropy of the speed that would be measured, less that of its error: by so much the
     entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics

@@ -1,4 +1,4 @@
-"""What came out of a calibration, in sentences."""
+"""The result of a calibration in sentences."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class Findings:
 
     @cached_property
     def _pairs(self) -> dict[tuple[str, str], str]:
-        """What is told of pairs of unknowns that the runs do not tell apart."""
+        """The sentences on pairs of unknowns that the runs do not tell apart."""
         if len(self.arrays["mode_share"]) > 1:
             return {}
         pairs = combinations(enumerate(self.model.unknowns), 2)
@@ -128,7 +128,7 @@ class Findings:
         return {name for names in self._pairs for name in names}
 
     def _alone(self) -> Iterator[str]:
-        """Yield which unknowns the runs do not tell."""
+        """Yield the unknowns that the runs do not determine."""
         yield from self._pairs.values()
         named = self.unsettled
         for one in self.model.unknowns:
@@ -240,7 +240,7 @@ class Findings:
         )
 
     def _narrower(self, candidate: int) -> str:
-        """Return how wide the interval is expected to be that a measurement narrows most."""
+        """Return the expected width of the interval that a measurement narrows most."""
         shares = {
             narrowest: self.arrays[f"{LEFT}{narrowest.name}"].ravel()[candidate]
             / self._value(f"deviation_{narrowest.name}")

@@ -1,4 +1,4 @@
-"""What a part would do in each run if the unknowns had some values: the motions of a calibration.
+"""The model of a calibration: the motion of a part in each run, for values of the unknowns.
 
 Points of the unknowns have shape (points, unknowns), in the units of studies. All that is told of
 runs at points has shape (points, runs).
@@ -71,7 +71,7 @@ class Unknown:
 
     @property
     def label(self) -> str:
-        """What it is, in a few words."""
+        """A label in a few words."""
         label = QUANTITIES[self.parameter].label
         lowered = label[0].lower() + label[1:]
         return {"offsets": f"Offset of the {lowered}", "factors": f"Factor of the {lowered}"}.get(
@@ -80,7 +80,7 @@ class Unknown:
 
     @property
     def width(self) -> float:
-        """How far apart its bounds are."""
+        """The distance between its bounds."""
         return self.upper - self.lower
 
     @property
@@ -106,7 +106,7 @@ class Unknown:
         return max(lower, mean - far), min(upper, mean + far)
 
     def deviations_from_mean(self, values: Array) -> Array:
-        """Return how far values are from the mean, in deviations; 0 where none is given."""
+        """Return the distance of values from the mean, in deviations; 0 where none is given."""
         if not isinstance(self.prior, Normal):
             return np.zeros(np.shape(values))
         return np.asarray((np.asarray(values) - self.prior.mean) / self.prior.deviation)
@@ -118,7 +118,7 @@ class Unknown:
 
 @dataclass(frozen=True)
 class Runs:
-    """What was measured.
+    """The measured runs of a calibration.
 
     Attributes
     ----------
@@ -146,23 +146,23 @@ class Runs:
 
     @property
     def measured(self) -> Mask:
-        """Where a value was measured, shape (runs,)."""
+        """A mask of the runs with a measured value, shape (runs,)."""
         is_measured: Mask = np.isfinite(self.value)
         return is_measured
 
     @property
     def watched(self) -> Mask:
-        """Where something was seen, shape (runs,)."""
+        """A mask of the runs with an observed regime, shape (runs,)."""
         return np.array([bool(word) for word in self.seen])
 
     @property
     def errors_known(self) -> bool:
-        """Whether the errors of what was measured are known."""
+        """True if the errors of the measured values are known."""
         return bool(np.any(self.error[self.measured] > 0))
 
 
 class Predicted(NamedTuple):
-    """What motions give, shape (points, runs).
+    """Predictions of motions, shape (points, runs).
 
     Attributes
     ----------
@@ -223,13 +223,13 @@ class Model:
 
     @property
     def width(self) -> Array:
-        """How far apart the bounds of the unknowns are, shape (unknowns,)."""
+        """The distance between the bounds of each unknown, shape (unknowns,)."""
         return np.array([one.width for one in self.unknowns])
 
     def predict(
         self, points: Array, watch: Watch, columns: Mapping[str, Array] | None = None
     ) -> Predicted:
-        """Return what motions give at points of the unknowns.
+        """Return the predictions of motions at points of the unknowns.
 
         Parameters
         ----------

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.calibrate.boxes import Boxes, Explored, points_of
+from core.calibrate.boxes import Explored, PosteriorBoxes, points_of
 from core.calibrate.scatter import Likelihood, summed
 from core.mechanics.arrays import Array
 
@@ -117,7 +117,7 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
     return Posterior(likelihood, explored, points, weights, value, variance, shown, density, sizes)
 
 
-def _within(boxes: Boxes, each: int) -> tuple[Array, NDArray[np.int64]]:
+def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
     """Return points relative to the centres of their boxes, and the number of the box of each.
 
     A set that fills a cube evenly is shifted by other numbers in every box.
@@ -188,7 +188,7 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
     return whole.reshape(grid.shape[:-1])
 
 
-def _box_of(boxes: Boxes, share: Array) -> NDArray[np.int64]:
+def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
     """Return the number of the box that each point lies in."""
     box = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(boxes.halvings).tolist():
@@ -256,7 +256,7 @@ def _binned(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -
 
 
 @dataclass(frozen=True)
-class Mode:
+class PosteriorMode:
     """Points of a posterior that hang together.
 
     Attributes
@@ -274,7 +274,7 @@ class Mode:
     mean: Array
 
 
-def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[Mode]:
+def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]:
     """Return the separate modes of a posterior, the heaviest first; at least one.
 
     All points belong to one: those between the modes to the one that they rise to.
@@ -316,7 +316,7 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
     return np.asarray(number[labels])
 
 
-def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[Mode]:
+def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)
     modes = []
@@ -324,5 +324,5 @@ def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[Mode]:
         ours = np.flatnonzero(labels == label)
         mean = weights[ours] @ posterior.points[ours] / shares[label]
         best = posterior.points[ours[np.argmax(log[ours])]]
-        modes.append(Mode(float(shares[label]), best, mean))
+        modes.append(PosteriorMode(float(shares[label]), best, mean))
     return sorted(modes, key=lambda mode: -mode.share)

@@ -90,7 +90,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield what a study of this kind may not have."""
+    """Yield the problems of sections that a study of this kind may not have."""
     if study.verify is not None:
         message = "a calibration is not verified cell by cell"
         fix = "Leave it out, and simulate the best values with verify"
@@ -110,7 +110,7 @@ def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
 
 
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield why the unknowns of a study cannot be looked for."""
+    """Yield the problems of unknowns that cannot be estimated."""
     count = len(study.priors())
     if not count:
         fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
@@ -145,7 +145,7 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    """Return what was measured, and which rows tell nothing or too much."""
+    """Return the observed output, and the problems of rows that hold nothing or too much."""
     problems = []
     for k, row in enumerate(rows, 1):
         given = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -252,7 +252,7 @@ def _problems_of_candidates(
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield what the scene and the method of a study do not take."""
+    """Yield the problems of settings that the scene and the method do not take."""
     if scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
         yield Problem("scene", f"a part of {scene.name} has no conveying velocity", fix)
@@ -274,7 +274,7 @@ def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
 
 
 def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
-    """Yield why runs without errors do not tell their own scatter."""
+    """Yield the problem of runs without errors that are too few for their own scatter."""
     if study.error is not None or any(run.error is not None for run in study.observations):
         return
     measured = sum(

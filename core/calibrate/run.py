@@ -71,7 +71,7 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
 
 
 def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
-    """Return what was computed of a calibration, labelled."""
+    """Return the arrays of a calibration, labelled."""
     del watch  # nothing is verified
     model, arrays = prepared.model, computed.arrays
     attributes = _attributes(prepared)
@@ -141,7 +141,7 @@ def _best(
 def _by_run(
     prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return what was measured and what is predicted of each run."""
+    """Return the measured and the predicted values of each run."""
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])

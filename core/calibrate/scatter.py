@@ -1,4 +1,4 @@
-"""How likely observations are at points of the unknowns, and what no unknown explains.
+"""The likelihood of observations at points of the unknowns, and the unexplained scatter.
 
 Speeds lie about those of the motions with variances that add: of the measurement, of a motion that
 does not repeat, and of a discrepancy that is common to all runs. The last is an unknown number,
@@ -86,7 +86,7 @@ class Scatter:
 
 @dataclass(frozen=True)
 class Likelihood:
-    """How likely the observations of a calibration are.
+    """The likelihood of the observations of a calibration.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class Likelihood:
         return np.asarray(log)
 
     def shown(self, predicted: Predicted) -> Array:
-        """Return whether parts do what was seen in the watched runs, 0 or 1."""
+        """Return 1 where parts do as observed in the watched runs, else 0."""
         columns = [
             predicted.shows(word)[:, k] for k, word in enumerate(self.model.runs.seen) if word
         ]

@@ -82,7 +82,7 @@ class ChunkFile:
         return checksum
 
     def sync(self) -> None:
-        """Return when all chunks are on the disk."""
+        """Wait until all chunks are on the disk."""
         os.fdatasync(self._disk.descriptor)
 
     def close(self, attributes: Mapping[str, float] | None = None) -> None:
@@ -144,7 +144,7 @@ class ChunkFile:
 
 
 def encoder(filters: Sequence[int]) -> Encode:
-    """Return what makes the bytes of a chunk, for HDF5's filters of an array."""
+    """Return the function that makes the bytes of a chunk, for HDF5's filters of an array."""
     if not filters:
         return lambda values, box, buffer: chunk_of(values, box, buffer).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
@@ -172,12 +172,12 @@ def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[An
 
 
 def inside(chunk: Box, tile: Box) -> Box:
-    """Return where a chunk lies in the array of its tile."""
+    """Return the slice of a chunk in the array of its tile."""
     return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
 
 
 class _Disk:
-    """What HDF5 takes for a file.
+    """The object that HDF5 takes for a file.
 
     Attributes
     ----------

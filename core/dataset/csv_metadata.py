@@ -1,4 +1,4 @@
-"""What a CSV file cannot hold, in a file beside it: units, descriptions, the study.
+"""The metadata of a CSV file, kept in a file beside it: units, descriptions, the study.
 
 The form is that of "Metadata Vocabulary for Tabular Data" (W3C, 2015), known as CSV on the Web:
 its readers find `x.csv-metadata.json` by the name of `x.csv`.

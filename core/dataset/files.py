@@ -44,7 +44,7 @@ def settle(temporary: Path, path: Path) -> None:
 
 
 def sync(path: Path) -> None:
-    """Return when a file, or the list of a folder, is on the disk."""
+    """Wait until a file, or the list of a folder, is on the disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -65,13 +65,13 @@ class Behind:
         self._last = self._thread.submit(wait, *arguments)
 
     def end(self) -> None:
-        """Return when nothing is waited for."""
+        """Wait until nothing is left to do."""
         last, self._last = self._last, None
         if last is not None:
             last.result()
 
     def close(self) -> None:
-        """Return when nothing is waited for, and never will be."""
+        """Wait until nothing is left to do, and take no more."""
         self._thread.shutdown()
 
 

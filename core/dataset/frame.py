@@ -62,7 +62,7 @@ class Frame:
 
     @property
     def note(self) -> str:
-        """How many cells do not describe a real part, and in which regimes; empty if all do."""
+        """The number of cells that describe no real part, and their regimes; empty if none do."""
         regime = self.table.variables.get("regime")
         if regime is None or "flag_values" not in regime.attributes:
             return ""
@@ -157,7 +157,7 @@ class FrameColumn:
 
     @cached_property
     def words(self) -> list[str]:
-        """What the values of a flag mean; none of anything else."""
+        """The meanings of the values of a flag; none of anything else."""
         return str(self.variable.attributes.get("flag_meanings", "")).split()
 
     @cached_property
@@ -231,7 +231,7 @@ class _Sink:
         pass
 
     def taken(self) -> bytes:
-        """Return what was written since this was last asked for."""
+        """Return the rows that were written since the last call."""
         pieces, self.pieces = self.pieces, []
         return b"".join(pieces)
 

@@ -148,7 +148,7 @@ class GrowingNetcdf:
         self.seconds = float(records[-1]["seconds"]) if records else 0.0
 
     def _passed(self, records: list[dict[str, Any]]) -> int:
-        """Return how many of the tiles stand in the file as they were written."""
+        """Return the number of tiles that the file holds as they were written."""
         file = self._open()
         for number, record in enumerate(records):
             if file.pass_over(self.tiles[number], record["lengths"]) != record["checksum"]:

@@ -59,7 +59,7 @@ class Journal:
         self._file.flush()
 
     def sync(self) -> None:
-        """Return when all records are on the disk."""
+        """Wait until all records are on the disk."""
         os.fsync(self._file.fileno())
 
     def close(self) -> None:

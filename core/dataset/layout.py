@@ -1,4 +1,4 @@
-"""How an array lies in a file: chunks, which a reader takes, and tiles of whole chunks.
+"""The layout of an array in a file: chunks, which a reader takes, and tiles of whole chunks.
 
 A tile is the unit of work, of progress and of resuming, and one shard of a Zarr array. Both depend
 on the shape alone, never on the machine: equal studies give equal bytes.
@@ -26,7 +26,7 @@ Box = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class Layout:
-    """How an array is cut.
+    """The layout of an array in chunks and tiles.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Layout:
         )
 
     def box(self, index: int) -> Box:
-        """Return where a tile lies."""
+        """Return the box of a tile: start and stop on each axis."""
         at = np.unravel_index(index, self.counts) if self.shape else ()
         return tuple(
             (int(k) * length, min((int(k) + 1) * length, n))
@@ -72,7 +72,7 @@ class Layout:
         )
 
     def chunks(self, box: Box) -> Iterator[Box]:
-        """Yield where the chunks of a tile lie, in the order of the array."""
+        """Yield the boxes of the chunks of a tile, in the order of the array."""
         steps = (
             [(start, min(start + length, stop)) for start in range(begin, stop, length)]
             for (begin, stop), length in zip(box, self.chunk, strict=True)

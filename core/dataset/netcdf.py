@@ -86,7 +86,7 @@ def define(path: Path, table: Table, *, history: str | None, compression: bool) 
 
 
 def tiles_of(table: Table) -> Tiles:
-    """Return how the arrays of a table are cut, but for texts."""
+    """Return the tiles of the arrays of a table, texts left out."""
     arrays = {n: v for n, v in table.variables.items() if v.values.dtype != object}
     sizes = {
         dim: size
@@ -106,7 +106,7 @@ def is_large(tiles: Tiles) -> bool:
 
 @dataclass(frozen=True)
 class _Storage:
-    """How a variable is stored."""
+    """The storage of a variable: chunks, compression and type."""
 
     compression: bool
     level: int = COMPRESSION_LEVEL

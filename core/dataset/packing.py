@@ -12,8 +12,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import google_crc32c
 import numpy as np
-from google_crc32c import value as crc32c
 from numpy.typing import NDArray
 
 from core.dataset.layout import Layout, Tile
@@ -42,7 +42,7 @@ def index_length(layout: Layout) -> int:
 
 def is_whole(index: bytes, size: int) -> bool:
     """True if the index of a shard is sound, and tells of all its bytes."""
-    if int(crc32c(index[:-4])).to_bytes(4, "little") != index[-4:]:
+    if int(google_crc32c.value(index[:-4])).to_bytes(4, "little") != index[-4:]:
         return False
     places = np.frombuffer(index[:-4], "<u8").reshape(-1, 2)
     lengths = places[places[:, 0] != NO_CHUNK, 1]

@@ -25,7 +25,7 @@ _FIELDS = "told"
 
 @dataclass(frozen=True)
 class Record:
-    """What a part has left: plain values, and arrays.
+    """The record that a part leaves: plain values, and arrays.
 
     Attributes
     ----------

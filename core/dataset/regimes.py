@@ -1,4 +1,4 @@
-"""How often each regime occurs, and how such a share is written: for the console and pictures."""
+"""The share of cells in each regime, and its text for the console and for pictures."""
 
 from __future__ import annotations
 

@@ -196,7 +196,7 @@ class GrowingZarr:
                 array.with_config({"write_empty_chunks": True})[...] = one.values
 
     def flush(self) -> None:
-        """Return when what is written is on the disk."""
+        """Wait until all that was written is on the disk."""
         self._behind.end()
 
     def close(self) -> None:

@@ -124,7 +124,7 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        """Return what a plan would object to besides what is known, as far as it can be told."""
+        """Return the further problems that a plan would report, as far as they can be known."""
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
@@ -170,7 +170,7 @@ def _keys_of(kind: Kind) -> Collection[str]:
 
 
 def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
-    """Return what is wrong with the kind of a study, and which one is meant.
+    """Return the problem of a study whose kind is unknown, with the kind that is meant.
 
     The rest is checked all the same, as the kind that has most of its keys.
     """

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a study, in our words."""
+"""Messages for the errors that pydantic reports of a study, in the words of this program."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def problems_of(
     parameters: Collection[str] = PARAMETERS,
     within: str = "",
 ) -> list[Problem]:
-    """Return what is wrong with a study, each once and few enough to be read.
+    """Return the problems of a study, each once and few enough to be read.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def problems_of(
 def _path_of(
     error: ErrorDetails, within: str, sections: Mapping[str, Section]
 ) -> tuple[list[Any], str, Section]:
-    """Return where an error is, which alternative of its section was tried, and that section."""
+    """Return the path of an error, the alternative of its section that was tried, the section."""
     path, tag = [within, *error["loc"]] if within else [*error["loc"]], ""
     section = sections.get(str(path[0]), Section()) if path else Section()
     if len(path) > 1 and path[1] in section.tags:
@@ -112,7 +112,7 @@ def _path_of(
 
 
 def _outside(names: list[str]) -> Problem:
-    """Return what is wrong with parameters that stand among the keys of a study."""
+    """Return the problems of parameters that stand among the keys of a study."""
     listed = ", ".join(names[:OUTSIDE]) + (", ..." if len(names) > OUTSIDE else "")
     message = f"{listed} {'stands' if len(names) == 1 else 'stand'} outside"
     fix = "Write them below the line [parameters], in JSON within that object"
@@ -151,7 +151,7 @@ def _problem(
 
 
 def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
-    """Return what is wrong with a value, by pydantic's name of the error, and what would be right.
+    """Return the message for a wrong value, by pydantic's name of the error, and the fix.
 
     The message is empty where pydantic has to say it.
     """

@@ -149,7 +149,7 @@ def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
 
 
 def _problem_path(path: Sequence[Any]) -> str:
-    """Return where a problem is; rows as people count them."""
+    """Return the path of a problem; rows as people count them."""
     if len(path) < 2:
         return dotted(path)
     return f"observations row {int(path[1]) + 1}" + "".join(f", {name}"[:60] for name in path[2:3])

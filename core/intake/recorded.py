@@ -56,13 +56,13 @@ def with_drive(content: Content, files: bool) -> Resolved:
 
 
 def unknown_key(stranger: Stranger) -> Problem:
-    """Return what is wrong with a key that no drive has."""
+    """Return the problem of a key that no drive has."""
     fix = stranger.suggest(stranger.name, RecordedDrive.model_fields)
     return Problem(stranger.place, f"'{stranger.name}' is not a key of the drive", fix)
 
 
 def no_section(stranger: Stranger) -> Problem:
-    """Return what is wrong with a measured drive of a kind that follows no motion."""
+    """Return the problem of a measured drive in a kind that follows no motion."""
     del stranger
     return only_the_plain_sine('Write kind = "simulate", or give these')
 
@@ -78,7 +78,7 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
 
 
 def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
-    """Return what a study keeps of the recording that it names, and its fit."""
+    """Return the record of the recording that a study names, and its fit."""
     fields = _read(drive)
     source = _source(fields, files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
@@ -97,7 +97,7 @@ def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, mea
 
 
 def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
-    """Return what is kept of a fit to a recording of some name and SHA-256."""
+    """Return the record of a fit to a recording of some name and SHA-256."""
     shares: dict[Any, float] = dict(zip(fit.axes, map(_kept, fit.left_over), strict=True))
     return MeasuredDrive(
         name=name,
@@ -159,7 +159,7 @@ def _digest(source: str | Path) -> str:
 
 
 def _placed(problem: Problem, path: str) -> Problem:
-    """Return a problem of a recording where a study has what it is about."""
+    """Return a problem of a recording, with its path in the study."""
     if problem.place == "recording":
         return Problem(path, problem.message, problem.fix)
     return problem if problem.place.startswith("drive.") else problem.below("drive")

@@ -73,7 +73,7 @@ def dotted(path: Sequence[Any]) -> str:
 
 
 def no_key(stranger: Stranger) -> Problem:
-    """Return what is wrong with a key of a section of which nothing else is known."""
+    """Return the problem of a key in a section of which nothing else is known."""
     tag = f" '{stranger.tag}'" if stranger.tag else ""
     section = stranger.within.removesuffix("s")
     message = f"'{stranger.name}' is not a key of the {section}{tag}"
@@ -81,7 +81,7 @@ def no_key(stranger: Stranger) -> Problem:
 
 
 def no_parameter(stranger: Stranger) -> Problem:
-    """Return what is wrong with a name in a section whose keys are parameters."""
+    """Return the problem of a name in a section whose keys are parameters."""
     name, within = stranger.name, stranger.within
     if name in stranger.keys:
         message = f"'{name}' is a key of the study, and stands among the {within}"
@@ -101,7 +101,7 @@ def _as_it_is(raw: Any, folder: Path) -> Any:
 
 @dataclass(frozen=True)
 class Section:
-    """What reading has to know of a section; by default that it is there.
+    """The rules by which a section of a study is read; by default it only has to be there.
 
     Attributes
     ----------

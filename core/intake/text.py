@@ -31,7 +31,7 @@ _HALVES = re.compile("[\ud800-\udfff]")
 
 
 def read_content(path: Path) -> object:
-    """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot.
+    """Return the content of the TOML or JSON file at `path`; raise `StudyError` if it has none.
 
     The files of a recording, of observations and of calibrations are named beside that of the
     study.
@@ -54,7 +54,7 @@ def read_content(path: Path) -> object:
 
 
 def _read_text(text: str, suffix: str, stem: str) -> object:
-    """Return what stands in the text of a file; tell TOML and JSON apart if its name is wrong."""
+    """Return the content of a file's text; TOML and JSON are told apart if its name is wrong."""
     try:
         return _READERS[suffix](text)
     except StudyError as error:
@@ -71,7 +71,7 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
 
 
 def read_toml(text: str) -> object:
-    """Return what stands in a TOML text; raise `StudyError` if it is none."""
+    """Return the content of a TOML text; raise `StudyError` if it is none."""
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -80,7 +80,7 @@ def read_toml(text: str) -> object:
 
 
 def read_json(text: str | bytes) -> object:
-    """Return what stands in a JSON text; raise `StudyError` if it is none."""
+    """Return the content of a JSON text; raise `StudyError` if it is none."""
     try:
         # By itself json would let halves of characters through, and take other encodings.
         text = text if isinstance(text, str) else text.decode("utf-8")

@@ -53,7 +53,7 @@ def share_left_out(table: Table) -> float:
 
 
 def not_verified(table: Table) -> int:
-    """Return how many cells of a result are further off than what is known of their error."""
+    """Return the number of cells of a result that are further off than their error allows."""
     return int(table.attributes.get(FAILED, 0))
 
 

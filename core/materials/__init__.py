@@ -1,4 +1,4 @@
-"""What is published of friction, restitution and leaf springs: files of data, rows with sources."""
+"""Published friction, restitution and leaf springs: files of data, rows with sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a channel was driven beyond its range."""
+"""Detects a channel that was driven beyond its range."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ class Clock(NamedTuple):
 
 
 class Tilt(NamedTuple):
-    """How the track stands, as the constant of a sensor of three axes tells it.
+    """The tilt of the track, from the constant of a sensor of three axes.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ from core.measured.harmonics import Array, Samples, Solution, solved
 from core.measured.noise import Noise, covariance_of, hurdle, noise_of
 from core.measured.read import RecordingTable
 from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
-from core.measured.sound import check_before, check_fit, check_orders
+from core.measured.validity import check_before, check_fit, check_orders
 
 SIZE = 0.1  # by which a constant may miss gravity and still be taken for it
 
@@ -72,7 +72,7 @@ def _weighted(
 def _significant(
     samples: Samples, solution: Solution, noise: Noise
 ) -> tuple[NDArray[np.bool_], int]:
-    """Return which orders of each axis are told from zero, and the degree of the drift that is."""
+    """Return the orders of each axis that differ from zero, and the degree of the drift."""
     covariance = covariance_of(samples, solution, noise)
     axes, size = solution.coefficients.shape
     first, fine = solution.degree + 1, hurdle(samples.size)
@@ -171,7 +171,7 @@ def _turned(
 
 
 def _tilt(axes: tuple[str, ...], constant: Array) -> Tilt | None:
-    """Return how the track stands, if the constant can be gravity."""
+    """Return the tilt of the track, if the constant can be gravity."""
     size = float(np.linalg.norm(constant))
     if axes != AXES or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:
         return None

@@ -80,7 +80,7 @@ class Solution(NamedTuple):
 
 
 def columns(samples: Samples, frequency: float, orders: tuple[int, ...], degree: int) -> Array:
-    """Return what is fitted: the drift's polynomials, then sine and cosine of each order."""
+    """Return the columns of the fit: polynomials of the drift, sine and cosine of each order."""
     phase = np.outer(samples.times, 2.0 * np.pi * frequency * np.array(orders))
     waves = np.stack([np.sin(phase), np.cos(phase)], axis=-1).reshape(samples.size, -1)
     return np.hstack([legvander(samples.times / samples.half, degree), waves])

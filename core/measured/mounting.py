@@ -1,4 +1,4 @@
-"""How a sensor of three axes stands on the track."""
+"""The orientation of a sensor of three axes on the track."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the residual says of the errors of a fit, whatever its colour.
+"""The errors of a fit, estimated from its residual, whatever its colour.
 
 A wave hears only the noise about its own frequency: the errors of a harmonic depend on the
 residual's spectral density there (Grenander and Rosenblatt, Statistical Analysis of Stationary

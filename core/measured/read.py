@@ -198,7 +198,7 @@ def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:
-    """Return what stands before the last brackets of a heading, and in them: a name and its unit.
+    """Return name and unit of a heading: the text before its last brackets, and in them.
 
     The time it takes is that of reading the heading, whatever it holds.
     """

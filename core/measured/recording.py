@@ -1,4 +1,4 @@
-"""What a user says of a recording, and the accelerations of the track that it then holds."""
+"""The description of a recording by its user, and the track accelerations that it then holds."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ UNITS = ("m s-2", "mm s-2", "cm/s2", "g", "mg")  # as messages list them
 
 @dataclass(frozen=True)
 class Recording:
-    """What is to be known of a recording beside its file.
+    """The description of a recording, besides its file.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ def _channel(
 def _factor(
     path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
-    """Return what one unit of a channel is in m s-2."""
+    """Return one unit of a channel in m s-2."""
     said = {text for text in (column.unit, unit) if text}
     factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
     listed = ", ".join(UNITS)

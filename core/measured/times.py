@@ -61,7 +61,7 @@ def read_times(
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return what is wrong with the steps between times."""
+    """Return the problem of uneven steps between times."""
     steps = np.diff(times)
     if not steps.size:
         return None

@@ -1,4 +1,4 @@
-"""Where two cylinders touch: the five forms of contact, each with a proof of its gap (theory 8.2).
+"""The contact of two cylinders in its five forms, each with a proof of its gap (theory 8.2).
 
 A direction n separates two convex bodies by at least what their support functions say. A form gives
 n and a point of each body; if the points lie along n and as far apart as n separates, the gap is

@@ -1,4 +1,4 @@
-"""What an impact of two cylinders leaves: motion, energy, balances (theory 8).
+"""Results of an impact of two cylinders: motion, energy, balances (theory 8).
 
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
@@ -115,7 +115,7 @@ def momentum_residual_x(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return what the velocities after the impact add to the linear momentum, x [N s]."""
+    """Return the change of the linear momentum by the impact, x [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[0] - before.velocity_1[0]
     change_2 = after.velocity_2[0] - before.velocity_2[0]
@@ -128,7 +128,7 @@ def momentum_residual_y(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return what the velocities after the impact add to the linear momentum, y [N s]."""
+    """Return the change of the linear momentum by the impact, y [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[1] - before.velocity_1[1]
     change_2 = after.velocity_2[1] - before.velocity_2[1]
@@ -141,7 +141,7 @@ def momentum_residual_z(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return what the velocities after the impact add to the linear momentum, z [N s]."""
+    """Return the change of the linear momentum by the impact, z [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[2] - before.velocity_1[2]
     change_2 = after.velocity_2[2] - before.velocity_2[2]
@@ -156,7 +156,7 @@ def angular_momentum_residual_x(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return what the impact adds to the angular momentum about the origin, x [kg m2 s-1]."""
+    """Return the change of the angular momentum about the origin by the impact, x [kg m2 s-1]."""
     return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[0]
 
 
@@ -168,7 +168,7 @@ def angular_momentum_residual_y(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return what the impact adds to the angular momentum about the origin, y [kg m2 s-1]."""
+    """Return the change of the angular momentum about the origin by the impact, y [kg m2 s-1]."""
     return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[1]
 
 
@@ -180,5 +180,5 @@ def angular_momentum_residual_z(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return what the impact adds to the angular momentum about the origin, z [kg m2 s-1]."""
+    """Return the change of the angular momentum about the origin by the impact, z [kg m2 s-1]."""
     return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[2]

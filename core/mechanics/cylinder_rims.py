@@ -1,4 +1,4 @@
-"""Where a rim of one cylinder comes nearest to another cylinder (theory 8.2)."""
+"""The point of a cylinder's rim that is nearest to another cylinder (theory 8.2)."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _way(point: Vector, base: Cylinder) -> Vector:
 
 
 def _free(distance: Array, radius: Array) -> Array:
-    """Return which share of the distance from an axis lies outside a radius."""
+    """Return the share of the distance from an axis that lies outside a radius."""
     outside = distance > radius
     return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
 

@@ -65,12 +65,12 @@ def leaf_mass(
 
 
 def stress_margin(*, allowable_stress: Array, spring_stress: Array) -> Array:
-    """Return what is left up to the allowable stress; below 0 it is exceeded [Pa]."""
+    """Return the rest up to the allowable stress; below 0 it is exceeded [Pa]."""
     return allowable_stress - spring_stress
 
 
 def air_gap_margin(*, air_gap: Array, stroke: Array) -> Array:
-    """Return what is left of the magnet's air gap at the end of the stroke [m]."""
+    """Return the rest of the magnet's air gap at the end of the stroke [m]."""
     return air_gap - stroke
 
 

@@ -53,7 +53,7 @@ def sliding_fraction(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return what the friction disc leaves of D: 0 in stick, 1 - mu_k n/|D| in slip, 1 in flight.
+    """Return the share of D beyond the friction disc: stick 0, slip 1 - mu_k n/|D|, flight 1.
 
     From rest, friction opposes the impending sliding velocity, which is along D [1].
     """

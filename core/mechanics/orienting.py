@@ -30,7 +30,7 @@ class Aspect(NamedTuple):
 
 
 class PassedShares(NamedTuple):
-    """What a line lets pass.
+    """The shares of parts that pass a line.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -
 
 
 def product(first: Matrix, second: Matrix) -> Matrix:
-    """Return what two devices do, one after the other."""
+    """Return the matrix of two devices, one after the other."""
     places = range(len(first))
     return [[_sum([row[k] * second[k][j] for k in places]) for j in places] for row in first]
 
@@ -167,7 +167,7 @@ def _sum(terms: Sequence[Array]) -> Array:
 
 
 def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
-    """Return what passes of parts that arrive with some shares."""
+    """Return the shares that pass, of parts that arrive with some shares."""
     places = range(len(shares))
     leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
     return PassedShares(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
@@ -184,7 +184,7 @@ def outlet_share(
 
 
 def devices_in_order(order: Array, count: int) -> list[Array]:
-    """Return which device stands at each place, from 0, in one of the count! orders.
+    """Return the device at each position, from 0, in one of the count! orders.
 
     Orders count from 1 as in a dictionary: 1 is 1, 2, 3, ...; the last one goes backwards. The
     digits of order - 1 in the base of factorials say how many of the devices left come before.
@@ -207,7 +207,7 @@ def devices_in_order(order: Array, count: int) -> list[Array]:
 
 
 def laps(*, line: PassedShares) -> Array:
-    """Return how often a part arrives until it passes, in the mean, 1/eta [1]."""
+    """Return the mean number of laps of a part until it passes, 1/eta [1]."""
     return ratio(np.ones(()), line.total, np.inf)
 
 
@@ -225,22 +225,22 @@ def laps_99(*, line: PassedShares) -> Array:
 
 
 def time_per_part(*, lap_time: Array, laps: Array) -> Array:
-    """Return how long a part circulates in the bowl until it passes, in the mean, T/eta [s]."""
+    """Return the mean time of a part in the bowl until it passes, T/eta [s]."""
     return lap_time * laps
 
 
 def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:
-    """Return how many parts a minute arrive in one row, 60 v/pitch [min-1]."""
+    """Return the number of parts that arrive in one row per minute, 60 v/pitch [min-1]."""
     return 60 * arrival_speed / part_pitch
 
 
 def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return how many parts a minute leave the line, q eta [min-1]."""
+    """Return the number of parts that leave the line per minute, q eta [min-1]."""
     return arrival_rate * line.total
 
 
 def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return how many parts a minute fall back into the bowl, q (1 - eta) [min-1]."""
+    """Return the number of parts that fall back into the bowl per minute, q (1 - eta) [min-1]."""
     return arrival_rate * (1 - line.total)
 
 
@@ -258,10 +258,10 @@ def purity(*, leaving_wanted: Array, line: PassedShares) -> Array:
 
 
 def wanted_feed_rate(*, arrival_rate: Array, leaving_wanted: Array) -> Array:
-    """Return how many parts a minute leave in the wanted aspect [min-1]."""
+    """Return the number of parts that leave in the wanted aspect per minute [min-1]."""
     return arrival_rate * leaving_wanted
 
 
 def lets_none_pass(*, line: PassedShares) -> Mask:
-    """Return where no part passes."""
+    """True where no part passes."""
     return line.total <= 0

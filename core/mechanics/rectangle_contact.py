@@ -1,4 +1,4 @@
-"""Where two rectangles touch: separating axes, supporting corner, edge on edge (theory 5.1)."""
+"""The contact of two rectangles: separating axes, supporting corner, edge on edge (theory 5.1)."""
 
 from __future__ import annotations
 

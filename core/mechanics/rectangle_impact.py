@@ -16,7 +16,7 @@ from core.mechanics.rectangle_contact import Rectangle, RectangleContact
 
 
 class EdgeAction(NamedTuple):
-    """Where on a touching edge the impulse acts: share of the way from its first end, 0 to 1.
+    """The point of a touching edge where the impulse acts: share from its first end, 0 to 1.
 
     `unknown` marks edges for which no single impulse tells the result.
     """
@@ -133,7 +133,7 @@ def edge_action_without_friction(
     rectangle_masses: RectangleMasses,
     restitution: Array,
 ) -> EdgeAction:
-    """Return where the resultant of both ends of a touching edge acts.
+    """Return the point at which the resultant of both ends of a touching edge acts.
 
     Both ends are contacts without friction, and the impulses solve the complementarity problem of
     theory 1.4. The impact is that of the resultant alone, since the normals are parallel.

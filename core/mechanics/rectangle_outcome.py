@@ -1,4 +1,4 @@
-"""What an impact of two rectangles leaves: motion, energy, balances (theory 5).
+"""Results of an impact of two rectangles: motion, energy, balances (theory 5).
 
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
@@ -102,7 +102,7 @@ def momentum_residual_x(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return what the velocities after the impact add to the linear momentum, x [N s]."""
+    """Return the change of the linear momentum by the impact, x [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
     change_1 = after.velocity_x_1 - before.velocity_x_1
     change_2 = after.velocity_x_2 - before.velocity_x_2
@@ -115,7 +115,7 @@ def momentum_residual_y(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return what the velocities after the impact add to the linear momentum, y [N s]."""
+    """Return the change of the linear momentum by the impact, y [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
     change_1 = after.velocity_y_1 - before.velocity_y_1
     change_2 = after.velocity_y_2 - before.velocity_y_2
@@ -130,7 +130,7 @@ def angular_momentum_residual(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return what the velocities after add to the angular momentum about the origin [kg m2 s-1]."""
+    """Return the change of the angular momentum about the origin by the impact [kg m2 s-1]."""
     body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
     change = BodyVelocities(
         *(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True))

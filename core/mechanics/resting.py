@@ -48,7 +48,7 @@ def box_shares(*, length: Array, width: Array, height: Array) -> Shares:
 
 
 def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
-    """Return how high the centre of a box lies: flat, on its side, on its end [m]."""
+    """Return the heights of the centre of a box: flat, on its side, on its end [m]."""
     return height / 2, width / 2, length / 2
 
 
@@ -58,7 +58,7 @@ def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
 
 
 def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
-    """Return how high the centre of a cylinder lies: on its side, on an end [m]."""
+    """Return the heights of the centre of a cylinder: on its side, on an end [m]."""
     return diameter / 2, length / 2
 
 
@@ -77,7 +77,7 @@ def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
 
 
 def prism_centres(*, sides: Array, length: Array, diameter: Array) -> Shares:
-    """Return how high the centre of a prism lies: on a side, on an end [m]."""
+    """Return the heights of the centre of a prism: on a side, on an end [m]."""
     return diameter / 2 * cosine(np.pi / sides), length / 2
 
 
@@ -101,7 +101,7 @@ def turned_centre(*, centre_of_mass: Array) -> Array:
 def side_foot(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Array:
-    """Return where the foot of the centre lies on the side, over its length [1].
+    """Return the position of the foot of the centre on the side, over its length [1].
 
     s/L_g = (z_c H + R1 (R1 - R2))/L_g^2, from the end of `diameter`, L_g = hypot(R1 - R2, H). The
     part lies on its side only where this is between 0 and 1.
@@ -113,12 +113,12 @@ def side_foot(
 
 
 def is_side_unstable(*, side_foot: Array) -> Mask:
-    """Return where a part does not lie on its side, but rolls on over a rim."""
+    """True where a part does not lie on its side, but rolls on over a rim."""
     return (side_foot <= 0) | (side_foot >= 1)
 
 
 def has_centre_outside(*, height: Array, mass_height: Array) -> Mask:
-    """Return where the centre of mass is not between both ends."""
+    """True where the centre of mass is not between both ends."""
     return mass_height >= height
 
 
@@ -152,7 +152,7 @@ def turned_shares(
 def turned_centres(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Shares:
-    """Return how high the centre of a turned part lies: upright, on its side, inverted [m]."""
+    """Return the heights of the centre of a turned part: upright, on its side, inverted [m]."""
     apart = (diameter - small_diameter) / 2
     across = (diameter / 2 * height - mass_height * apart) / hypot(apart, height)
     return mass_height, across, height - mass_height
@@ -169,7 +169,7 @@ def second_shares(*, resting_shares: Shares, centre_heights: Shares) -> Shares:
 
 
 def share_errors(*, resting_shares: Shares, second_shares: Shares) -> Shares:
-    """Return how far apart both estimates of the shares are [1]."""
+    """Return the difference between both estimates of the shares [1]."""
     both = zip(resting_shares, second_shares, strict=True)
     return tuple(np.abs(first - second) for first, second in both)
 

@@ -20,7 +20,7 @@ from core.mechanics.arrays import Array, Mask
 
 
 class RollingContact(NamedTuple):
-    """What a round part has at floor and wall; all fields broadcast.
+    """The contact of a round part with floor and wall; all fields broadcast.
 
     Attributes
     ----------
@@ -58,17 +58,17 @@ class RollingContact(NamedTuple):
 
     @property
     def free(self) -> Mask:
-        """Where nothing resists rolling."""
+        """True where nothing resists rolling."""
         return np.asarray(self.held == 0)
 
     @property
     def runs_away(self) -> Mask:
-        """Where gravity is more than what resists rolling."""
+        """True where gravity is more than what resists rolling."""
         return np.asarray(np.abs(self.uphill) > self.held)
 
     @property
     def lifts(self) -> Mask:
-        """Where the part leaves the floor."""
+        """True where the part leaves the floor."""
         return np.asarray(np.abs(self.normal) > self.load)
 
     def at_ends(self, sign: float) -> tuple[Array, Array]:
@@ -94,12 +94,12 @@ class RollingContact(NamedTuple):
 
     @property
     def surely_rolls(self) -> Mask:
-        """Where the floor has the friction to roll in every instant, however the part moves."""
+        """True where the floor has the friction to roll at every instant of any motion."""
         return np.asarray(self.traction[1] <= (1 + self.factor) * self.static)
 
     @property
     def surely_slips(self) -> Mask:
-        """Where it has too little at some instant, however the part moves."""
+        """True where it has too little at some instant of any motion."""
         enough = (1 + self.factor) * np.maximum(self.static, self.resistance)
         return np.asarray(self.lifts | (self.traction[0] > enough))
 

@@ -36,7 +36,7 @@ def ball_factor(*, diameter: Array, inner_diameter: Array) -> Array:
 
 
 def rolling_share(*, rolling_factor: Array) -> Array:
-    """Return what rolling leaves of a push, kap/(1 + kap) [1]."""
+    """Return the share of a push that rolling leaves, kap/(1 + kap) [1]."""
     return rolling_factor / (1 + rolling_factor)
 
 
@@ -215,7 +215,7 @@ def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
 def cone_factor(
     *, centre_radius: Array, axial_gyration: Array, gyration: Array, cone_half_angle: Array
 ) -> Array:
-    """Return what rolling leaves of a push on a cone, F = (l sin a)^2/I_g [1].
+    """Return the share of a push that rolling on a cone leaves, F = (l sin a)^2/I_g [1].
 
     I_g = I_ax cos(a)^2 + (I_t + l^2) sin(a)^2 of unit mass about the line that it touches. With the
     radius rho = l tan(a) at the centre, F = rho^2/(rho^2 + I_ax + I_t tan(a)^2): 2/3 of a cylinder.

@@ -188,7 +188,7 @@ def power(wrench: Wrench, twist: Twist) -> Array:
 
 
 class ScrewKind(IntEnum):
-    """What is left of a screw after reduction."""
+    """The kinds of a reduced screw: by what is left of it."""
 
     GENERAL = 0  # a resultant along an axis, and a moment along it
     PURE_COUPLE = 1  # no resultant: a couple, or a translation

@@ -114,7 +114,7 @@ def lining_frequency(*, lining_stiffness: Array, mass: Array) -> Array:
 
 
 def lining_sag(*, lining_stiffness: Array, mass: Array, gravity: Array) -> Array:
-    """Return how far a part sinks into its lining by its weight, m g/k [m]."""
+    """Return the depth to which a part sinks into its lining by its weight, m g/k [m]."""
     return mass * gravity / lining_stiffness
 
 
@@ -131,7 +131,7 @@ def is_soft(*, stiffness_ratio: Array) -> Mask:
 def hertz_depth(
     *, mass: Array, contact_modulus: Array, contact_radius: Array, impact_speed: Array
 ) -> Array:
-    """Return how deep a Hertz contact gives at an impact, (5 m v^2/(4 k))^(2/5) [m].
+    """Return the depth of a Hertz contact at an impact, (5 m v^2/(4 k))^(2/5) [m].
 
     k = (4/3) E sqrt(R) of the force k x^(3/2).
     """
@@ -140,5 +140,5 @@ def hertz_depth(
 
 
 def hertz_time(*, hertz_depth: Array, impact_speed: Array) -> Array:
-    """Return how long a Hertz contact lasts without loss, 2.943 x_max/v [s]."""
+    """Return the duration of a Hertz contact without loss, 2.943 x_max/v [s]."""
     return HERTZ * hertz_depth / impact_speed

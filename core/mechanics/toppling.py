@@ -1,4 +1,4 @@
-"""Whether a standing part topples: on a slope, at a sudden stop, by a pulse (theory 16.2).
+"""The toppling of a standing part: on a slope, at a sudden stop, by a pulse (theory 16.2).
 
 A part stands with half its base b along the push and its centre of mass at the height z_c. With
 R = hypot(b, z_c) and k its radius of gyration about the centre, it turns about an edge of its base
@@ -155,7 +155,7 @@ def topple_acceleration(*, topple_slope: Array, pulse_angle: Array, gravity: Arr
 
 
 def topple_margin(*, topple_speed: Array, frequency: Array, amplitude: Array, beta: Array) -> Array:
-    """Return what the track's speed leaves of half the toppling speed, V/2 - A w cos b [m s-1]."""
+    """Return half the toppling speed less the track's speed, V/2 - A w cos b [m s-1]."""
     return topple_speed / 2 - 2 * np.pi * frequency * amplitude * cosine(beta)
 
 
@@ -179,7 +179,7 @@ def push_over_load(
 def rocking_margin(
     *, rocking_friction: Array, friction_static: Array, push_over_load: Array
 ) -> Array:
-    """Return what the floor can do beyond what a part needs to rock, min(mu_s, |D|/n) - b/z_c [1].
+    """Return the push of the floor beyond that needed to rock, min(mu_s, |D|/n) - b/z_c [1].
 
     Not above 0 it never rocks, however long the shaking lasts. To begin to rock is not to topple.
     """
@@ -187,10 +187,10 @@ def rocking_margin(
 
 
 def never_rocks(*, rocking_margin: Array) -> Mask:
-    """Return where a part does not even begin to rock."""
+    """True where a part does not even begin to rock."""
     return rocking_margin <= 0
 
 
 def may_topple(*, topple_margin: Array, amplitude: Array, standing_base: Array) -> Mask:
-    """Return where shaking may topple a part: no margin, or an amplitude near half its base."""
+    """True where shaking may topple a part: no margin, or an amplitude near half its base."""
     return (topple_margin <= 0) | (FAR * amplitude > standing_base)

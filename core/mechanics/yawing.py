@@ -177,22 +177,22 @@ def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
 
 
 def unscaled_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return what `floor_reduction` does, in steps that have a derivative."""
+    """Return the same as `floor_reduction`, in steps that have a derivative."""
     return floor_wrench.reduced_unscaled()
 
 
 def unscaled_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return what `force_reduction` does, in steps that have a derivative."""
+    """Return the same as `force_reduction`, in steps that have a derivative."""
     return force_wrench.reduced_unscaled()
 
 
 def unscaled_printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return what `printed_floor_reduction` does, in steps that have a derivative."""
+    """Return the same as `printed_floor_reduction`, in steps that have a derivative."""
     return _as_printed(floor_wrench.reduced_unscaled())
 
 
 def unscaled_printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return what `printed_force_reduction` does, in steps that have a derivative."""
+    """Return the same as `printed_force_reduction`, in steps that have a derivative."""
     return _as_printed(force_wrench.reduced_unscaled())
 
 

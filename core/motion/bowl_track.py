@@ -76,8 +76,8 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
 
     The second is what is wrong with them.
     """
-    names_given = tuple(names)
-    matches = [match for match in map(_NUMBERED.fullmatch, names_given) if match]
+    parameters = tuple(names)
+    matches = [match for match in map(_NUMBERED.fullmatch, parameters) if match]
     if not matches:
         return None, []
     own = {
@@ -86,7 +86,7 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
     }
     count = max(n for which in own.values() for n in which)
     problems = [] if of_bowl else [_without_bowl(matches[0][0])]
-    problems += [*_missing(own, count), *_twice(own, names_given)]
+    problems += [*_missing(own, count), *_twice(own, parameters)]
     return (None if problems else Track(count, own)), problems
 
 
@@ -207,7 +207,7 @@ def stalls(*, passage: Passage) -> Mask:
 
 
 class Passage(NamedTuple):
-    """What passes a whole track; arrays of one shape.
+    """The passage of parts along a whole track; arrays of one shape.
 
     Attributes
     ----------
@@ -263,7 +263,7 @@ class AlongTrack:
 
     @property
     def nodes(self) -> int:
-        """How many motions it follows in each cell."""
+        """The number of motions that it follows in each cell."""
         return self.stretches.track.count * (PARTS + 1)
 
     @property

@@ -1,4 +1,4 @@
-"""How cells are shared out among threads, whatever the kernel."""
+"""Shares cells out among threads, whatever the kernel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The course of one part in time, as a study asks for it by `trajectory`."""
+"""The trajectory of one part in time, as a study asks for it by `trajectory`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from core.motion.waves import ALONG, NORMAL, position_at
 from core.quantities import MOTION_MODES, Flag
 from core.watch import Watch
 
-COURSE_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
-"""The flags of courses, with their meanings."""
+TRAJECTORY_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
+"""The flags of trajectories, with their meanings."""
 
 
 class TrajectoryValues(NamedTuple):
-    """Times [s] and what the part does at them: quantities, and flags of `COURSE_FLAGS`."""
+    """Times [s] and what the part does at them: quantities, and flags of `TRAJECTORY_FLAGS`."""
 
     times: Array
     values: Mapping[str, Array]
@@ -27,7 +27,7 @@ class TrajectoryValues(NamedTuple):
 
 
 class TrajectoryRequest(NamedTuple):
-    """What a study asks of a course.
+    """The times at which a study asks for a trajectory, and the scales of it.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class TrajectoryRequest(NamedTuple):
             )
         return {"track_along": along, "track_normal": normal}
 
-    def course(
+    def trajectory(
         self,
         position: Array,
         velocity: Array,
@@ -90,9 +90,9 @@ class TrajectoryRequest(NamedTuple):
         wall: bool,
         start: float = 0.0,
     ) -> TrajectoryValues:
-        """Return the course of a part from its places and velocities, in the scales of the drive.
+        """Return the trajectory of a part from positions and velocities, in scales of the drive.
 
-        Places along are told from `start`; `wall` says whether there is one, to be far from.
+        Positions along are measured from `start`; `wall` says whether there is one, to be far from.
         """
         speed, length = self.scale("velocity_scale"), self.scale("length_scale")
         values = {

@@ -147,7 +147,7 @@ class PlanarRules:
         return self._known[1:]
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
-        """Return how the derivative of each cell was found."""
+        """Return the status of the derivative of each cell."""
         status = np.where(
             margin > compiled.derive.KINK, DERIVATIVE_STATUS["exact"], DERIVATIVE_STATUS["kink"]
         )
@@ -163,13 +163,13 @@ class PlanarRules:
 
 
 def _chained(slopes: Array, by: list[Array]) -> Array:
-    """Return what a field changes by, from its derivatives by the groups and theirs."""
+    """Return the derivative of a field, from its derivatives by the groups and theirs."""
     terms = (np.where(slope == 0, 0.0, slopes[:, place] * slope) for place, slope in enumerate(by))
     return sum(terms, start=np.zeros(len(slopes)))
 
 
 def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
-    """Return which cells of a plan of motion have exact derivatives, by their groups."""
+    """Return a mask of the cells of a plan of motion with exact derivatives, by their groups."""
     contacts = CONTACTS.get(plan.scene.name)
     by_differences = any(equation.gives in BY_DIFFERENCES for equation in plan.equations)
     if contacts is None or plan.variant != "events" or groups.wave is not None or by_differences:
@@ -292,7 +292,7 @@ def _by_differences(
 
 
 def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) -> Any:
-    """Return where the motion is of the kind of the first; None if that does not repeat."""
+    """Return a mask of motions of the kind of the first; None if that does not repeat."""
     kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in counts)))
     kinds = kinds.reshape(1 + len(counts), -1)
     if not kinds[1, 0] >= 1:

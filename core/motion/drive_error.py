@@ -1,4 +1,4 @@
-"""How far the errors of a measured drive move the velocity of a part."""
+"""The error of a part's velocity that follows from the errors of a measured drive."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class DriveError(NamedTuple):
 def drive_error(
     study: SimulateStudy, fit: Fit, draws: int = 200, rng: np.random.Generator | None = None
 ) -> DriveError:
-    """Return how far the errors of a fit move the conveying velocity of a study of one cell.
+    """Return the error of the conveying velocity of a study of one cell by the errors of a fit.
 
     The part is followed under drives that the recording cannot tell from the fitted one
     (`Fit.draw`). What the study gives itself in the place of a number of the fit has no error.

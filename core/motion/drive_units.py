@@ -73,7 +73,7 @@ class HalfWave:
 
 
 class ChosenUnit(NamedTuple):
-    """Which drive unit a study gives, and the track of a bowl on it.
+    """The drive unit that a study gives, and the track of a bowl on it.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
 
 
 def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
-    """Return why what conveyed parts do to a unit is not known."""
+    """Return the problems of a unit for which the effect of conveyed parts is not known."""
     problems = []
     if turning:
         message = "what parts do to a unit that turns is not known"

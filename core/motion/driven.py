@@ -44,22 +44,22 @@ class _WaveOf:
 
 
 def drive_number(*, wave: Wave) -> Array:
-    """Return what the speed of the track does not exceed, over g/w [1]."""
+    """Return a bound of the speed of the track, over g/w [1]."""
     return waves.size(wave)
 
 
 def drive_number_along(*, wave: Wave) -> Array:
-    """Return what the push along the track does not exceed, over gravity [1]."""
+    """Return a bound of the push along the track, over gravity [1]."""
     return waves.bound(wave, waves.ALONG)
 
 
 def drive_number_across(*, wave: Wave) -> Array:
-    """Return what the push across the track does not exceed, over gravity [1]."""
+    """Return a bound of the push across the track, over gravity [1]."""
     return waves.bound(wave, waves.ACROSS)
 
 
 def drive_number_normal(*, wave: Wave) -> Array:
-    """Return what the push normal to the floor does not exceed, over gravity [1]."""
+    """Return a bound of the push normal to the floor, over gravity [1]."""
     return waves.bound(wave, waves.NORMAL)
 
 

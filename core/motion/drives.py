@@ -34,7 +34,7 @@ _STEP = re.compile(r"(?:acceleration_(along|across|normal)|duration)_(\d+)")
 
 
 class Shape(Protocol):
-    """Which numbers a drive has; its values are parameters like any other."""
+    """The numbers that a drive has; its values are parameters like any other."""
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -179,7 +179,7 @@ def _aligned(inputs: dict[str, Array]) -> dict[str, Array]:
 
 
 def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
-    """Return why no value of a drive's numbers, SI units, is a drive; nothing if some are."""
+    """Return the problem of numbers, SI units, no value of which is a drive; else nothing."""
     given = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
     wave = shape.wave(**{name: np.asarray(value) for name, value in given.items()})
     if not np.all(np.isnan(waves.size(wave))):
@@ -197,7 +197,7 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
 
 
 def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
-    """Return which drive the names of a study's parameters give, None for the plain sine.
+    """Return the drive that the names of a study's parameters give, None for the plain sine.
 
     The second is what is wrong with them.
     """

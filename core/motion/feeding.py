@@ -1,4 +1,4 @@
-"""What a motion means to who feeds parts: parts a minute, and which way they travel."""
+"""Results for who feeds parts: parts a minute, and the direction in which they travel."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def travel_in_words(table: Table) -> str:
 
 
 def _rolling_in_words(table: Table) -> str:
-    """Return what becomes of round parts that are not conveyed; empty if all are."""
+    """Return sentences on round parts that are not conveyed; empty if all are."""
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
     runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]

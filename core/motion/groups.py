@@ -80,7 +80,7 @@ class Groups(NamedTuple):
 
     @property
     def planar(self) -> bool:
-        """Whether nothing pushes any of the parts across the track."""
+        """True if nothing pushes any of the parts across the track."""
         return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
 
     def flat(self) -> Groups:
@@ -105,7 +105,7 @@ ACROSS = (
 
 
 class Contacts(NamedTuple):
-    """What a part can touch, and how it touches: no number of a cell but what a system is.
+    """The surfaces that a part can touch, and how: no number of a cell but what a system is.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ SOLID_CYLINDER = 2.0  # m r^2/I about its axis
 
 
 def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
-    """Return which parts move in the vertical plane of the track: nothing pushes them across.
+    """Return a mask of parts that move in the vertical plane of the track: no push across.
 
     Such a part touches the wall of a straight track, if at all, without a load.
     """

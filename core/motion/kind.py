@@ -1,4 +1,4 @@
-"""What a simulation is to the rest of the program."""
+"""The record of the kind `simulate`, by which the rest of the program knows it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from core.motion.prepare import choose_system
-from core.motion.reduced import prepare
+from core.motion.reduced import prepare_reduced
 from core.motion.run import compute, label
 from core.motion.systems import SYSTEMS
 from core.plan.kind import Kind
@@ -75,7 +75,7 @@ KIND: Final = Kind(
             "friction": [0.2, 0.4],
         },
     },
-    prepare=prepare,
+    prepare=prepare_reduced,
     choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
     compute=compute,
     label=label,

@@ -1,4 +1,4 @@
-"""What a drive asks of the machine on each axis: largest acceleration, stroke, largest jerk.
+"""The demands of a drive on the machine, by axis: largest acceleration, stroke, largest jerk.
 
 Of the plain sine in closed form; of any other wave as `core.motion.waves` finds it.
 """

@@ -1,4 +1,4 @@
-"""What a method of motion is: the one seam between a way of following a part and all the rest."""
+"""The record of a method of motion: the one seam between following a part and all the rest."""
 
 from __future__ import annotations
 

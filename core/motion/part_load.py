@@ -1,4 +1,4 @@
-"""What conveyed parts do to the unit that drives them, and the amplitude at which both agree.
+"""The load of conveyed parts on their drive unit, and the amplitude at which both agree.
 
 A part that moves in time with its track is felt as a mass and as a damper (theory 13.15), which
 hang on the amplitude, which hangs on them. A table over amplitudes brackets every agreement; each
@@ -47,7 +47,7 @@ SCATTERED = 4
 
 
 def price_of_load(motion: float) -> float:
-    """Return what the load of a cell takes on one core, of the price of one of its motions [s].
+    """Return the time for the load of a cell on one core, of the price of one of its motions [s].
 
     Some 200 motions by events, of which most repeat, and few are dear where one is.
     """
@@ -55,7 +55,7 @@ def price_of_load(motion: float) -> float:
 
 
 class Load(NamedTuple):
-    """What a unit feels of the parts that it conveys; arrays of one shape.
+    """The load of conveyed parts on a unit; arrays of one shape.
 
     Attributes
     ----------
@@ -197,7 +197,7 @@ class PartLoad:
         return mass, damping, motion.multiple > 0
 
     def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return what is known, at the place of the load."""
+        """Return the known quantities at the position of the load."""
         return {**known, **(self.location(known) if self.location else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:

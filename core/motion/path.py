@@ -1,4 +1,4 @@
-"""Where a part is in space, at asked phases."""
+"""The position of a part in space, at given phases."""
 
 from __future__ import annotations
 

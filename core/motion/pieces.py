@@ -39,7 +39,7 @@ class Sine:
 
     @property
     def steepest(self) -> float:
-        """What the slope of the push does not exceed."""
+        """A bound of the slope of the push."""
         return math.hypot(*self.numbers)
 
 
@@ -91,7 +91,7 @@ class Piece:
 
     @property
     def steepest(self) -> float:
-        """What the slope of the push does not exceed."""
+        """A bound of the slope of the push."""
         return float(np.hypot(*np.moveaxis(self.harmonics, 1, 0)).sum(axis=0) @ self.orders)
 
 

@@ -104,7 +104,7 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
 def price_of(
     method: Method, plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]] | None = None
 ) -> tuple[float, float]:
-    """Return what a cell of a grid is likely to take by a method, and at most [s].
+    """Return the likely time of a cell of a grid by a method, and the largest [s].
 
     `free` are parameters that are not on the grid, and the ends of their values, SI units. Another
     method than that of the plan has its own settings, by default.
@@ -261,13 +261,13 @@ def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
 
 
 def who_uses(scene: Scene, setting: str) -> str:
-    """Return what to do with a setting that the method in force does not use."""
+    """Return the fix for a setting that the method in force does not use."""
     users = [name for name in scene.variants if setting in scene.variant_defaults.get(name, {})]
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
-    """Return why a study cannot show the course of a part in time, if it asks for that."""
+    """Return the problems of the trajectory that a study asks for, if it does."""
     if study.trajectory is None:
         return []
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
@@ -286,7 +286,7 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
-    """Return what is wrong with what a study asks for in place of its cells, if it does."""
+    """Return the problems of what a study asks for instead of its cells, if it does."""
     if study.reduce is None:
         return []
     problems = problems_of_names(study.reduce, study.outputs, study.values())
@@ -300,7 +300,7 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
-    """Yield why a cell, or the course of a part, would take longer than a method allows."""
+    """Yield the problem of a cell, or a trajectory, that takes longer than a method allows."""
     settings = {**method.defaults, **study.settings()}
     periods, steps = settings.get("max_periods", 0.0), settings.get("steps_per_period", 0.0)
     if method.most_steps is not None and 4 * steps * periods > method.most_steps:

@@ -1,4 +1,4 @@
-"""What cells are likely to take, and at most, told from their numbers before any is followed.
+"""The likely and the largest time for some cells, estimated before any is followed.
 
 A motion that repeats is followed for some tens of periods whatever the study allows, one that does
 not for all of them. Which it will be nobody knows before; where a part hops and rebounds much it
@@ -62,20 +62,20 @@ class Priced:
 
     @property
     def hops(self) -> Array:
-        """Where a part leaves the floor."""
+        """A mask of the parts that leave the floor."""
         g = self.groups
         return np.greater(np.abs(g.drive_number_normal), g.gravity_number_normal)
 
     @property
     def restless(self) -> Array:
-        """How likely a part is not to repeat, 0 to 1."""
+        """The probability that a part does not repeat, 0 to 1."""
         few, many = REBOUNDS
         rebounds = np.maximum(self.groups.restitution, self.groups.wall_restitution)
         return np.where(self.hops, np.clip((rebounds - few) / (many - few), 0.0, 1.0), 0.0)
 
     @property
     def across(self) -> Mask:
-        """Where a part leaves the vertical plane of the track."""
+        """A mask of the parts that leave the vertical plane of the track."""
         return ~in_plane(self.groups, self.contacts)
 
     @property
@@ -91,7 +91,7 @@ class Priced:
         return 0 if wave is None else wave.steps.shape[1]
 
     def periods(self, usual: float) -> Array:
-        """Return how many periods are likely to be followed; `usual` of a motion that repeats."""
+        """Return the likely number of periods to follow; `usual` of a motion that repeats."""
         allowed, share = self.setting("max_periods"), self.restless
         return share * allowed + (1.0 - share) * np.minimum(allowed, usual)
 

@@ -10,7 +10,7 @@ from core.mechanics.travel import distance_bound
 
 
 def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0) -> Array:
-    """Return how many parts a minute arrive at a mean velocity (theory 13.12) [min-1].
+    """Return the number of parts that arrive per minute at a mean velocity, theory 13.12 [min-1].
 
     Parameters
     ----------

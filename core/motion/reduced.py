@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from core.motion import prepare as whole
-from core.motion.prepare import Simulation
+from core.motion.prepare import Simulation, prepare
 from core.motion.verify import accuracy, verified_at
 from core.plan.labels import global_attributes
 from core.plan.sample import Sample, chosen_positions
@@ -48,7 +47,7 @@ class ReducedSimulation(Reduced, Simulation):
         return verified_at(self, Sample(self.grid, places, count, count), None, watch)
 
 
-def prepare(study: SimulateStudy) -> Simulation:
+def prepare_reduced(study: SimulateStudy) -> Simulation:
     """Return the simulation of a study, or what is told in place of its cells.
 
     Raises
@@ -56,7 +55,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     StudyError
         As `core.motion.prepare.prepare`.
     """
-    prepared = whole.prepare(study)
+    prepared = prepare(study)
     if study.reduce is None:
         return prepared
     return ReducedSimulation(prepared.study, prepared.plan, prepared.grid)

@@ -9,9 +9,8 @@ import numpy as np
 from core.mechanics import rolling_motion, round_parts
 from core.mechanics.arrays import Array, Mask
 from core.mechanics.rolling_motion import RollingContact
-from core.motion import limits, scales
+from core.motion import feeding, limits, scales
 from core.motion.feeding import DEFAULTS
-from core.motion.feeding import RESULTS as FEEDING
 from core.motion.groups import BLOCK_ON_FLOOR, Groups
 from core.motion.method import Method
 from core.motion.methods import METHODS
@@ -41,7 +40,7 @@ def floor_contact(
     rolling_resistance: Array, load_number: Array, gravity_number_along: Array,
     drive_number_along: Array, drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
-    """Return what a round part has at the floor."""
+    """Return the contact of a round part with the floor."""
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
         resistance=rolling_resistance, drag=np.zeros(()), load=load_number,
@@ -55,7 +54,7 @@ def wall_contact(
     gravity_number_across: Array, wall_friction: Array, drive_number_along: Array,
     drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
-    """Return what a disc on its edge has at floor and wall."""
+    """Return the contact of a disc on its edge with floor and wall."""
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
         resistance=rolling_resistance, drag=wall_friction * gravity_number_across,
@@ -151,7 +150,7 @@ RESULTS = (
         ),
         motion_status=("status", "how the motion ended, as a status"),
     ),
-    *FEEDING,
+    *feeding.RESULTS,
 )
 ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"occupancy"} | {"regime"}
 CONDITIONS = (

@@ -14,7 +14,7 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from core.motion.course import COURSE_FLAGS, TrajectoryRequest, TrajectoryValues
+from core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
 from core.motion.derivatives import derivatives_at
 from core.motion.groups import Contacts
 from core.motion.prepare import Simulation
@@ -29,11 +29,11 @@ from core.quantities import FLAGS
 from core.watch import Watch
 
 TIME = "cycle_time"
-"""The axis of a course."""
+"""The axis of a trajectory."""
 
 
 def compute(prepared: Simulation, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a prepared simulation, and the course if there is one.
+    """Return outputs and `regime` of a prepared simulation, and the trajectory if there is one.
 
     Of one that is reduced, its answers.
     """
@@ -48,13 +48,13 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
         arrays |= asked.arrays(plan, prepared.grid, prepared.dims, found)
     if prepared.study.trajectory is not None:
-        course = _course(prepared, known, watch)
-        arrays |= {TIME: course.times, **course.values, **course.flags}
+        path = _trajectory(prepared, known, watch)
+        arrays |= {TIME: path.times, **path.values, **path.flags}
     return Computed(arrays)
 
 
 def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
-    """Return what was computed of a simulation, labelled; `watch` may stop verifying it."""
+    """Return the arrays of a simulation, labelled; `watch` may stop verifying it."""
     if isinstance(prepared, ReducedSimulation):
         return prepared.label(computed, watch)
     plan, arrays = prepared.plan, computed.arrays
@@ -72,8 +72,8 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     for name in arrays:
         if name == TIME:
             coordinates[name] = TableVariable((TIME,), arrays[name], quantity_attributes(name))
-        elif name in COURSE_FLAGS:
-            flags = COURSE_FLAGS[name]
+        elif name in TRAJECTORY_FLAGS:
+            flags = TRAJECTORY_FLAGS[name]
             attributes = flag_attributes(name, flags, tuple(flags))
             variables[name] = TableVariable((TIME,), arrays[name], attributes)
         elif name not in variables:
@@ -96,8 +96,8 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
     return run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
 
 
-def _course(prepared: Simulation, known: dict[str, Any], watch: Watch) -> TrajectoryValues:
-    """Return what the part does at the asked times."""
+def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> TrajectoryValues:
+    """Return the trajectory of the part at the asked times."""
     samples, scene = prepared.study.trajectory, prepared.plan.scene.name
     follow = prepared.method.course
     assert samples is not None

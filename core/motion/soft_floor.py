@@ -91,7 +91,7 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
 
 
 def _refusals(system: Scene, parameters: Collection[str]) -> list[Constraint]:
-    """Return what a study of this law must respect."""
+    """Return the constraints that a study of this law must respect."""
     message = "restitution that falls with speed is known for motion in the plane of the track"
     nothing = [
         Constraint(

@@ -1,4 +1,4 @@
-"""What a motion costs: energies per second, per metre travelled, and per part (theory 13.15)."""
+"""The energy that a motion takes: per second, per metre travelled, and per part (theory 13.15)."""
 
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ def part_drive_power(*, drive_power: Array, mass: Array) -> Array:
 
 
 def part_friction_power(*, friction_power: Array, mass: Array) -> Array:
-    """Return what friction takes from a part while contacts slip, mean over the cycle [W]."""
+    """Return the power of friction on a part while contacts slip, mean over the cycle [W]."""
     return friction_power * mass
 
 
 def part_impact_power(*, impact_power: Array, mass: Array) -> Array:
-    """Return what impacts take from a part, mean over the cycle [W]."""
+    """Return the power that impacts take from a part, mean over the cycle [W]."""
     return impact_power * mass
 
 
@@ -77,12 +77,12 @@ def part_drive_work(*, drive_work: Array, mass: Array) -> Array:
 
 
 def part_friction_work(*, friction_work: Array, mass: Array) -> Array:
-    """Return what friction takes from a part while contacts slip, per metre travelled [J m-1]."""
+    """Return the work of friction on a part while contacts slip, per metre travelled [J m-1]."""
     return friction_work * mass
 
 
 def part_impact_work(*, impact_work: Array, mass: Array) -> Array:
-    """Return what impacts take from a part, per metre travelled [J m-1]."""
+    """Return the work of impacts on a part, per metre travelled [J m-1]."""
     return impact_work * mass
 
 

@@ -1,4 +1,4 @@
-"""What a study of a tumbling part gives, as equations and conditions of a system."""
+"""The system of a tumbling part: its equations and conditions."""
 
 from __future__ import annotations
 

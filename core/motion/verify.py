@@ -34,7 +34,7 @@ SPEED = ("drive_number", "velocity_scale")
 
 
 def accuracy(plan: Plan) -> str:
-    """Return what is known of the error of a method, in words."""
+    """Return the known error of a method, in words."""
     text = methods_of(plan.scene.name)[plan.variant].accuracy
     if ERROR in plan.outputs:
         return f"{text}; {ERROR} states it for each cell"
@@ -94,7 +94,7 @@ class Comparison:
     silent: Mapping[str, int] = field(default_factory=dict)
 
     def in_words(self, where: str) -> str:
-        """Return what was found in words; `where` is the place of the largest difference."""
+        """Return the comparison in words; `where` is the position of the largest difference."""
         parts = []
         if self.output:
             unit = QUANTITIES[self.output].unit
@@ -128,7 +128,7 @@ def compare(
     method: str,
     watch: Watch | None = None,
 ) -> Comparison:
-    """Return how far outputs of a motion are from those of another method.
+    """Return the differences of outputs of a motion from those of another method.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def _with_worst(
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
-    """Return why cells of such statuses cannot be judged, and how many."""
+    """Return the reasons why cells of such statuses cannot be judged, with their numbers."""
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
     for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
@@ -231,7 +231,7 @@ def _followed(
 
 
 def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Return how far apart mean velocities are, and what both methods state; else infinity."""
+    """Return the difference of mean velocities, and the error that both state; else infinity."""
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf
@@ -241,7 +241,7 @@ def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Arra
 
 
 def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return which motions repeat after other numbers of periods; a part that rests after any."""
+    """Return a mask of motions that repeat after other numbers of periods; rest fits any."""
     multiple = got.get("period_multiple")
     if multiple is None:
         return np.zeros(theirs["motion_status"].shape, dtype=np.bool_)
@@ -252,7 +252,7 @@ def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> ND
 def verified(
     prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return what verifying found, as attributes of the result; nothing if not asked for.
+    """Return the result of verifying, as attributes of the dataset; nothing if not asked for.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ def verified_at(
     arrays: Mapping[str, NDArray[np.generic]] | None,
     watch: Watch,
 ) -> dict[str, str | int]:
-    """Return what verifying some cells found; where `arrays` are not kept, they are followed anew.
+    """Return the result of verifying some cells; without kept `arrays`, they are followed anew.
 
     Otherwise as `verified`.
     """

@@ -92,7 +92,7 @@ def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return what the steps of a wave add to the push at a phase."""
+    """Return the part of the push at a phase that the steps of a wave add."""
     tau = np.asarray(phase, dtype=float)
     if not wave.steps.shape[1]:
         return np.zeros(np.broadcast_shapes(tau.shape, wave.cells))
@@ -182,7 +182,7 @@ def largest(wave: Wave, axis: int, of: str) -> Array:
 
 
 def stroke(wave: Wave, axis: int) -> Array:
-    """Return how far the track moves along an axis, peak to peak, in g/w^2."""
+    """Return the stroke of the track along an axis, peak to peak, in g/w^2."""
     return largest(wave, axis, "place") + largest(wave, axis, "place back")
 
 
@@ -257,13 +257,13 @@ def _angles(slopes: NDArray[np.complex128]) -> Array:
 
 
 def bound(wave: Wave, axis: int) -> Array:
-    """Return what the push never exceeds, either way: the sum of its amplitudes."""
+    """Return a bound of the push, either way: the sum of its amplitudes."""
     amplitudes = np.hypot(*wave.harmonics[axis]).sum(axis=0)
     return amplitudes + np.abs(wave.steps[axis]).max(axis=0, initial=0.0)
 
 
 def size(wave: Wave) -> Array:
-    """Return what the speed of the track never exceeds, in g/w: the sum of its amplitudes."""
+    """Return a bound of the speed of the track, in g/w: the sum of its amplitudes."""
     squares = np.zeros(wave.cells)
     orders = np.arange(1, wave.harmonics.shape[2] + 1).reshape(
         -1, *(1,) * (wave.harmonics.ndim - 3)

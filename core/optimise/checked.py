@@ -109,7 +109,7 @@ def checked(
 def _at_bounds(
     problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
 ) -> dict[str, NDArray[np.int8]]:
-    """Return which variables lie on a bound, within a share of their range."""
+    """Return a mask of variables that lie on a bound, within a share of their range."""
     span = problem.upper - problem.lower
     arrays = {}
     for i, name in enumerate(problem.names):

@@ -1,4 +1,4 @@
-"""What is wrong between the parts of a study of optimisation."""
+"""Checks of a study of optimisation that concern several of its sections."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from core.study.values import Between, Values
 
 
 def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield what is wrong between the parts of a study."""
+    """Yield the problems between the sections of a study."""
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
         fix = "Give the largest absolute value, 0 or more"
@@ -36,7 +36,7 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield what is wrong with each constraint, and with two bounds of one name."""
+    """Yield the problems of each constraint, and of two bounds of one name."""
     seen: set[str] = set()
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
@@ -64,7 +64,7 @@ def problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    """Yield what is wrong with the uncertain parameters."""
+    """Yield the problems of the uncertain parameters."""
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"

@@ -22,7 +22,7 @@ def residual(
     scales: Mapping[str, Array],
     touching: float,
 ) -> Array:
-    """Return what the conditions leave of the objective's gradient, over its scale; (cells,).
+    """Return the residual of the optimality conditions over the objective's scale; (cells,).
 
     At an optimum the gradient is a combination, with no negative weight, of the inward gradients of
     the constraints that bind, negated; a kink of the objective at |other| = 0 adds the other's

@@ -1,4 +1,4 @@
-"""What an optimisation is to the rest of the program."""
+"""The record of the kind `optimise`, by which the rest of the program knows it."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ def is_front(problem: OptimisationProblem) -> bool:
 
 
 def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
-    """Return what the answers take, each of shape (cells,): drive, gravity and friction."""
+    """Return the inputs of the closed forms, shape (cells,): drive, gravity and friction."""
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
     inputs = {name: known[name] for name in names}

@@ -33,7 +33,7 @@ KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
 
 
 def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
-    """Return what was computed of an optimisation, labelled; `watch` may stop verifying it."""
+    """Return the arrays of an optimisation, labelled; `watch` may stop verifying it."""
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
     variables = {
@@ -109,7 +109,7 @@ def _binds(what: str) -> dict[str, Any]:
 
 
 def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Return what came out, in plain words."""
+    """Return the result in plain words."""
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
     arrays = {name: values.ravel() for name, values in arrays.items()}
     counts = np.bincount(arrays["optimum_status"], minlength=len(by_value))

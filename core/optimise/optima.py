@@ -1,4 +1,4 @@
-"""What a method found."""
+"""The optima that a method found, one for each design."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ class Optimisation(Prepared):
         return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
 
     def _priced_by(self, method: Method) -> tuple[float, float]:
-        """Return what a motion takes by a method, as is likely and at most."""
+        """Return the likely time of a motion by a method, and the largest."""
         free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         return price_of(method, self.plan, self.designs, free)
 

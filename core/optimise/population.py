@@ -107,7 +107,7 @@ def _evolve(
 
 
 def _share_done(widths: Array, cells: int) -> float:
-    """Return how far populations are, 0 to 1, by the orders of magnitude that they narrowed.
+    """Return the progress of populations, 0 to 1, by the orders of magnitude that they narrowed.
 
     `widths` are those still alive, of so many `cells`; the others are done.
     """

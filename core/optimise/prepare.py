@@ -80,7 +80,7 @@ def _spans(
     intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],
 ) -> dict[str, Span]:
-    """Return what a plan is made for beside the values of a study: both ends of what may vary."""
+    """Return the values that a plan is made for beside those of a study: both ends of each span."""
     ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
     ends |= {name: tolerance(name, one) for name, one in intervals.items()}
     return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
@@ -108,7 +108,7 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
 
 
 def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield what is wrong with the bounds of what is counted."""
+    """Yield the problems of bounds of whole numbers."""
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
             message = "it is a whole number, and there is no choice between these bounds"
@@ -117,7 +117,7 @@ def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem
 
 
 def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield what is wrong with the number of variables."""
+    """Yield the problem of too many variables, or none."""
     if not bounds:
         message = "nothing is left to choose"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'

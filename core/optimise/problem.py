@@ -42,7 +42,7 @@ Arrays = dict[str, Any]
 
 @dataclass(frozen=True)
 class Variable:
-    """What may be chosen, between bounds in SI units."""
+    """A variable of an optimisation, between bounds in SI units."""
 
     name: str
     lower: float
@@ -74,7 +74,7 @@ class Kept:
 
 @dataclass(frozen=True)
 class OptimisationProblem:
-    """What an optimiser solves, for any number of designs at once.
+    """The problem that an optimiser solves, for any number of designs at once.
 
     A design is a mapping of every fixed parameter (and of `limit`) to an array; all of them, and
     the candidates, broadcast.
@@ -122,7 +122,7 @@ class OptimisationProblem:
 
     @cached_property
     def is_motion(self) -> bool:
-        """Whether the outputs are those of a motion in time, which jump."""
+        """True if the outputs are those of a motion in time, which jump."""
         return any(equation.takes_long for equation in self.plan.equations)
 
     @cached_property
@@ -164,7 +164,7 @@ class OptimisationProblem:
         return np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
 
     def objective(self, known: Arrays) -> Array:
-        """Return what is to be largest; NaN where an output has no value."""
+        """Return the value to maximise; NaN where an output has no value."""
         value = self.sign * self.output(self.criterion.output, known)
         if self.weight and self.against:
             value = value - self.weight * np.abs(self.output(self.against, known))
@@ -187,7 +187,7 @@ class OptimisationProblem:
         return np.where(lost, np.nan, counts)
 
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
-        """Return how far an output is from its bound; negative beyond it."""
+        """Return the distance of an output from its bound; negative beyond it."""
         value = self.output(kept.output, known)
         bound = design[LIMIT] if kept.bound is None else kept.bound
         value = np.abs(value) if kept.absolute else value
@@ -245,7 +245,7 @@ class OptimisationProblem:
 
     @property
     def states_error(self) -> bool:
-        """Whether the output is a mean over a motion, whose error is known."""
+        """True if the output is a mean over a motion, whose error is known."""
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
@@ -257,7 +257,7 @@ class OptimisationProblem:
         return replace(self, plan=plan)
 
     def chance_error(self, known: Arrays) -> Array:
-        """Return how far chance may have moved the objective, as `judged_with_error` tells it."""
+        """Return the error of the objective by chance, as `judged_with_error` defines it."""
         motion = known.get("motion")
         if not isinstance(motion, Motion):
             return np.zeros(())

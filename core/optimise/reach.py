@@ -1,4 +1,4 @@
-"""How near a study comes to its limits where no choice keeps them all, and what would.
+"""The nearest approach to limits that no choice keeps together, and changes that would keep them.
 
 Each bound in turn becomes what is looked for, while the others are kept: that tells how far the
 output goes, and so which limit would have to give way. Then the same limits with a wider choice.
@@ -29,7 +29,7 @@ SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 
 @dataclass(frozen=True)
 class Reach:
-    """How far an output goes towards its bound while all other limits are kept.
+    """The nearest that an output comes to its bound while all other limits are kept.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ Bound = tuple[OutputLimit, str]
 
 
 def nearest(study: Study) -> list[Reach]:
-    """Return how near each bound can be reached with all others kept.
+    """Return the nearest approach to each bound with all others kept.
 
     Bounds of absolute values are left out.
     """
@@ -66,7 +66,7 @@ def nearest(study: Study) -> list[Reach]:
 
 
 def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
-    """Return how far an output goes towards its bound while others are kept; None if unknown."""
+    """Return the reach of an output towards its bound while others are kept; None if unknown."""
     limit, end = named_bound
     kept = []
     for other, side in _single(study):
@@ -84,7 +84,7 @@ def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
 
 
 def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
-    """Return what came out of a study of one design, by name; None if it has no solution."""
+    """Return the result of a study of one design, by name; None if it has no solution."""
     try:
         table = carry_out(prepare(study), KIND.compute, KIND.label)
     except VibrafeedError:  # such as an output that is none of this sort of study
@@ -117,7 +117,7 @@ def _single(study: OptimiseStudy) -> list[Bound]:
 
 @dataclass(frozen=True)
 class Way:
-    """What keeps all limits where the study's own variables do not.
+    """A change of a study that keeps all limits where its own variables do not.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ OF_A_LINE = ("amplitude", "beta")
 
 
 def ways(study: Study) -> list[Way]:
-    """Return what would keep all limits: another frequency, more friction, an ellipse."""
+    """Return the changes that keep all limits: another frequency, more friction, an ellipse."""
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
     reached = []

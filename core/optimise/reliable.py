@@ -1,4 +1,4 @@
-"""Which of the best points of a search stand: means of motions that rounding decides are chance.
+"""The best point of a search that does not owe its value to chance, as rounded means may.
 
 Of ten thousand such means the largest is one that chance favoured. The best points are followed
 again, over a longer time, and that is kept which can be relied on most: the largest mean less its

@@ -78,7 +78,7 @@ class Uncertain:
         return next(iter(self.values.values())).size
 
     def counts(self, values: Array, sign: float) -> Array:
-        """Return what counts of values over the nodes, which are the first axis.
+        """Return the statistic that counts, of values over the nodes, which are the first axis.
 
         `sign` is -1 where they are those of an output with the sign turned.
         """

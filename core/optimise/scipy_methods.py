@@ -244,8 +244,8 @@ def minimize_scalar(single: Single) -> tuple[Array, str]:
     points = np.linspace(0.0, 1.0, DENSE)
     values = single.penalised(points[None, :])
     ends = [points[[values.argmin()]]]
-    for points_in_box in np.argsort(values)[:3]:
-        bracket = points[max(points_in_box - 1, 0)], points[min(points_in_box + 1, DENSE - 1)]
+    for lowest in np.argsort(values)[:3]:
+        bracket = points[max(lowest - 1, 0)], points[min(lowest + 1, DENSE - 1)]
         result = scipy.optimize.minimize_scalar(
             lambda unit: float(single.penalised(np.array([unit]))),
             bounds=bracket,

@@ -47,7 +47,7 @@ NEARBY = 1e-3  # of the width of the box: where `drop` looks
 
 
 class SearchResult(NamedTuple):
-    """What a search found.
+    """The result of a search.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ class _Search:
         self.drop = self.value - float(nearby.min())
 
     def result_of(self, status: SearchStatus) -> SearchResult:
-        """Return what is known."""
+        """Return the result of the search so far."""
         point, value = np.full(self.lower.size, np.nan), math.nan
         if math.isfinite(self.value):
             point, value = self.points_in_box(self.point[None])[0], self.value

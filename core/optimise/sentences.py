@@ -1,4 +1,4 @@
-"""What an optimisation looks for, in words."""
+"""The aim of an optimisation in words."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from core.study.values import Between
 
 
 def criterion_in_words(problem: OptimisationProblem) -> str:
-    """Return what is looked for, in a few words."""
+    """Return the criterion in a few words."""
     return _looked_for(problem) + _over_interval(problem)
 
 
@@ -24,7 +24,7 @@ def _over_interval(problem: OptimisationProblem) -> str:
 
 
 def _known(name: str, distribution: Distribution) -> str:
-    """Return how well a parameter is known, in words."""
+    """Return the uncertainty of a parameter in words."""
     unit = "" if QUANTITIES[name].unit == "1" else f" {QUANTITIES[name].unit}"
     if isinstance(distribution, Between):
         return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"

@@ -94,7 +94,7 @@ class Single:
         return most_reliable(self.problem, unit, (value, beyond, chance_error), design, scales)[0]
 
     def lost(self, unit: Array) -> Array:
-        """Return what is to be least, (n,) or a number; inf where an output has no value."""
+        """Return the value to minimise, (n,) or a number; inf where an output has no value."""
         value = -self.judged(unit)[0]
         return value if np.ndim(unit) > 1 else value[0]
 

@@ -1,4 +1,4 @@
-"""How an output changes with each parameter at the optima: d ln(output)/d ln(parameter)."""
+"""The change of an output with each parameter at the optima: d ln(output)/d ln(parameter)."""
 
 from __future__ import annotations
 

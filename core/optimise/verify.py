@@ -29,7 +29,7 @@ RIVALS = ("population", "newton", "exact", "grid")
 
 
 def accuracy(gaps: Array) -> str:
-    """Return how good the answers of a result are, in words; `gaps` is its `optimum_gap`."""
+    """Return the accuracy of the optima of a result, in words; `gaps` is its `optimum_gap`."""
     text = (
         "optimum_gap: what another method finds better, over the largest size of the objective; "
         "below 0 where it finds less"
@@ -41,7 +41,7 @@ def accuracy(gaps: Array) -> str:
 def verified(
     prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return what verifying found, as attributes of the result; nothing if not asked for.
+    """Return the result of verifying, as attributes of the dataset; nothing if not asked for.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _outputs(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[Rounding | Comparison, str]:
-    """Return what evaluating outputs at chosen answers again found, and by what."""
+    """Return the outputs at chosen optima, evaluated again, and the method of it."""
     problem, plan = prepared.problem, prepared.plan
     given = dict(zip(problem.names, x, strict=True))
     cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
@@ -150,7 +150,7 @@ def _better(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
-    """Return which designs the rival solved before a stop.
+    """Return a mask of designs that the rival solved before a stop.
 
     And where its objective is furthest above ours, and by how much.
     """

@@ -1,1 +1,1 @@
-"""What every kind of study shares: plan, grid, evaluation, pieces, labels, sampled cells."""
+"""Parts that all kinds of studies share: plan, grid, evaluation, pieces, labels, sampled cells."""

@@ -125,7 +125,7 @@ def derivatives(
             near = {name: value[doubtful] for name, value in values.items()}
             sides = _beside(plan, near, parameter, rules or {})
         for output, carried in middle.items():
-            derived = _away_from_switches(carried)
+            derived = _between_switches(carried)
             if sides:
                 step = SIDE * _size(values[parameter][doubtful])
                 around = [side[output] for side in sides]
@@ -160,7 +160,7 @@ class _Slope(NamedTuple):
 
     @property
     def is_doubtful(self) -> NDArray[np.bool_]:
-        """Where both sides have to be asked."""
+        """A mask of the cells at a switch, where both sides have to be evaluated."""
         open_ = self.status < DERIVATIVE_STATUS["kink"]
         unsure = (self.status > DERIVATIVE_STATUS["exact"]) | ~np.isfinite(self.slope)
         return np.asarray(open_ & unsure & np.isfinite(self.value))
@@ -222,7 +222,7 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
         ) from error
 
 
-def _away_from_switches(carried: _Slope) -> Derived:
+def _between_switches(carried: _Slope) -> Derived:
     """Return value and derivative where no switch is near."""
     lost = ~np.isfinite(carried.value) & (carried.status < DERIVATIVE_STATUS["kink"])
     status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), carried.status)

@@ -198,7 +198,7 @@ def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
 
 
 def _factor(output: str, parameter: str) -> float:
-    """Return what turns a derivative in SI units and radians into one of files."""
+    """Return the factor from a derivative in SI units and radians to one of files."""
     factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
     return float(factor * (np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0))
 

@@ -104,7 +104,7 @@ class Dual(NDArrayOperatorsMixin):
 
 
 def unboxed(x: Any) -> Any:
-    """Return what `np.asarray` made of a `Dual` as that `Dual`, anything else as it is."""
+    """Return the `Dual` that `np.asarray` put into an array; anything else as it is."""
     if isinstance(x, np.ndarray) and x.dtype == object and x.ndim == 0:
         return x.item()
     return x

@@ -51,7 +51,7 @@ def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
 
 
 def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
-    """Return what `regimes` does, of conditions and the regime where none of them holds."""
+    """Return the same as `regimes`, of conditions and the regime where none of them holds."""
     regime: Any = np.int8(REGIMES[otherwise].value)
     with too_large_is_data():
         for condition in reversed(conditions):

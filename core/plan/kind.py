@@ -1,4 +1,4 @@
-"""What a kind of study is: the record that its own package exports as `KIND`."""
+"""The record of a kind of study, which its own package exports as `KIND`."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
 
 
 def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
-    """Return where the numbers of a measured drive come from, in words."""
+    """Return the origin of the numbers of a measured drive, in words."""
     left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
     told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
     if drive.clock_error is not None:

@@ -22,7 +22,7 @@ from core.study.grid_study import Study
 from core.watch import Watch
 
 MAX_PARTS = 100_000
-SHARDS, ANSWERS = "zarr", "nc"
+SHARDS, ARRAYS = "zarr", "nc"
 """Where parts go: into the shards of a Zarr group that grows, or into records alone, joined to a
 NetCDF file."""
 
@@ -42,7 +42,7 @@ class PartsMissingError(VibrafeedError):
 
 
 def identity(study: Study) -> dict[str, str]:
-    """Return what two runs have in common that make the same bytes, but for the kind of file."""
+    """Return the identity of a run, which runs share whose bytes are the same in one format."""
     return {"study": study.key(), "version": core.__version__}
 
 
@@ -75,7 +75,7 @@ class Parts(ABC):
 
     @property
     def identity(self) -> dict[str, str]:
-        """What a record of it has in common with others of the same bytes."""
+        """The fields of a record that it shares with others of the same bytes."""
         scheme = {"scheme": self.scheme} if self.scheme else {}
         return {**identity(self.study), **scheme}
 
@@ -158,7 +158,7 @@ class Parts(ABC):
         return table
 
     def joined_table(self, watch: Watch | None = None) -> Table | None:
-        """Return what all parts tell as a whole, and write nothing; None where that is a group.
+        """Return the table of all parts as a whole, and write nothing; None where that is a group.
 
         Raises
         ------
@@ -172,7 +172,7 @@ class Parts(ABC):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Return what some boxes tell, and the digests of the shards that were written."""
+        """Return the arrays of some boxes, and the digests of the shards that were written."""
 
     @abstractmethod
     def _joined(self, watch: Watch, history: str | None) -> Table:
@@ -185,7 +185,7 @@ class Parts(ABC):
     def _check(
         self, watch: Watch, is_usable: Callable[[Record], bool] = lambda _: True
     ) -> list[Mapping[str, Any]]:
-        """Return what all parts tell; raise if one is missing or damaged, or is not sound."""
+        """Return the records of all parts; raise if one is missing, damaged, or not valid."""
         missing, damaged, fields = [], [], []
         there = set(self.records.names())
         for part in range(self.count):

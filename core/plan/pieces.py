@@ -30,7 +30,7 @@ MAX_PIECES = 100_000
 
 @dataclass(frozen=True)
 class Computed:
-    """What computing a study gives, before it is labelled.
+    """The arrays that computing a study gives, before they are labelled.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ def carry_out(
 
 
 def cells_of(prepared: Prepared, table: Table) -> int:
-    """Return how many cells were computed for a result; fewer than it might have been, maybe."""
+    """Return the number of cells that were computed for a result; it may be an underestimate."""
     return int(table.attributes.get(FOLLOWED, prepared.cells))
 
 
 def price(cells: int, seconds: float) -> dict[str, float]:
-    """Return what a run cost, as attributes of its result."""
+    """Return the cost of a run, as attributes of its result."""
     return {"elapsed_seconds": seconds, "cells_per_second": cells / max(seconds, 1e-9)}
 
 
@@ -113,7 +113,7 @@ class Cut:
         return math.prod(self._parts)
 
     def box(self, index: int) -> Box:
-        """Return where a piece lies: start and stop on each axis that is cut."""
+        """Return the box of a piece: start and stop on each axis that is cut."""
         position = np.unravel_index(index, self._parts) if self._parts else ()
         return {
             name: (int(at) * size // parts, (int(at) + 1) * size // parts)
@@ -124,7 +124,7 @@ class Cut:
 
 
 def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed:
-    """Return what was computed of a study piece by piece, as if it had been computed as a whole.
+    """Return the arrays of a study computed piece by piece, as if computed as a whole.
 
     The pieces are taken one after another, so that they need not all be in memory.
     """

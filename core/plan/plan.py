@@ -18,7 +18,7 @@ from core.suggestions import Suggestions, by_synonym, suggestion
 
 @dataclass(frozen=True)
 class Plan:
-    """What runs for a set of outputs.
+    """The equations that run for a set of outputs.
 
     Attributes
     ----------
@@ -251,7 +251,7 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
 
 
 def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
-    """Return what to tell of an output that a study of another kind gives, if it is one."""
+    """Return the hint for an output that a study of another kind gives, if it is one."""
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -270,7 +270,7 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 
 
 def _doubled(parameters: Collection[str]) -> list[Problem]:
-    """Return what is wrong with parameters that are given twice, or without what they need."""
+    """Return the problems of parameters that are given twice, or without those they need."""
     problems = []
     for name, others in ALTERNATIVES.items():
         doubled = [other for other in others if name in parameters and other in parameters]

@@ -38,7 +38,7 @@ class Prepared:
     grid: Grid
 
     part_of: ClassVar[str] = ""
-    """What a part of it is one of: `SHARDS`, or `ANSWERS`; empty if it has no parts."""
+    """The form of its parts: `SHARDS`, or `ARRAYS`; empty if it has no parts."""
     part_cells: ClassVar[int] = 500_000_000
     """Cells of a part of a job that holds answers: a second or two."""
     can_stop: ClassVar[bool] = True
@@ -48,7 +48,7 @@ class Prepared:
 
     @property
     def not_lazy(self) -> Problem | None:
-        """Why its cells cannot be evaluated where they are read; None if they can."""
+        """The reason why its cells cannot be evaluated where they are read; None if they can."""
         return Problem("kind", "it is computed as a whole, not where read", "Sweep closed forms")
 
     def check_lazy(self, fix: str) -> Self:
@@ -75,11 +75,11 @@ class Prepared:
         return 0
 
     def seconds_in_parts(self) -> float:
-        """Return what all parts take one core, as a few of their boxes tell."""
+        """Return the time of all parts on one core, estimated from a few of their boxes."""
         raise NotImplementedError
 
     def facts(self) -> dict[str, Any]:
-        """Return what there is to say of it besides its plan and its size, as a document."""
+        """Return the further facts of a study besides its plan and its size, as a document."""
         return {}
 
     @property
@@ -188,7 +188,7 @@ class Prepared:
 
     @property
     def verified_by(self) -> str:
-        """What random cells are evaluated by again if the study says so; empty if nothing can."""
+        """The method that evaluates random cells again if asked for; empty if none can."""
         return "50 digits"
 
     @property

@@ -1,4 +1,4 @@
-"""What evaluating a plan takes on this machine, told before it is done.
+"""The time that evaluating a plan takes on this machine, estimated before it is done.
 
 The steps of a compiled loop are counted, and what a step takes is measured: once a process, by some
 sums of numpy that last a millisecond, beside what they took on the machine on which the rates below
@@ -27,7 +27,7 @@ VALUES = 3  # of each axis, which tell what is the same all over a grid
 
 
 def evaluation_seconds(plan: Plan, grid: Grid) -> float:
-    """Return what evaluating a plan on a grid takes on one core, within a factor of 2 [s].
+    """Return the time to evaluate a plan on a grid on one core, within a factor of 2 [s].
 
     The grid may be of any size.
     """
@@ -52,7 +52,7 @@ def evaluation_seconds(plan: Plan, grid: Grid) -> float:
 
 @cache
 def pace() -> float:
-    """Return how much slower this machine is than that of the rates, by its best of some trials."""
+    """Return the time of this machine over that of the rates, by its best of some trials."""
     first, second = np.linspace(1.0, 2.0, 4096), np.linspace(2.0, 3.0, 4096)
     best = np.inf
     for _ in range(40):

@@ -59,7 +59,7 @@ class Sample:
         return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
-        """Return where one of them lies, such as ``at frequency 50 Hz, beta 30 degree``."""
+        """Return the position of a cell, such as ``at frequency 50 Hz, beta 30 degree``."""
         parts = []
         for name, axis in self.grid.axes.items():
             k = int(self.positions[name][cell])
@@ -77,7 +77,7 @@ class Sample:
         compared: int = 0,
         failed: int = 0,
     ) -> dict[str, str | int]:
-        """Return what verifying found, as attributes of the result.
+        """Return the result of verifying, as attributes of the dataset.
 
         Parameters
         ----------

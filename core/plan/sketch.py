@@ -1,4 +1,4 @@
-"""What a plan has to know of a study before its values: names alone."""
+"""The sketch of a study before its values are read: names alone, which is enough for a plan."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ def frames_of(
 
 
 class _Moving:
-    """What moves: the track with its marks, the part, and the way that its middle has come."""
+    """The moving artists: the track with its marks, the part, and the path of its middle."""
 
     def __init__(
         self, axes: Axes, film: Film, style: Style, left: float, right: float, bottom: float

@@ -164,7 +164,7 @@ def draw_bodies(
 
 
 def arrows_in_words(bodies: tuple[Outline, ...]) -> str:
-    """Return what the arrows of a sketch say."""
+    """Return the text on the arrows of a sketch."""
     speeds = [float(np.linalg.norm(body.velocity)) for body in bodies]
     told = " and ".join(f"{number(speed, 3)}\N{NO-BREAK SPACE}m/s" for speed in speeds)
     return f"Arrows: velocities of bodies 1 and 2 before the impact, {told}"

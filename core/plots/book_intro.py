@@ -61,7 +61,7 @@ class Example(NamedTuple):
 
     @property
     def readings(self) -> tuple[float, float]:
-        """What the two charts show there."""
+        """The text on what the two charts show there."""
         speed, share, _ = followed(
             self.friction, 0.0, np.array([self.beta]), np.array([self.throw])
         )

@@ -32,7 +32,7 @@ SMALLEST: Final = 1e-9  # of the drive's speed: less is rest
 
 
 class Stroke(NamedTuple):
-    """How the line of a way of moving is drawn, and what the legend says."""
+    """The stroke of the line of a way of moving, and its text in the legend."""
 
     style: Any
     width: float
@@ -56,7 +56,7 @@ BANDS: Final = (
 
 @dataclass(frozen=True)
 class Chart:
-    """What a page shows.
+    """The values of a page.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class Chart:
 
     @property
     def name(self) -> str:
-        """What stands above it."""
+        """The heading of the page."""
         track = "level track"
         if self.slope:
             track = f"track {'up' if self.slope > 0 else 'down'} {number(abs(self.slope))}°"
@@ -201,7 +201,7 @@ def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, s
 
 
 def _marked(chart: Chart, values: Array, k: int) -> list[int]:
-    """Return where a curve has its marks: apart from those of the others, where it moves."""
+    """Return the positions of a curve's marks: apart from those of others, where the part moves."""
     places = np.arange(0.15 + 0.035 * k, LARGEST, 0.35)
     at = [int(np.argmin(np.abs(chart.throw - place))) for place in places]
     return [one for one in at if np.abs(chart.coefficient[k][one]) > SMALLEST]
@@ -253,7 +253,7 @@ def line_entries() -> list[Artist]:
 
 
 def _facts(chart: Chart) -> list[str]:
-    """Return where each curve leaves rest, and the best share of the drive's speed."""
+    """Return the throw number at which each curve leaves rest, and the best share of the speed."""
     lines = ["   β  moves    best share", "      from Γ   of the drive"]
     for k, beta in enumerate(BETAS):
         share = chart.coefficient[k]

@@ -237,7 +237,7 @@ def _draw_residuals(
 
 
 def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float, str]:
-    """Return what was measured as a person reads it; raise `PlotError` if only words were told."""
+    """Return the measured values as a person reads them; `PlotError` if only regimes were seen."""
     array = dataset[str(dataset.attrs["output"])]
     if not np.isfinite(array.values).any():
         fix = "Draw the posterior"

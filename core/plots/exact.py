@@ -1,4 +1,4 @@
-"""Which outputs hold in every regime, and which of their values matter."""
+"""The outputs that hold in every regime, and the rule by which a value counts."""
 
 from __future__ import annotations
 

@@ -122,7 +122,7 @@ def save(figure: Figure, target: Path) -> None:
 
 
 def read(file: str | PathLike[str]) -> xarray.Dataset:
-    """Return what stands in a result's file.
+    """Return the dataset in a result's file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What an animation shows: where track and part are in each frame, in the units of the picture."""
+"""The frames of an animation: track and part in each of them, in the units of the picture."""
 
 from __future__ import annotations
 
@@ -258,7 +258,7 @@ def _box(half_length: float, half_height: float) -> Array:
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return how often a course is shown, one after the other; once if it does not repeat."""
+    """Return the number of times that a trajectory is shown; 1 if it does not repeat."""
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
     closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
     closed = all(
@@ -272,7 +272,7 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
 
 
 def frames_in(seconds: float) -> int:
-    """Return how many frames are shown in a time."""
+    """Return the number of frames in a time."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
         message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
@@ -293,7 +293,7 @@ def nice(value: float) -> float:
 
 
 def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
-    """Return what the drawn part stands for."""
+    """Return the text on the shape that stands for the part."""
     if "length" not in dataset or dataset["length"].ndim:
         return "no size in the model"
     shown: Shown = shown_in(dataset["length"], units)

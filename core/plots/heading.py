@@ -1,4 +1,4 @@
-"""What stands above and below a picture: its name, what is held fixed, its legend."""
+"""The heading and the foot of a picture: its name, what is held fixed, its legend."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def finish(
 
 
 def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
-    """Return where values come from: the title of their study, and its scene.
+    """Return the source of values: the title of their study, and its scene.
 
     What is `shown` already, such as a criterion, is left out of the title.
     """
@@ -80,7 +80,7 @@ def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
 
 
 def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
-    """Return how wide a text is, in dots."""
+    """Return the width of a text in dots."""
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     font = FontProperties(size=size, weight=weight)
     width, _, _ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)

@@ -134,7 +134,7 @@ def design_positions(
 def held_of(
     dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[str]:
-    """Return what is looked for, and what is held."""
+    """Return the criterion, and the values that are held."""
     held = [held_at(dataset[name], units, position) for name, position in positions.items()]
     return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
 

@@ -137,7 +137,7 @@ def _add_lines(
 
 
 def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
-    """Return what the lines say, in the legend."""
+    """Return the entries of the legend for the lines."""
     said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
         1: (what, style.ink, FORWARD, "solid"),
         0: ("zero", style.ink, ZERO, "solid"),

@@ -46,7 +46,7 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
-    """Return what the fit found, and what it left over."""
+    """Return the facts of the fit, and its residual."""
     frequency = f"{fit.frequency:.8g} Hz"
     if fit.frequency_error > EXACT * fit.frequency:
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))

@@ -122,7 +122,7 @@ def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
 
 
 def _ffmpeg() -> ModuleType:
-    """Return what writes MP4."""
+    """Return the writer of MP4."""
     try:
         import imageio_ffmpeg
     except ModuleNotFoundError:

@@ -1,4 +1,4 @@
-"""What a picture is asked for."""
+"""The options of a picture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from core.study.shown import ShownUnits
 
 @dataclass(frozen=True)
 class Options:
-    """What a picture is asked for; every picture takes the same, and refuses what it cannot heed.
+    """The options of a picture; every picture takes the same, and refuses those without effect.
 
     Attributes
     ----------

@@ -58,13 +58,13 @@ class ParallelColumn:
     spread: float = 0.0
 
     def shares(self, values: Array) -> Array:
-        """Return how high values lie, 0 to 1."""
+        """Return the heights of values between 0 and 1."""
         return (values - self.low) / (self.high - self.low)
 
 
 @dataclass(frozen=True)
 class Designs:
-    """What is drawn of a dataset: columns, the output last, and the place of the best design."""
+    """The columns of a dataset that are drawn, the output last, and the best design's position."""
 
     columns: tuple[ParallelColumn, ...]
     best: int
@@ -189,7 +189,7 @@ def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | N
 def _names(
     dataset: xarray.Dataset, study: Mapping[str, Any], axes: list[str], output: str
 ) -> list[str]:
-    """Return what a design has a column for, beside the output: axes, choices, other outputs."""
+    """Return the names of a design's columns beside the output: axes, choices, other outputs."""
     outputs = _outputs(dataset)
     chosen = [name for name in outputs if name.startswith("best_")]
     further = [(study.get("criterion") or {}).get("against"), *(study.get("outputs") or ())]
@@ -312,7 +312,7 @@ def _name(array: xarray.DataArray) -> str:
 
 
 def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
-    """Return which designs describe a real part, by their regime."""
+    """Return a mask of designs that describe a real part, by their regime."""
     meanings = str(dataset["regime"].attrs.get("flag_meanings", "")).split()
     numbers = np.atleast_1d(dataset["regime"].attrs.get("flag_values", [])).tolist()
     bad = [

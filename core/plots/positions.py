@@ -1,4 +1,4 @@
-"""Where the parts of a row are, over time, and which of them touch."""
+"""The positions of the parts of a row over time, and the times at which they touch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How regimes look: one hatch and one colour each, the same in every picture."""
+"""The look of regimes: one hatch and one colour each, the same in every picture."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class Look:
 
     @property
     def beyond(self) -> bool:
-        """Whether closed forms do not describe a part there."""
+        """True if closed forms do not describe a part there."""
         return not self.valid and self.name not in NOTES
 
     @property
@@ -245,7 +245,7 @@ def veiled_swatch(look: Look, face: RGB) -> Patch:
 
 
 def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how bright colours are, 0 to 1, shape (n,) for (n, 3)."""
+    """Return the luminance of colours, 0 to 1, shape (n,) for (n, 3)."""
     return colours @ np.array([0.299, 0.587, 0.114])
 
 

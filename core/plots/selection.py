@@ -1,4 +1,4 @@
-"""What to draw: the variable, its axes, and the values at which the other dimensions are held."""
+"""The selection of what is drawn: the variable, its axes, and where other dimensions are held."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class PlotAxis:
 
     @property
     def is_log(self) -> bool:
-        """Whether the values are spaced by a factor."""
+        """True if the values are spaced by a factor."""
         if self.values.size < 3 or self.values[0] <= 0:
             return False
         steps = np.diff(np.log(self.values))
@@ -99,7 +99,7 @@ class Selection:
 def natural(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None
 ) -> tuple[str, str, tuple[str, ...]]:
-    """Return how an output is drawn if no kind is named: kind, output and axes.
+    """Return kind, output and axes of the picture that an output has if no kind is named.
 
     Lines over one axis, and where an axis has a few values only; a map of what has names in place
     of heights; lines of equal speed over the regimes; else contours.
@@ -189,7 +189,7 @@ def _selected(
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if whole.name == "regime" else categories_of(whole)
     if categories and kind in ("contour", "surface", "levels"):
-        message = f"{whole.name} has names, not heights"
+        message = f"{whole.name} has a name in each cell, not a number"
         raise PlotError("kind", message, "Leave the kind out, or ask for map")
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw it as a line"

@@ -71,7 +71,7 @@ def check_result(dataset: xarray.Dataset) -> None:
 
 
 def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
-    """Return what tells whether a dataset is drawn as this kind by nature."""
+    """Return the test of whether a dataset is drawn as this kind by default."""
 
     def fits(dataset: xarray.Dataset, options: Options) -> bool:
         check_result(dataset)
@@ -83,7 +83,7 @@ def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
 def renderer_of(
     painter: Painter, kind: str, beyond: str
 ) -> Callable[[xarray.Dataset, Options], Figure]:
-    """Return what draws a dataset by a painter; `beyond` says how values that do not hold look."""
+    """Return the function that draws by a painter; `beyond` is the look of invalid values."""
 
     def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         check_result(dataset)

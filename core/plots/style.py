@@ -42,7 +42,7 @@ class Style:
 
     @property
     def ground(self) -> str:
-        """What everything lies on."""
+        """The colour of the background."""
         return "#15181d" if self.dark else "#ffffff"
 
     @property
@@ -52,7 +52,7 @@ class Style:
 
     @property
     def quiet(self) -> str:
-        """What matters less, and is still read."""
+        """The colour of what matters less, and is still read."""
         return "#b4b9c2" if self.dark else "#4a4d55"
 
     @property
@@ -72,7 +72,7 @@ class Style:
 
     @property
     def accent(self) -> str:
-        """What a picture is about: the best, a limit."""
+        """The colour of what a picture is about: the best, a limit."""
         return "#ff7aa8" if self.dark else "#b3124f"
 
     @property
@@ -100,7 +100,7 @@ class Style:
         return matplotlib.colormaps["berlin" if self.dark else "RdYlBu_r"]
 
     def on(self, colour: RGB) -> str:
-        """Return what is seen on a colour: light or dark."""
+        """Return the colour of text on a colour: light or dark."""
         red, green, blue = colour
         return "#16181c" if 0.299 * red + 0.587 * green + 0.114 * blue > HALF else "#eceef1"
 

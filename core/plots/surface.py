@@ -111,7 +111,7 @@ def _add_faces(
 
 
 def _light(faces: NDArray[np.float64], scale: Scale) -> NDArray[np.float64]:
-    """Return how bright faces are, shape (n,): those that rise to the left lie in the light."""
+    """Return the brightness of faces, shape (n,): those that rise to the left lie in the light."""
     ends = faces.reshape(-1, 3)
     across, up = np.ptp(ends[:, 0]) or 1.0, np.ptp(ends[:, 1]) or 1.0
     size = np.array([across, up, (scale.levels[-1] - scale.levels[0]) * RELIEF])

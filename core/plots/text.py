@@ -98,7 +98,7 @@ def short_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
-    """Return what a probability is of, bounds in units of `units`; empty of anything else."""
+    """Return the demand of a probability, bounds in units of `units`; empty of anything else."""
     name, attributes = str(array.name), array.attrs
     if not name.startswith("probability_") or "output" not in attributes:
         return ""

@@ -80,7 +80,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     variable = options.variable or (SPEED if SPEED in dataset.data_vars else None)
     selection = select(dataset, variable, axes, at, "line", units, nearest=nearest)
     if selection.categories:
-        message = f"{selection.variable.name} has names, not heights"
+        message = f"{selection.variable.name} has a name in each cell, not a number"
         raise PlotError("variable", message, "Choose another output, or leave the kind out")
     looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
     figure = style.sheet()
@@ -119,7 +119,7 @@ def find_thresholds(
     multiples: NDArray[np.float64] | None,
     unit: str,
 ) -> tuple[list[Threshold], int]:
-    """Return what happens along an axis, each kind where it comes first, and how many are left out.
+    """Return the first threshold of each kind along an axis, and the number of those left out.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def find_thresholds(
 
 
 def _change(before: str, after: str) -> str:
-    """Return what happens where one regime follows another."""
+    """Return the change from one regime to the next in words."""
     if before in ("stick", "no_motion"):
         return "starts to move"
     if after in ("stick", "no_motion"):
@@ -181,7 +181,7 @@ def _repeats(multiple: int) -> str:
 
 
 def _turn(axis: NDArray[np.float64], values: NDArray[np.float64], limit: float) -> Threshold | None:
-    """Return where parts first travel the other way."""
+    """Return the first threshold at which parts travel the other way."""
     moving = np.flatnonzero(np.abs(np.nan_to_num(values)) > limit)
     for before, after in pairwise(moving):
         if values[before] * values[after] < 0:

@@ -180,7 +180,7 @@ def _held(
 def _labels(
     datasets: Sequence[xarray.Dataset], selections: Sequence[Selection], units: ShownUnits
 ) -> tuple[list[str], list[str]]:
-    """Return what tells each dataset from the others, and what they have in common."""
+    """Return the labels that tell datasets apart, and the facts that they have in common."""
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
     labels = [[fact for fact in own if fact not in common] for own in facts]

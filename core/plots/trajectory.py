@@ -242,7 +242,7 @@ def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], sty
 
 
 def _under(style: Style) -> str:
-    """Return what parts a label from its unit: panels of a small picture are low."""
+    """Return the separator of a label and its unit: panels of a small picture are low."""
     return "\n" if style.small else " "
 
 
@@ -292,7 +292,7 @@ def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
 
 
 def _orbit(wave: Wave) -> NDArray[np.float64] | None:
-    """Return how the track moves along and normal over a period, None if that is a line."""
+    """Return the orbit of the track along and normal over a period, None if that is a line."""
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)

@@ -176,7 +176,7 @@ def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
 
 
 def _end(outlines: Array, pitch: Array, size: float) -> int:
-    """Return how many times are shown: up to a little after the part has come to rest."""
+    """Return the number of times that are shown: up to a little after the part has come to rest."""
     still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
     still &= np.abs(pitch - pitch[-1]) < STILL * 360
     moving = np.flatnonzero(~still)
@@ -185,7 +185,7 @@ def _end(outlines: Array, pitch: Array, size: float) -> int:
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return how the part ends, and what is held fixed."""
+    """Return the final state of the part, and the values that are held fixed."""
     facts = []
     side, settled = dataset.get("resting_side"), dataset.get("settling_time")
     if side is not None and not side.ndim and np.isfinite(side):

@@ -53,7 +53,7 @@ PADDING = 0.08  # beyond the largest value
 
 @dataclass(frozen=True)
 class UncertainOutput:
-    """What is known of one output at one design, in the unit in which it is read.
+    """The values of one output at one design, in the unit in which it is read.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class UncertainOutput:
         return " ".join(filter(None, (self.label, in_brackets(self.shown.unit))))
 
     def values(self, part: str) -> NDArray[np.float64]:
-        """Return what is told under a name, in the unit in which the output is read."""
+        """Return the values under a name, in the unit in which the output is read."""
         return np.asarray(self.shown.factor * self.shares(part))
 
     def shares(self, part: str) -> NDArray[np.float64]:

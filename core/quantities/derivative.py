@@ -1,4 +1,4 @@
-"""How a derivative was found, or why there is none."""
+"""The status of a derivative: by which way it was computed, or why there is none."""
 
 from __future__ import annotations
 

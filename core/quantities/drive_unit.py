@@ -8,7 +8,7 @@ from core.quantities.quantity import Quantity, angle, length, number
 def _input(
     unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
 ) -> Quantity:
-    """Return what a study gives, at least 0, or above it."""
+    """Return the quantity of an input of a study, at least 0, or above it."""
     return Quantity(
         unit, symbol, label, says, 0.0, strict=strict, parameter=True, examples=(example,)
     )

@@ -13,7 +13,7 @@ PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if 
 
 
 def _device(position: int) -> dict[str, Quantity]:
-    """Return what a study may give of the device at a place."""
+    """Return the quantities that a study may give of the device at a position."""
     at = f", place {position}"
 
     def size(symbol: str, label: str, says: str, example: str) -> Quantity:
@@ -64,7 +64,7 @@ DEVICES = tuple(_device(1))
 
 
 def _shares() -> dict[str, Quantity]:
-    """Return what passes and leaves of each aspect."""
+    """Return the quantities of the shares that pass and leave, for each aspect."""
     quantities = {}
     for name, (words, _) in ASPECTS.items():
         quantities[f"passing_share_{name}"] = number(

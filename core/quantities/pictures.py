@@ -1,4 +1,4 @@
-"""How regimes and levels of quantities look, the same in every picture and on every page."""
+"""The colours of regimes and levels of quantities, the same in every picture and on every page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is declared of a quantity."""
+"""The record of a quantity: unit, symbol, label, bounds and the rest that is declared of it."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ class Quantity:
 
     @property
     def is_derived(self) -> bool:
-        """Whether it has derivatives: flags, counts and errors have none."""
+        """True if it has derivatives: flags, counts and errors have none."""
         return self.flags is None and not self.count and not self.error_of
 
     @property
     def is_angle(self) -> bool:
-        """Whether the value is degrees at the edge and radians inside."""
+        """True if the value is in degrees at the edge and in radians inside."""
         return self.unit == "degree"
 
 

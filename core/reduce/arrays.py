@@ -120,7 +120,7 @@ def _statistics(
 def _points(
     boxes: Boxes, grid: Grid, asked: Reduction, number: NDArray[np.int64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return where the cells of some numbers lie on each axis that goes.
+    """Return the positions of cells, by their numbers, on each axis that goes.
 
     Along an axis that the output does not depend on, all cells are alike, and it is the first.
     """

@@ -102,7 +102,7 @@ class Boxes:
         return self._loop
 
     def seen(self, box: Box, watch: Watch | None = None) -> State:
-        """Return what the cells of a box tell.
+        """Return the state of the cells of a box.
 
         Raises
         ------

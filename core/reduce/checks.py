@@ -1,4 +1,4 @@
-"""What is wrong with a reduction, told at its place."""
+"""Checks of `[reduce]`: problems, each with its path in the study."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from core.suggestions import Suggestions
 def problems_of_names(
     asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
 ) -> list[Problem]:
-    """Return what is wrong with the names of a reduction, given those of its study."""
+    """Return the problems of the names in a reduction, for the names of its study."""
     axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
     suggest = Suggestions()
     problems = [
@@ -75,7 +75,7 @@ def _of_levels(
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
-    """Return what is wrong with a reduction, given the plan of its study."""
+    """Return the problems of a reduction, for the plan of its study."""
     return [*_regimes(asked, plan), *_levels(asked, plan, grid)]
 
 

@@ -1,4 +1,4 @@
-"""How a grid is cut for a reduction: blocks of slots, each seen in rounds of cells.
+"""Cuts a grid for a reduction: blocks of slots, each seen in rounds of cells.
 
 Where the cells of a slot fit in a box, a block has many slots and one round; otherwise it is one
 slot, seen in many rounds. Either way a box is one round of one block, and what is known of a block
@@ -25,7 +25,7 @@ Box = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class Cutting:
-    """How the axes of a field are cut.
+    """The cut of the axes of a field.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Cutting:
         return math.prod(self.shape)
 
     def box(self, block: int, turn: int) -> Box:
-        """Return where a round of a block lies."""
+        """Return the box of a round of a block."""
         at = dict.fromkeys(range(len(self.shape)), 0)
         for gone, number in ((False, block), (True, turn)):
             axes = [axis for axis in at if self.goes[axis] == gone]
@@ -108,7 +108,7 @@ class Cutting:
         )
 
     def kept(self, box: Box) -> Box:
-        """Return where the slots of a box lie among all of them."""
+        """Return the region of the slots of a box among all of them."""
         return tuple(ends for ends, gone in zip(box, self.goes, strict=True) if not gone)
 
     def order(self, box: Box, cells: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -1,4 +1,4 @@
-"""What the answers of a reduction are called, and what CF says of them."""
+"""Names and CF attributes of the variables of a reduction."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WORDS = {"max": "Largest", "min": "Least", "mean": "Mean of"}
 
 @dataclass(frozen=True)
 class ReducedVariable:
-    """What an answer is.
+    """The parts of a variable's name in a reduction: the statistic, its output, its axis.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class ReducedVariable:
 
 
 def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
-    """Return what the answer of some name is."""
+    """Return the variable of a reduction by its name."""
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")
         if name != rest and rest in named:

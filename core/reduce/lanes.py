@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.loops.lanes import LaneOrder
-from core.reduce.kernels import lanes as kernels
+from core.reduce.kernels import folding
 from core.reduce.kernels.bits import LEAST, MOST
 from core.reduce.state import State
 from core.reduce.sums import LEVELS, carried
@@ -36,7 +36,7 @@ EMPTY = {
 
 @dataclass(frozen=True)
 class TileLayout:
-    """Where the lanes of a tile go.
+    """The layout of the lanes of a tile.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class TileLayout:
 
 
 class BoxLanes:
-    """What the tiles of a box gather, in buffers that one thread uses again and again.
+    """The lanes that gather the tiles of a box, in buffers that one thread uses again and again.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class BoxLanes:
         return map(dict, itertools.product(*ranges))
 
     def layout(self, tile: Ends, box: Ends) -> tuple[TileLayout, int]:
-        """Return where the lanes of a tile go, and where the tile starts among slots of its box."""
+        """Return the layout of the lanes of a tile, and the tile's offset in its box."""
         kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
         strides = _strides(kept)
         lengths = tuple((name, tile[name][1] - tile[name][0]) for name in self._dims)
@@ -143,7 +143,7 @@ class BoxLanes:
             first = self.order.inner[0]
             along = self.numbers.get(first, 0)
             numbers += tile[first][0] * along
-        kernels.gather(
+        folding.gather(
             np.ascontiguousarray(rows).reshape(starts.size, -1),
             starts.reshape(-1), numbers.reshape(-1), self.order.piece,
             0 if self.order.gathers else self.order.piece,
@@ -153,7 +153,7 @@ class BoxLanes:
 
 
 class Totals:
-    """What the tiles of a box have told so far of its slots.
+    """The totals of the slots of a box, from the tiles that were seen so far.
 
     Parameters
     ----------
@@ -179,14 +179,14 @@ class Totals:
         if name not in self._sums:
             digits = np.zeros((LEVELS, self._slots), np.int64)
             self._sums[name] = digits, np.zeros(self._slots), np.array([LEVELS, -1])
-        kernels.fold_sums(lanes, layout.order, layout.own_slots, offset, line, *self._sums[name])
+        folding.fold_sums(lanes, layout.order, layout.own_slots, offset, line, *self._sums[name])
 
     def fold_extremes(
         self, name: str, kind: str, lanes: Array, at: Array, layout: TileLayout, offset: int
     ) -> None:
         """Fold the ``largest`` or ``least`` in lanes of an output; `at` is empty if unknown."""
         ends, row = self._ends_of(name), 2 if kind == "least" else 0
-        kernels.fold_extremes(
+        folding.fold_extremes(
             lanes, at, kind == "least", layout.order, layout.own_slots, offset, layout.numbers,
             ends[row], ends[row + 1],
         )  # fmt: skip
@@ -195,10 +195,10 @@ class Totals:
         self, lanes: Array, layout: TileLayout, offset: int, first: int, last: int
     ) -> None:
         """Fold the counts in lanes, several in one number."""
-        kernels.fold_counts(lanes, layout.order, layout.own_slots, offset, self.counts[first:last])
+        folding.fold_counts(lanes, layout.order, layout.own_slots, offset, self.counts[first:last])
 
     def state(self, name: str, counter: int) -> State:
-        """Return what is known of an output, of which a counter counts the cells."""
+        """Return the state of an output, of which a counter counts the cells."""
         ends = self._ends_of(name)
         state: State = {f"{name}.ends": np.concatenate([ends, self.counts[counter : counter + 1]])}
         if name in self._sums:
@@ -218,7 +218,7 @@ class Totals:
 
 
 def _strides(sizes: Mapping[str, int]) -> dict[str, int]:
-    """Return how far apart neighbours along each axis lie, the last one's next to each other."""
+    """Return the distance of neighbours along each axis, 1 along the last."""
     strides: dict[str, int] = {}
     stride = 1
     for name in reversed(tuple(sizes)):

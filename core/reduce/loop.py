@@ -12,7 +12,7 @@ from core.plan.grid import Grid
 from core.plan.loops.lanes import LaneLoop, LaneOrder
 from core.plan.loops.trace import Traced, TracedPlan, traced_plan
 from core.quantities import QUANTITIES, REGIMES
-from core.reduce.kernels.lanes import COUNT_BITS, COUNTS
+from core.reduce.kernels.folding import COUNT_BITS, COUNTS
 from core.reduce.lanes import BoxLanes, Ends, Totals
 from core.reduce.questions import ReducedField
 from core.study.reduction import Reduction, ShareCondition
@@ -29,7 +29,7 @@ COMPARISONS = {
 
 @dataclass(frozen=True)
 class Gathering:
-    """What lanes gather of one result.
+    """The lanes that gather one result.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class FieldLoop:
         return [name for name in names if name != "regime"]
 
     def _by_regime(self, values: Mapping[int, Any], otherwise: Any) -> Any:
-        """Return what each cell has by its regime: a value of its own, or that of all others."""
+        """Return the value of each cell by its regime: one of its own, or that of all others."""
         plan = self._field.plan
         chosen = values.get(int(REGIMES[plan.otherwise].value), otherwise)
         for condition, holds in zip(
@@ -202,7 +202,7 @@ class FieldLoop:
 def _statistics(
     name: str, counted: Mapping[str, Any], asked: Reduction
 ) -> list[tuple[Gathering, Any]]:
-    """Return what lanes gather of an output."""
+    """Return the statistics that lanes gather of an output."""
     value, wanted = counted[name], asked.statistics
     pairs = []
     if "mean" in wanted:

@@ -1,4 +1,4 @@
-"""What is asked of a grid: for each field, which is outputs over the same axes, all answers."""
+"""The fields of a reduction: outputs over the same axes, with everything that is asked of them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EXACT_CELLS = 1 << 22
 
 @dataclass(frozen=True)
 class ReducedField:
-    """What is told of cells over the same axes.
+    """A field of a reduction: the statistics of cells over the same axes.
 
     Attributes
     ----------

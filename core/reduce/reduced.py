@@ -20,7 +20,7 @@ from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, TableVariable, quantity_attributes
 from core.errors import Problem
 from core.plan.labels import coordinates_of
-from core.plan.parts import ANSWERS, Parts
+from core.plan.parts import ARRAYS, Parts
 from core.plan.pieces import Computed, price
 from core.plan.prepared import Prepared
 from core.plan.price import in_words
@@ -42,7 +42,7 @@ class Reduced(Prepared):
     """
 
     study: SweepStudy | SimulateStudy
-    part_of: ClassVar[str] = ANSWERS
+    part_of: ClassVar[str] = ARRAYS
     keeps_some: ClassVar[bool] = False
     box_cells: ClassVar[int | None] = None
     """Most cells of a box, if not as usual."""
@@ -54,7 +54,7 @@ class Reduced(Prepared):
 
     @property
     def asked(self) -> Reduction:
-        """What is asked."""
+        """The reduction that the study asks for."""
         assert self.study.reduce is not None
         return self.study.reduce
 
@@ -63,7 +63,7 @@ class Reduced(Prepared):
         raise NotImplementedError
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return what verifying cells found, as attributes; `watch` may stop it."""
+        """Return the result of verifying cells, as attributes; `watch` may stop it."""
         raise NotImplementedError
 
     @cached_property
@@ -160,7 +160,7 @@ class Reduced(Prepared):
 
     @property
     def cores(self) -> int:
-        """How many cores it uses here."""
+        """The number of cores that it uses here."""
         return reduce.run.cores()
 
     def seconds_in_parts(self) -> float:
@@ -174,7 +174,7 @@ class Reduced(Prepared):
 
     @property
     def _by(self) -> str:
-        """What tells how long it takes, in words."""
+        """The words on what its time depends on."""
         return f", by a few of {len(self.work):,} boxes"
 
     @property
@@ -222,18 +222,18 @@ class ReducedParts(Parts):
         return table
 
     def _states(self, records: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
-        """Yield what all parts tell of each block, and collect their words."""
+        """Yield the states of all parts for each block, and collect their records."""
         known: tuple[int, int] | None = None
         state: State = {}
         for record in self._records():
             records.append(record.fields)
-            for known_block, found in _blocks(record.arrays).items():
-                if known_block == known:
-                    state = merged(state, found)
+            for block, values in _blocks(record.arrays).items():
+                if block == known:
+                    state = merged(state, values)
                     continue
                 if known is not None:
                     yield (*known, state)
-                known, state = known_block, found
+                known, state = block, values
         if known is not None:
             yield (*known, state)
 

@@ -28,7 +28,7 @@ FASTER = 0.7
 
 
 def cores() -> int:
-    """Return how many cores this process may use: on a cluster, not all of its machine's."""
+    """Return the number of cores that this process may use, on a cluster a part of its machine."""
     return len(os.sched_getaffinity(0))
 
 

@@ -1,4 +1,4 @@
-"""What is known of a block of slots after some of its cells: arrays that can be joined and kept."""
+"""The state of a block of slots after some of its cells: arrays that can be joined and kept."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ State = dict[str, NDArray[Any]]
 
 
 def merged(first: State, second: State) -> State:
-    """Return what is known after the cells of two states, in whatever order they were seen."""
+    """Return the state after the cells of two states, in whatever order they were seen."""
     result: State = {}
     for name in first:
         of, _, kind = name.rpartition(".")

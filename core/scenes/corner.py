@@ -1,4 +1,4 @@
-"""What the scenes of an isolated part share: one corner on a fixed plane."""
+"""Equations that the scenes of an isolated part share: one corner on a fixed plane."""
 
 from __future__ import annotations
 

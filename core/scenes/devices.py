@@ -37,7 +37,7 @@ class Device:
 
     @property
     def turns(self) -> bool:
-        """Whether it turns parts."""
+        """True if it turns parts."""
         return bool({"turned_share", "turn"} & set(self.numbers))
 
     def number(self, name: str, parameters: dict[str, Any]) -> Array:
@@ -60,7 +60,7 @@ class Device:
         return matrix
 
     def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
-        """Return what each aspect keeps at one of its tests; nothing of what is no test."""
+        """Return the share of each aspect that one of its tests keeps; nothing if it is no test."""
         sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
         if number == "wiper_height":
             height = self.number(number, parameters)
@@ -117,7 +117,7 @@ class DeviceLine:
         return keywords((self.shares, *own, *(["device_order"] * self.ordered)))
 
     def __call__(self, **values: Any) -> PassedShares:
-        """Return what passes."""
+        """Return the shares that pass the line."""
         matrices = [device.matrix(self.aspects, values) for device in self.devices]
         outlets = [
             device.number("outlet_capacity", values)
@@ -182,7 +182,7 @@ class Counts:
         return keywords(self.names)
 
     def __call__(self, **values: Any) -> Any:
-        """Return what it gives of the counts."""
+        """Return the value of the function for the counts."""
         return self.function([values[name] for name in self.names])
 
 

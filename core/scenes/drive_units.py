@@ -1,4 +1,4 @@
-"""What both drive units share: leaves, damping, the drive, and the regimes of their tuning."""
+"""Equations of both drive units: leaves, damping, the drive, and the regimes of their tuning."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 
 
 class Step(Protocol):
-    """What gives one quantity from others: an equation."""
+    """An equation: it gives one quantity from others."""
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -41,7 +41,7 @@ def behind(
     producer: Callable[[str], Some | None],
     enters: Callable[[Some], bool] = lambda step: True,
 ) -> Mapping[str, Some | None]:
-    """Return what is wanted and all that it needs, each after what it needs itself.
+    """Return the wanted quantities and all that they need, each after those it needs itself.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the scenes of a part on a plane share: drive, gravity, and a floor without a wall."""
+"""Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall."""
 
 from __future__ import annotations
 

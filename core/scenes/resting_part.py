@@ -6,41 +6,41 @@ from core.mechanics import resting, toppling
 from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Field, Scene
 from core.scenes.shapes import ASPECTS, SHAPES, SOURCE, WORDS, lying
 
-STANDING = "theory 16.2"
-_ROUND = (Equation("standing_base", toppling.round_base, STANDING),)
-_ON_END = (Equation("standing_centre", toppling.end_centre, STANDING),)
-_UPRIGHT = (*_ROUND, Equation("standing_centre", toppling.upright_centre, STANDING))
+SECTION = "theory 16.2"
+_ROUND = (Equation("standing_base", toppling.round_base, SECTION),)
+_ON_END = (Equation("standing_centre", toppling.end_centre, SECTION),)
+_UPRIGHT = (*_ROUND, Equation("standing_centre", toppling.upright_centre, SECTION))
 POSES: dict[str, tuple[Equation, ...]] = {
     "box": (
-        Equation("standing_base", toppling.box_base, STANDING),
-        Equation("standing_centre", toppling.box_centre, STANDING),
-        Equation("gyration", toppling.box_gyration, STANDING),
+        Equation("standing_base", toppling.box_base, SECTION),
+        Equation("standing_centre", toppling.box_centre, SECTION),
+        Equation("gyration", toppling.box_gyration, SECTION),
         Equation("long_side_share", resting.long_side_share, SOURCE),
     ),
     "cylinder": (
-        *_ROUND, *_ON_END, Equation("gyration", toppling.cylinder_gyration, STANDING),
+        *_ROUND, *_ON_END, Equation("gyration", toppling.cylinder_gyration, SECTION),
     ),
     "prism": (
-        Equation("standing_base", toppling.prism_base, STANDING),
+        Equation("standing_base", toppling.prism_base, SECTION),
         *_ON_END,
-        Equation("gyration", toppling.prism_gyration, STANDING),
+        Equation("gyration", toppling.prism_gyration, SECTION),
     ),
-    "truncated_cone": (*_UPRIGHT, Equation("gyration", toppling.cone_gyration, STANDING)),
-    "turned": (*_UPRIGHT, Equation("gyration", toppling.turned_gyration, STANDING)),
+    "truncated_cone": (*_UPRIGHT, Equation("gyration", toppling.cone_gyration, SECTION)),
+    "turned": (*_UPRIGHT, Equation("gyration", toppling.turned_gyration, SECTION)),
 }  # fmt: skip
 """How each shape stands: a box on its face of length by width, the others on an end."""
 
 TOPPLING = (
-    Equation("edge_distance", toppling.edge_distance, STANDING),
-    Equation("topple_slope", toppling.topple_slope, STANDING),
-    Equation("rocking_friction", toppling.rocking_friction, STANDING),
-    Equation("rocking_rate", toppling.rocking_rate, STANDING),
-    Equation("topple_speed", toppling.topple_speed, STANDING),
-    Equation("pulse_angle", toppling.pulse_angle, STANDING),
-    Equation("topple_acceleration", toppling.topple_acceleration, STANDING),
-    Equation("topple_margin", toppling.topple_margin, STANDING),
-    Equation("push_over_load", toppling.push_over_load, STANDING),
-    Equation("rocking_margin", toppling.rocking_margin, STANDING),
+    Equation("edge_distance", toppling.edge_distance, SECTION),
+    Equation("topple_slope", toppling.topple_slope, SECTION),
+    Equation("rocking_friction", toppling.rocking_friction, SECTION),
+    Equation("rocking_rate", toppling.rocking_rate, SECTION),
+    Equation("topple_speed", toppling.topple_speed, SECTION),
+    Equation("pulse_angle", toppling.pulse_angle, SECTION),
+    Equation("topple_acceleration", toppling.topple_acceleration, SECTION),
+    Equation("topple_margin", toppling.topple_margin, SECTION),
+    Equation("push_over_load", toppling.push_over_load, SECTION),
+    Equation("rocking_margin", toppling.rocking_margin, SECTION),
 )
 ESTIMATES = (
     Equation("second_shares", resting.second_shares, SOURCE),

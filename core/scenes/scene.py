@@ -1,4 +1,4 @@
-"""What a scene is: equations by variant, defaults, and the conditions that tell its regimes."""
+"""The record of a scene: equations by variant, defaults, and the conditions of its regimes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def taking(function: Function, *more: str, without: str = "") -> inspect.Signatu
 
 
 def _summary(function: Function) -> str:
-    """Return what users read of a function: the first paragraph of its docstring as a description.
+    """Return the first paragraph of a function's docstring, for users, as a description.
 
     Its first word ("Return", "True"), its units, which the catalogue has beside it, and its marks
     of code are left out.
@@ -82,7 +82,7 @@ class Equation:
 
     @cached_property
     def takes_long(self) -> bool:
-        """Whether the function takes a `Watch`, which may stop it; such a motion has a course."""
+        """True if the function takes a `Watch`, which may stop it; it has a trajectory."""
         return "watch" in inspect.signature(self.function).parameters
 
     @property
@@ -138,7 +138,7 @@ def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple
 
 @dataclass(frozen=True)
 class Condition:
-    """Where a regime holds, and for which outputs that matters.
+    """The condition of a regime, and the outputs for which it matters.
 
     The conditions of a scene are tried in order; the first that holds names the regime of a cell.
 
@@ -298,7 +298,7 @@ class Scene:
     def _check(self, variant: str) -> None:
         """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""
         where = f"{self.name} ({variant})"
-        for names, wrong in self._wrong_names(variant):
+        for names, wrong in self._misplaced_names(variant):
             if names:
                 raise SceneError(f"{where}: {wrong.format(sorted(names))}")
         gives = [equation.gives for equation in self.variants[variant]]
@@ -307,7 +307,7 @@ class Scene:
         except CycleError as error:
             raise SceneError(f"{where}: {error}") from None
 
-    def _wrong_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
+    def _misplaced_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
         """Yield names that may not stand where they do, and what is wrong with them."""
         equations, conditions = self.variants[variant], self.conditions[variant]
         gives = [equation.gives for equation in equations]

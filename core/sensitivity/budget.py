@@ -37,7 +37,7 @@ BENT = 0.1
 
 @dataclass(frozen=True)
 class BudgetValues:
-    """What a budget tells of an output; arrays of shape (cells,), or (parameters, cells).
+    """The budget of an output; arrays of shape (cells,), or (parameters, cells).
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Budget:
 
     @cached_property
     def _steps(self) -> Array:
-        """How far a difference steps, shape (parameters,)."""
+        """The step of a difference, shape (parameters,)."""
         return NEAR * (self.ends[1] - self.ends[0]) / 2
 
     @cached_property

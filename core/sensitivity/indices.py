@@ -63,7 +63,7 @@ def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> 
 
 
 def indices_of(values: Array) -> Indices:
-    """Return the indices of functions from their values at the points of `design`.
+    """Return the Sobol indices of functions from their values at the points of `design`.
 
     Parameters
     ----------

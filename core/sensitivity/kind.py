@@ -1,4 +1,4 @@
-"""What a study of uncertain parameters is to the rest of the program."""
+"""The record of the kind `sensitivity`, by which the rest of the program knows it."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from core.watch import Watch
 
 
 def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
-    """Return what was computed of a study, labelled."""
+    """Return the arrays of a study, labelled."""
     arrays, dims = computed.arrays, prepared.dims
     variables = {
         name: TableVariable(dims[name], arrays[name], one.attributes)

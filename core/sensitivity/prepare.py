@@ -116,7 +116,7 @@ class Sensitivity(Prepared):
 
     @cached_property
     def evaluations(self) -> int:
-        """How often the outputs of each design are computed."""
+        """The number of times that the outputs of each design are computed."""
         return evaluations_of(self.study, self.budget)
 
     @cached_property
@@ -152,7 +152,7 @@ class Sensitivity(Prepared):
 
 
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
-    """Return how often a study computes the outputs of each design."""
+    """Return the number of evaluations of each design that a study takes."""
     count, total = len(study.distributions()), 1
     if {"distribution", "sobol"} & set(study.analyses) or study.demands:
         total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
@@ -216,7 +216,7 @@ def _span(name: str, distribution: Distribution) -> Values:
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    """Yield what is wrong between the parts of a study."""
+    """Yield the problems between the sections of a study."""
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
@@ -236,7 +236,7 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
 
 
 def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
-    """Yield what is wrong with each demand, and with two of one name."""
+    """Yield the problems of each demand, and of two with one name."""
     seen: set[str] = set()
     for number, demand in enumerate(demands):
         path = f"demands.{number}"
@@ -254,7 +254,7 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
 
 
 def _unclear(demand: Demand) -> tuple[str, str] | None:
-    """Return why a demand asks for nothing definite, and what would; None if it does."""
+    """Return the problem of a demand that asks for nothing definite; None if it does."""
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"

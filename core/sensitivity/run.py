@@ -129,7 +129,7 @@ class _Evaluator:
         return SampledOutputs(outputs, regime)
 
     def _valid(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
-        """Return where each output describes a real part, by the conditions that concern it."""
+        """Return a mask for each output: True where it describes a real part, by its conditions."""
         plan, valid, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
             doubted = plan.conditions if name not in EXACT else ()
@@ -170,7 +170,7 @@ def _first(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield what is told of points that are drawn from the distributions."""
+    """Yield the statistics of points that are sampled from the distributions."""
     prepared, study = evaluator.prepared, evaluator.prepared.study
     drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
     if not drawn:

@@ -1,4 +1,4 @@
-"""What is told of an output over drawn points: mean, deviation, quantiles, probabilities."""
+"""Statistics of an output over sampled points: mean, deviation, quantiles, probabilities."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def quantile(values: Array, shares: Array) -> Array:
 
 
 def probability(met: Mask) -> Estimate:
-    """Return how likely something is, from where it was met, shape (..., replicates, count).
+    """Return the probability of an event, by where it was met, shape (..., replicates, count).
 
     Where all points agree, chance may have left out one: the error then is one point's share.
     """

@@ -1,4 +1,4 @@
-"""What a study tells: every variable of its result, with its dimensions, unit and words."""
+"""The variables of a sensitivity study's result, each with its dimensions, unit and label."""
 
 from __future__ import annotations
 

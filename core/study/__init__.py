@@ -1,4 +1,4 @@
-"""What a user writes: studies, their units and ranges."""
+"""Studies as users write them, with their units and ranges."""
 
 from __future__ import annotations
 

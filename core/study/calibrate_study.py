@@ -41,7 +41,7 @@ _PRIOR_SCHEMA = {
 
 
 def quantity_of(table: str, parameter: str) -> Quantity:
-    """Return what the unknown of a table is: a parameter, or a difference or factor of one."""
+    """Return the quantity of an unknown: a parameter, or a difference or factor of one."""
     quantity = QUANTITIES[parameter]
     if table == "unknowns":
         return quantity
@@ -111,7 +111,7 @@ _PROBABILITY_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximu
 
 
 class CalibrateStudy(MotionSettings, FollowedStudy):
-    """What measured speeds tell of unknown parameters."""
+    """A study that estimates unknown parameters from measured speeds."""
 
     kind: Literal["calibrate"] = Field(description="The kind of study.")
     observations: Annotated[

@@ -157,7 +157,7 @@ def _no_width(value: str, width: str) -> tuple[str, str]:
 
 
 def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    """Return what is wrong with keys that are those of no distribution, and what would be right."""
+    """Return the problem of keys that no distribution has, and the right ones."""
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
@@ -249,7 +249,7 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    """Return what scipy knows of a distribution, not cut."""
+    """Return scipy's record of a distribution, not cut."""
     import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):

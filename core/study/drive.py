@@ -67,7 +67,7 @@ class RecordedDrive(BaseModel):
 
 
 class MeasuredDrive(BaseModel):
-    """Where the numbers of a measured drive come from.
+    """The origin of the numbers of a measured drive.
 
     It stands in the place of the recording once that has been fitted: in the study that a dataset
     holds, for example.
@@ -89,7 +89,7 @@ class MeasuredDrive(BaseModel):
 
 
 def only_the_plain_sine(fix: str) -> Problem:
-    """Return what is wrong with a measured drive where the motion is not followed in time."""
+    """Return the problem of a measured drive where the motion is not followed in time."""
     message = "closed forms support only the plain sine of amplitude, alpha and beta"
     return Problem("drive", message, fix)
 

@@ -1,4 +1,4 @@
-"""What studies of every kind share: frozen models without unknown keys, of files and requests."""
+"""Base classes of all studies: frozen models without unknown keys, of files and requests."""
 
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ OutputNames = Annotated[tuple[OutputName, ...], at_most(MAX_OUTPUTS)]
 
 
 class Study(Frozen):
-    """What every kind of study has: a scene, and parameters that may range over a grid."""
+    """The fields of every kind of study: a scene, and parameters that may range over a grid."""
 
     kind: str = Field(description="The kind of study.")
     scene: str = Field(
@@ -239,11 +239,11 @@ class Study(Frozen):
         return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
 
     def places(self) -> dict[str, str]:
-        """Return where the study says parameters that do not stand under `parameters`."""
+        """Return the paths of parameters that do not stand under `parameters` in the study."""
         return {}
 
     def output_places(self) -> dict[str, str]:
-        """Return where the study says outputs that do not stand under `outputs`."""
+        """Return the paths of outputs that do not stand under `outputs` in the study."""
         return {}
 
     def content(self) -> dict[str, Any]:
@@ -253,7 +253,7 @@ class Study(Frozen):
         return content
 
     def said(self) -> dict[str, Any]:
-        """Return what the study says other than its model's defaults."""
+        """Return the fields of the study that differ from its model's defaults."""
         fields = type(self).model_fields
         return {
             name: value
@@ -292,7 +292,7 @@ class Study(Frozen):
 
 
 class DrivenStudy(Study):
-    """What studies of motion in time have besides: a drive that may have been measured."""
+    """The further fields of studies of motion in time: a drive that may have been measured."""
 
     drive: Drive = Field(
         None,

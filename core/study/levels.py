@@ -21,7 +21,7 @@ def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
 
 
 def at_most(count: int) -> BeforeValidator:
-    """Return what refuses a longer list at once, where pydantic would look at every entry first."""
+    """Return a validator that refuses a longer list at once; pydantic looks at every entry."""
 
     def check(raw: object) -> object:
         if isinstance(raw, list | tuple) and len(raw) > count:

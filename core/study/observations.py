@@ -1,4 +1,4 @@
-"""What was measured, run by run: rows of a study, or of a CSV or XLSX file on this machine."""
+"""Measurements, run by run: rows of a study, or of a CSV or XLSX file on this machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a study of closed forms or of motion asks for in place of its cells: `[reduce]`."""
+"""The section `[reduce]` of a study of closed forms or of motion: statistics instead of cells."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    """Return what puts names in one order, each once: equal studies have equal keys."""
+    """Return a validator that sorts names, each once: equal studies have equal keys."""
     place = {name: k for k, name in enumerate(order)}
 
     def sort(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -148,7 +148,7 @@ class _Part(BaseModel):
 
 
 class LevelSet(_Part):
-    """Where an output crosses a level along one of the axes that go."""
+    """The position at which an output crosses a level, along one of the axes that go."""
 
     output: _Known = Field(description="The output.")
     level: Level = Field(description="The level.")

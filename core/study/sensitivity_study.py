@@ -20,7 +20,7 @@ Analysis = Literal["distribution", "sobol", "morris", "budget"]
 
 
 class Demand(Frozen):
-    """What a part is to do: an output within bounds, or a regime; how likely it is, is told."""
+    """A demand on a part: an output within bounds, or a regime; the result is its probability."""
 
     output: OutputName | None = Field(None, description="The output.")
     at_least: OpenLevel = Field(None, description="Smallest acceptable value.")
@@ -31,7 +31,7 @@ class Demand(Frozen):
 
     @property
     def name(self) -> str:
-        """What it is called in the result."""
+        """The name of its probability in the result."""
         if self.regime is not None:
             return self.regime
         ends = [end for end in ("at_least", "at_most") if getattr(self, end) is not None]
@@ -39,7 +39,7 @@ class Demand(Frozen):
 
 
 class SensitivityStudy(DrivenStudy):
-    """How outputs vary with parameters that are not known exactly, over a grid of the others."""
+    """A study of outputs that vary with uncertain parameters, over a grid of the others."""
 
     kind: Literal["sensitivity"] = Field(description="The kind of study.")
     variant: str | None = Field(

@@ -63,7 +63,7 @@ SETTINGS = ("tolerance", "max_periods", "steps_per_period", "slip_speed", "conta
 
 
 class FollowedStudy(DrivenStudy):
-    """What studies share that follow a part in time."""
+    """The fields of studies that follow a part in time."""
 
     method: str | None = Field(
         None,

@@ -73,7 +73,7 @@ def evenly(
 def geometrically(
     first: float, last: float, size: int, start: int = 0, stop: int | None = None
 ) -> NDArray[np.float64]:
-    """Return what numpy's geomspace does, or a part of it; parameters are those of `evenly`."""
+    """Return the same as numpy's geomspace, or a part of it; parameters are those of `evenly`."""
     stop = size if stop is None else stop
     ends = float(np.log10(first)), float(np.log10(last))
     values = np.power(10.0, _approximately(*ends, size, start, stop))
@@ -98,7 +98,7 @@ def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
-    """Return what numpy's linspace does, some of it: an axis may have a hundred million values."""
+    """Return a part of numpy's linspace: an axis may have a hundred million values."""
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)

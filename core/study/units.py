@@ -53,7 +53,7 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    """Return what `read_number` does; `factors` holds what units are that have been met."""
+    """Return the same as `read_number`; `factors` holds the factors of units that have been met."""
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
@@ -70,7 +70,7 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
 
 
 def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[float, ...]:
-    """Return what `read_number` does for each of many, plain numbers a good deal faster.
+    """Return the same as `read_number` for each of many, plain numbers a good deal faster.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
 
 
 def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
-    """Return what one `unit` is in the unit of `quantity`, exactly; raise `UnitError` if none."""
+    """Return one `unit` in the unit of `quantity`, exactly; raise `UnitError` if unknown."""
     if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
         return Fraction(1, 60)
     fix = _how_to_write(name, quantity)

@@ -73,7 +73,7 @@ def _question(
 
 
 def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
-    """Return how a bare number was meant, if that would be usual."""
+    """Return the likely meaning of a bare number, if that would be usual."""
     unit = SLIPS.get(quantity.unit)
     if unit is None:  # of a share, per cent
         text, value = f"{typed / 100:g}", typed / 100

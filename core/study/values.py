@@ -263,7 +263,7 @@ def _step(
 
 
 def as_difference(quantity: Quantity) -> Quantity:
-    """Return what a difference of two values of a quantity is: above 0, without other bounds."""
+    """Return the quantity of a difference of two values: above 0, without other bounds."""
     return Quantity(
         quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
         examples=quantity.examples,

@@ -27,7 +27,7 @@ def compute(prepared: Prepared, watch: Watch) -> Computed:
 
 
 def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
-    """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
+    """Return the arrays of a sweep, labelled; `watch` may stop verifying it."""
     plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
 
     def values_at(sample: Sample) -> dict[str, Array]:

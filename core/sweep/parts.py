@@ -24,7 +24,7 @@ TRIED = 3  # tiles from which the time of all is told
 
 
 def seconds_in_shards(sweep: Prepared) -> float:
-    """Return what computing and packing all tiles takes one core, as a few of them tell."""
+    """Return the time to compute and pack all tiles on one core, estimated from a few of them."""
     tiled = Tiled(sweep)
     count = len(tiled.tiles)
     tried = [tiled.tiles[count * k // (TRIED + 1)] for k in range(min(count, TRIED + 1))]

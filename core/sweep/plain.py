@@ -37,7 +37,7 @@ class Sweep(Prepared):
 
     @property
     def is_single(self) -> bool:
-        """Whether values are stored in 32 bits."""
+        """True if values are stored in 32 bits."""
         return self.study.precision == "single"
 
     def width(self, name: str) -> int:
@@ -45,7 +45,7 @@ class Sweep(Prepared):
         return min(super().width(name), 4) if self.is_single else super().width(name)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """As in `Prepared`; rounded to 32 bits last, if the study says so."""
+        """Return values of an output in the units of files; rounded to 32 bits if asked for."""
         values = super().in_files(name, values)
         if not self.is_single or values.dtype != np.float64:
             return values
@@ -62,7 +62,7 @@ class Sweep(Prepared):
         return compute(self, watch)
 
     def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return what was computed, labelled; `watch` may stop verifying it."""
+        """Return the arrays, labelled; `watch` may stop verifying them."""
         return label(self, computed, watch)
 
     def parts(self, where: str, count: int) -> Shards:
@@ -107,5 +107,5 @@ class DerivedSweep(Prepared):
         return compute(self, watch)
 
     def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return what was computed, labelled; `watch` may stop verifying it."""
+        """Return the arrays, labelled; `watch` may stop verifying them."""
         return label(self, computed, watch)

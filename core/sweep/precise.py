@@ -114,7 +114,7 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
 
 
 def _applied(operation: Operation, inputs: Sequence[Any]) -> Any:
-    """Return what a row of the table gives of each number: numbers, or truth values."""
+    """Return the result of a row of the table for each number: numbers, or truth values."""
     results = _of_elements(operation, len(inputs))(*map(np.asarray, inputs))
     return np.asarray(results).astype(np.bool_) if operation.gives_truth else _labelled(results)
 
@@ -133,7 +133,7 @@ def _of_elements(operation: Operation, count: int) -> Any:
 
 
 def _numbers(values: Any) -> Any:
-    """Return what a function is given with numbers for floats; truth values and counts stay."""
+    """Return the arguments of a function with numbers for floats; truth values and counts stay."""
     array = np.asarray(values)
     if array.dtype.kind == "b" or array.dtype.kind in "iu":
         return array

@@ -17,5 +17,5 @@ def compute(prepared: AnySweep, watch: Watch) -> Computed:
 
 
 def label(prepared: AnySweep, computed: Computed, watch: Watch) -> Table:
-    """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
+    """Return the arrays of a sweep, labelled; `watch` may stop verifying it."""
     return prepared.label(computed, watch)

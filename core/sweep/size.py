@@ -1,4 +1,4 @@
-"""How large the file of a sweep becomes, before it is made."""
+"""The size of the file of a sweep, estimated before it is made."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def cut(
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> SliceCut:
-    """Return what `cut` would compute; takes and raises what that does."""
+    """Return the sweep that `cut` would compute; takes and raises the same."""
     problems = list(_problems(sweep, output, axes, at))
     if problems:
         raise StudyError(problems)
@@ -132,7 +132,7 @@ def carried_out(prepared: SliceCut) -> dict[str, Any]:
 
 
 def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
-    """Return what `cut` gave of a sweep as a table, with the attributes of the whole."""
+    """Return the result of `cut` of a sweep as a table, with the attributes of the whole."""
     output = piece["output"]
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
     fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
@@ -153,7 +153,7 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
 def _problems(
     sweep: Prepared, output: str, axes: Sequence[str], at: Mapping[str, str]
 ) -> Iterator[Problem]:
-    """Yield what is wrong with the names in a request."""
+    """Yield the problems of the names in a request."""
     known, suggest = sweep.grid.axes, Suggestions()
     if output not in sweep.dims:
         fix = suggest(output, sweep.dims)

@@ -34,7 +34,7 @@ AHEAD = 1  # tiles that wait to be written while one is written
 
 
 class Target(Protocol):
-    """Where tiles go: a file or a store under way.
+    """The target of tiles: a file or a store under way.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
 
 @dataclass
 class Passed:
-    """What the tiles held that passed.
+    """The values of the tiles that passed.
 
     Attributes
     ----------

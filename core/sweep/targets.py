@@ -1,4 +1,4 @@
-"""Where a sweep that is computed tile by tile goes, told from the name of the result."""
+"""The target of a sweep that is computed tile by tile, chosen by the name of the result."""
 
 from __future__ import annotations
 

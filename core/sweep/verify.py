@@ -66,7 +66,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Rounding:
-    """What rounding did to the outputs of some cells.
+    """The effect of rounding on the outputs of some cells.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Rounding:
 
     @property
     def failed(self) -> int:
-        """How many values are known to be beyond the bound: the worst one, or none."""
+        """The number of values that are known to be beyond the bound: the worst one, or none."""
         if self.worst is None or self.bound is None:
             return 0
         return int(self.worst.conditioned > self.bound)
@@ -134,7 +134,7 @@ def rounding_of(
     got: Mapping[str, Array],
     watch: Watch | None = None,
 ) -> Rounding:
-    """Return what rounding did to outputs of a plan.
+    """Return the effect of rounding on the outputs of a plan.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def _worst(
 def verified(
     prepared: Prepared, values_at: Callable[[Sample], Mapping[str, Array]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return what verifying a sweep found, as attributes of its result; nothing if not asked for.
+    """Return the result of verifying a sweep, as attributes of the dataset, if it was asked for.
 
     Parameters
     ----------

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from core.reduce.reduced_arrays import reduced_arrays
-
+from core.reduce.arrays import reduced_arrays
 from core.reduce.run import Units
 from core.watch import Watch
 

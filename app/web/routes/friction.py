@@ -31,7 +31,7 @@ class Pair(BaseModel):
 
 
 class Rebound(BaseModel):
-    """How much of its speed a part keeps in an impact."""
+    """The restitution of a part in an impact."""
 
     part: str
     track: str
@@ -41,7 +41,7 @@ class Rebound(BaseModel):
 
 
 class Source(BaseModel):
-    """Where values come from."""
+    """The source of values."""
 
     title: str
     by: str

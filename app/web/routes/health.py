@@ -1,4 +1,4 @@
-"""Whether the service is alive, whether it can take work, and its figures."""
+"""Routes for the operator: is the service alive, can it take work, and its figures."""
 
 from __future__ import annotations
 

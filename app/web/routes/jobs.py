@@ -190,7 +190,7 @@ async def follow_job(
     keys: Keys = request.app.state.keys
 
     async def over() -> bool:
-        """Whether the service stops, or the key is in force no more."""
+        """True if the service stops, or the key is in force no more."""
         if request.app.state.stopping.is_set():
             return True
         if who == NOBODY:

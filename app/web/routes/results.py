@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 from typing import Annotated
 
+import fastapi
 from anyio import to_thread
 from fastapi import APIRouter, Query, Request
-from fastapi import Path as InPath
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
@@ -57,7 +57,7 @@ NO_RESULT = problems(
 )
 @router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
-    """Return where the dataset is, how large it is, and what it cost."""
+    """Return the address, the size and the cost of the dataset."""
     return results_reply(admission, find_job(admission, number), base)
 
 
@@ -212,7 +212,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
 def get_file(
     request: Request,
     number: Number,
-    name: Annotated[str, InPath(description="As the results name it.", max_length=100)],
+    name: Annotated[str, fastapi.Path(description="As the results name it.", max_length=100)],
     admission: AdmissionOf,
 ) -> Response:
     """Return a page or a picture that the results name."""

@@ -157,7 +157,7 @@ def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -
 
 
 def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
-    """Return what the service says of a sweep; who has posted it is told of their own sharing."""
+    """Return the description of a sweep; who has posted it also sees their own sharing."""
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
     shared = admission.ownership.is_shared(who.name if is_own else None, key)
     return description(key, sweep, shared=shared)
@@ -308,7 +308,7 @@ def _filename(key: str) -> str:
 
 
 def _not_made(key: str) -> Response:
-    """Return what HEAD tells of a file that GET would make."""
+    """Return the reply to HEAD for a file that GET would make."""
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
     return without_length(NETCDF_TYPE, headers)

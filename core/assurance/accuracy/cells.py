@@ -25,7 +25,7 @@ def random_cells(
 
 
 def sample_size(grid: Grid, count: int) -> int:
-    """Return how many different cells there are of a grid, at most `count`."""
+    """Return the number of different cells that are taken of a grid, at most `count`."""
     return min(count, grid.cells)
 
 

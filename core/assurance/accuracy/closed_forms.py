@@ -105,7 +105,7 @@ def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
 
 
 def _joined(pieces: Sequence[_Known], name: str) -> _Known:
-    """Return what is known of one output at the cells of all pieces."""
+    """Return the values of one output at the cells of all pieces."""
     exact = {t: {name: np.concatenate([p.exact[t][name] for p in pieces])} for t in TYPES}
     return _Known(exact, {name: np.concatenate([p.moved[name] for p in pieces])})
 

@@ -130,7 +130,7 @@ def fitted_slope(pairs: Sequence[tuple[float, float]], floor: float = 0.0) -> fl
 
 @dataclass(frozen=True)
 class Measured:
-    """What one family gives for one study.
+    """The measurements of one family for one study.
 
     Attributes
     ----------
@@ -237,7 +237,7 @@ def _columns(
 
 
 def _further(points: Sequence[Point]) -> dict[str, TableVariable]:
-    """Return what else was measured of any point."""
+    """Return the further measurements of a point, by name."""
     values = {name: [point.more.get(name, math.nan) for point in points] for name in MORE}
     return {
         name: _floats(values[name], label, unit)

@@ -32,7 +32,7 @@ def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ..
         what = (
             "is not a family of measurements"
             if unknown[0] not in FAMILIES
-            else f"is not for {kind}"
+            else f"is not measured for {kind}"
         )
         raise StudyError([Problem("only", f"'{unknown[0]}' {what}", f"Known: {', '.join(known)}")])
     return tuple(name for name in known if not only or name in only)

@@ -1,4 +1,4 @@
-"""What a family measured as arrays and notes, so that families can be measured apart and kept."""
+"""The measurements of one family as arrays and notes: families can be measured apart and kept."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ OF = ":"  # between a variable and its attribute that is an array
 
 
 def keep(measured: Measured | None, machine: Mapping[str, str]) -> Computed:
-    """Return what was measured, and on what machine, as arrays and notes."""
+    """Return the measurements, and their machine, as arrays and notes."""
     arrays: dict[str, NDArray[Any]] = {}
     content = None
     if measured is not None:
@@ -44,7 +44,7 @@ def keep(measured: Measured | None, machine: Mapping[str, str]) -> Computed:
 
 
 def kept(computed: Computed) -> tuple[Measured | None, dict[str, str]]:
-    """Return what `keep` was given."""
+    """Return the measurements that `keep` was given."""
     content = json.loads(computed.notes[MEASURED])
     machine: dict[str, str] = json.loads(computed.notes[MACHINE])
     if content is None:

@@ -66,7 +66,7 @@ def motion_of_sweep(sweep: Sweep) -> Simulation | None:
 
 
 def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return how far the outputs of a sweep are from the true mean velocity, by regime."""
+    """Return the distance of a sweep's outputs from the true mean velocity, by regime."""
     names = {*sweep.plan.parameters, *motion.grid.axes, *motion.grid.fixed}
     cells = sample_size(sweep.grid, cells)
     sample = random_cells(sweep.grid, cells, names)

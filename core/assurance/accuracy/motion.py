@@ -77,7 +77,7 @@ def run_method(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Return what a method finds at cells of shape (n,), SI units, with its settings."""
+    """Return the values of a method at cells of shape (n,), SI units, with its settings."""
     plan = plan_scene(scene, method, OUTPUTS, tuple(cells))
     plan = replace(plan, defaults={**plan.defaults, **settings})
     inputs = {name: cells[name] for name in plan.parameters}
@@ -101,7 +101,7 @@ def run_method(
 
 
 def _parts(scene: Scene) -> float:
-    """Return what the methods of a scene take of the time together."""
+    """Return the share of the time for each method of a scene."""
     named = [name for name in ("events", "regularised") if name in scene.variants]
     return SHARES["both"] + sum(SHARES[name] for name in named)
 
@@ -325,7 +325,7 @@ def _stepping(
 
 
 def _extrapolated(coarse: Means, fine: Means, steps: int, order: int) -> Means:
-    """Return what two runs give at step 0 if the error is a power of the step."""
+    """Return the value at step 0 by two runs, if the error is a power of the step."""
     # A run with n steps tells what its finer part gave, with 2n + 1.
     factor = ((2 * steps + 1) / (steps + 1)) ** order - 1
     return replace(
@@ -368,6 +368,6 @@ def representatives(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
 
 
 def kinds_of(hops: NDArray[np.bool_]) -> str:
-    """Return what cells do: those of `representatives` are of the same kinds as all."""
+    """Return the kinds of motion of cells; those of `representatives` have the same ones."""
     names = [name for name, there in (("sliding", ~hops), ("hopping", hops)) if there.any()]
     return " and ".join(names)

@@ -35,7 +35,7 @@ FRONT_LIMIT = 0.25  # of the other output's scale: the point of a front that is 
 
 @dataclass(frozen=True)
 class OptimiserResult:
-    """What a method gives for some designs.
+    """The result of a method for some designs.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def run_optimiser(
     watch: Watch,
     seconds: float = math.inf,
 ) -> OptimiserResult:
-    """Return what a method finds in some seconds, after a first design that loads and compiles it.
+    """Return the result of a method within some seconds, after a first design that compiles it.
 
     scipy's methods, which take long for each design, have nothing to compile.
     """
@@ -161,7 +161,7 @@ def _results_of(
     watch: Watch,
     seconds: float,
 ) -> tuple[dict[str, OptimiserResult], list[str]]:
-    """Return what methods find, and those that were not done; they share the seconds."""
+    """Return the results of methods, and those that were not done; they share the seconds."""
     results: dict[str, OptimiserResult] = {}
     ends = time.monotonic() + seconds
     for position, name in enumerate(names):

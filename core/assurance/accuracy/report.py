@@ -98,7 +98,7 @@ def measure_study(
 def measure_family(
     prepared: Prepared, family: str, watch: Watch, seconds: float = SECONDS
 ) -> Measured | None:
-    """Return what one family gives for a study; None if it has nothing to say.
+    """Return the measurements of one family for a study; None if it has none.
 
     After so many seconds it starts nothing new.
     """
@@ -121,7 +121,7 @@ def part_of(
 
 
 def machine() -> dict[str, str]:
-    """Return what the numbers depend on besides the program: machine, date, versions."""
+    """Return the facts that the numbers depend on besides the program: machine, date, versions."""
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}{_load()}",
@@ -143,7 +143,7 @@ def _processor() -> str:
 
 
 def _load() -> str:
-    """Return how many other processes compete for the cores, where the system tells."""
+    """Return the number of other processes that compete for the cores, where the system tells."""
     if not hasattr(os, "getloadavg"):
         return ""
     return f", load {os.getloadavg()[0]:.1f} over the last minute"

@@ -31,7 +31,7 @@ FORMULAS: Mapping[str, Formula] = {
 
 @dataclass(frozen=True)
 class Form:
-    """What the problems of one form have in common.
+    """The properties that the problems of one form share.
 
     Attributes
     ----------

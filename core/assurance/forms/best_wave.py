@@ -55,7 +55,7 @@ def reached_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def stated_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return what the program says is the fastest velocity for that acceleration."""
+    """Return the terms of the fastest velocity that the program states for that acceleration."""
     drive = {
         **{name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")},
         "acceleration_along_1": inputs["most"] * GRAVITY,

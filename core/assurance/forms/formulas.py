@@ -21,7 +21,7 @@ Inputs = Mapping[str, float]
 
 
 class Formula(NamedTuple):
-    """What stands behind the problems of one form.
+    """The formula behind the problems of one form.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ def random_harmonics(random: Generator) -> dict[str, float]:
 
 
 def _pace(inputs: Inputs) -> float:
-    """Return what the speed of the track along itself never exceeds [m s-1]."""
+    """Return a bound of the speed of the track along itself [m s-1]."""
     w = 2 * math.pi * inputs["frequency"]
     amplitudes = [
         int(name[-1]) * w * value
@@ -163,7 +163,7 @@ def random_hopping(random: Generator) -> dict[str, float]:
 
 
 def velocity_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return how far the velocity of the part is, after a cycle, from where it was."""
+    """Return the terms of the part's distance, after a cycle, from where it was."""
     output, scale = "relative_velocity_along", 1 / _pace(inputs)
     study = simulation("conveying_velocity", inputs, trajectory=2)
     return (

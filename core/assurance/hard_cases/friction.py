@@ -188,7 +188,7 @@ def stiff_friction() -> list[Case]:
 
 
 def _explicit_crawls() -> CaseValues:
-    """Return how many evaluations RK45 needs a period for one of Radau."""
+    """Return the number of evaluations of RK45 in a period for each one of Radau."""
     slip, span = 1e-9, 1e-5
     drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8
     angle = math.radians(20)

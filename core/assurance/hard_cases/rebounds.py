@@ -89,7 +89,7 @@ def full_rebound() -> list[Case]:
 
 
 def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
-    """Return what gives the largest landing speed, from how high above the floor the part came.
+    """Return a function for the largest landing speed, by the height of the fall.
 
     The floor moves by +-a, so the apex of that hop is within H +- 2a of where the part lands, and
     the floor comes to meet it or flees at up to a w; no other hop falls further than H + 2a.
@@ -110,7 +110,7 @@ def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
 
 
 def _other_phase(parameters: Content) -> Callable[[], Truth]:
-    """Return what gives the mean by time stepping, with its own spread."""
+    """Return a function for the mean by time stepping, with its own spread."""
 
     def truth() -> Truth:
         content = motion("time-stepping", **parameters, steps_per_period=500)

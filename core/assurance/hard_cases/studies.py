@@ -1,4 +1,4 @@
-"""How hard cases are written: studies by their numbers, and truths from elsewhere."""
+"""The form of hard cases: studies by their numbers, and truths from elsewhere."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def hopping(throw: float, **changes: Any) -> dict[str, Any]:
 def from_study(
     content: Content, output: str, relative: float, source: str, factor: float = 1.0
 ) -> Callable[[], Truth]:
-    """Return what gives the output of another study, times a factor, with a relative error."""
+    """Return a function for the output of another study, times a factor, with a relative error."""
 
     def truth() -> Truth:
         value = factor * float(results_of(content).variables[output].values)
@@ -137,7 +137,7 @@ def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
 
 
 def by_reference(parameters: Content) -> Callable[[], Truth]:
-    """Return what gives the mean without rebound, integrated at high order.
+    """Return a function for the mean without rebound, integrated at high order.
 
     Hops that die out while the part slides leave the mean as it is (theory 13.5).
     """

@@ -75,7 +75,7 @@ def large_and_small_bowls() -> list[Case]:
 
 
 def _corner_force(parameters: Mapping[str, float]) -> Callable[[], Truth]:
-    """Return what gives lambda2 of theory 4.4 at rest: m s (h + mu a)/(2 h c)."""
+    """Return a function for lambda2 of theory 4.4 at rest: m s (h + mu a)/(2 h c)."""
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
     def force(*, mass: Any, length: Any, width: Any, radius: Any, friction: Any, **p: Any) -> Any:

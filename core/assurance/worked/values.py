@@ -108,7 +108,7 @@ def reference_speeds() -> Iterator[Case]:
 
 
 def hops() -> Iterator[Case]:
-    """Yield how long a part is in the air on a level track, and how fast it lands."""
+    """Yield the time of a part in the air on a level track, and its landing speed."""
     frequency, beta = 50.0, math.radians(30.0)
     w = 2 * math.pi * frequency
     for number, row in enumerate(worked_values()["hops"], 1):

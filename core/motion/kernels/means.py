@@ -180,7 +180,7 @@ def ended(
 
 @compiled
 def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
-    """Return how far two distances from the wall lie apart, as far as it matters.
+    """Return the difference of two distances from the wall, as far as it matters.
 
     |dy| for a part that touched the wall over the periods from `first` to before `last`; max(0,
     -dy) for one that did not, with `drift` = dy: to one that does not come nearer it does not

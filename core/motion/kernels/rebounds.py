@@ -1,4 +1,4 @@
-"""When a run of shrinking rebounds is taken to end, in all kernels that count them: theory 13.5."""
+"""The rule by which a run of shrinking rebounds ends, in all kernels that count: theory 13.5."""
 
 from __future__ import annotations
 

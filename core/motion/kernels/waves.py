@@ -65,7 +65,7 @@ def bend_bound(wave: SineSum) -> float:
 
 @borrowing
 def at_point(wave: SineSum, point: int) -> tuple[float, float]:
-    """Return what `value_and_slope` does at one of `POINTS` phases, from one table of sines."""
+    """Return the same as `value_and_slope` at one of `POINTS` phases, from one table of sines."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
     for k in range(1, wave.orders + 1):
@@ -169,7 +169,7 @@ def in_piece(
 def passage(
     wave: SineSum, level: float, low: float, high: float, first: float, last: float
 ) -> float:
-    """Return where a sum that runs one way passes a level, by Halley's iteration in a bracket.
+    """Return the phase at which a monotonic sum passes a level, by Halley's bracketed iteration.
 
     `first` and `last` are how far it is off the level at both ends. The step is that of `halley`
     with S - level, S' and S'' = -sum of k^2 (a_k sin(k tau) + b_k cos(k tau)).

@@ -22,7 +22,7 @@ from core.motion.cells import run_cells
 from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from core.motion.method import Follow, FollowCourse, Method
-from core.motion.methods.spatial_events import spatial_course, spatial_motion
+from core.motion.methods.spatial_events import spatial_motion, spatial_trajectory
 from core.motion.price import Price, Priced
 from core.motion.result import STATUS, Energy, Motion, motion_of
 from core.quantities import MOTION_MODES
@@ -185,7 +185,7 @@ def energy_by_events(
     watch: Watch | None = None,
     averages: bool = False,
 ) -> Energy:
-    """Return what friction, impacts and the drive do in motions that repeat; NaN in others.
+    """Return the work of friction, impacts and the drive in motions that repeat; NaN in others.
 
     `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
     exactly, in space to some 1e-10 of the drive's work. With `averages` motions in the plane that
@@ -250,7 +250,7 @@ def _energy(contacts: Contacts) -> Follow:
         max_periods: Array,
         watch: Watch | None = None,
     ) -> Energy:
-        """Return what friction, impacts and the drive do over a cycle, theory 13.15."""
+        """Return the work of friction, impacts and the drive over a cycle, theory 13.15."""
         silent = None if watch is None else replace(watch, progress=None)
         return energy_by_events(
             groups, contacts, motion, tolerance=tolerance, max_periods=max_periods, watch=silent
@@ -259,21 +259,21 @@ def _energy(contacts: Contacts) -> Follow:
     return energy
 
 
-def _course(contacts: Contacts) -> FollowCourse:
-    """Return what gives the course over a cycle of a part."""
+def _trajectory(contacts: Contacts) -> FollowCourse:
+    """Return the function that follows a part over a cycle."""
 
-    def course(asked: TrajectoryRequest) -> TrajectoryValues:
+    def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
         settings = {name: asked.setting(name) for name in ("tolerance", "max_periods")}
         if not in_plane(asked.groups, contacts):
-            return spatial_course(asked, contacts, **settings)
+            return spatial_trajectory(asked, contacts, **settings)
         _, phases = asked.times()
         path = planar_path(asked.groups, **settings, phases=phases, watch=asked.watch)
         nothing = np.zeros_like(path.along)
         position = np.stack([path.along, nothing, path.height], axis=1)
         velocity = np.stack([path.velocity_along, nothing, path.velocity_normal], axis=1)
-        return asked.course(position, velocity, path.mode, contacts.wall)
+        return asked.trajectory(position, velocity, path.mode, contacts.wall)
 
-    return course
+    return trajectory
 
 
 def _price(cells: Priced) -> Price:
@@ -297,7 +297,7 @@ EVENTS = Method(
     accuracy="rounding, where the motion repeats",
     seconds_a_cell=_price,
     defaults={"tolerance": 1e-12, "max_periods": 1000.0},
-    course=_course,
+    course=_trajectory,
     energy=_energy,
     checked_by=("reference", "time-stepping"),
     follows=lambda contacts: not (contacts.wall and contacts.rolling),

@@ -51,7 +51,7 @@ def block_groups(contact: RollingContact) -> Groups:
 
 
 def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
-    """Return where the floor has the friction to roll over the whole cycle.
+    """True where the floor has the friction to roll over the whole cycle.
 
     Bounds tell nearly all cells; the motion of the others is followed once more.
     """

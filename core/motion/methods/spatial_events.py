@@ -20,7 +20,7 @@ from core.motion.result import Motion, motion_of
 from core.watch import Watch
 
 MAX_TURNS = 100_000
-"""Periods of the drive that a course may be shown over, as many as a study may follow a part."""
+"""Periods of the drive that a trajectory may show, as many as a study may follow a part."""
 
 
 def spatial_motion(
@@ -73,7 +73,7 @@ def spatial_path(
     phases: Array,
     watch: Watch | None = None,
 ) -> tuple[Path, NDArray[np.int8]]:
-    """Return where one part is at ascending phases from the start of its cycle, and its modes.
+    """Return the positions of one part at ascending phases from its cycle's start, and its modes.
 
     A motion that does not repeat is shown after as many periods as it is followed for. What the
     watch did not let it reach is NaN.
@@ -93,12 +93,12 @@ def spatial_path(
     return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
 
 
-def spatial_course(
+def spatial_trajectory(
     asked: TrajectoryRequest, contacts: Contacts, *, tolerance: float, max_periods: float
 ) -> TrajectoryValues:
-    """Return the course of one part over a cycle, or as asked."""
+    """Return the trajectory of one part over a cycle, or as asked."""
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     _, phases = asked.times()
     path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)
     start = path.position[0, 0]
-    return asked.course(path.position, path.velocity, modes, contacts.wall, start)
+    return asked.trajectory(path.position, path.velocity, modes, contacts.wall, start)

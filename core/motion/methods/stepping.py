@@ -177,7 +177,7 @@ def stepped_path(
     spin: float = 0.0,
     watch: Watch | None = None,
 ) -> Path:
-    """Return where one part is at given phases, from a given state at the first of them.
+    """Return the positions of one part at given phases, from a given state at the first of them.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return what follows parts: in the plane where nothing pushes any of them across."""
+    """Return the function that follows parts: in the plane if no push across moves any."""
 
     def motion(
         *, groups: Groups, steps_per_period: Array, max_periods: Array, watch: Watch | None = None
@@ -260,14 +260,14 @@ def _follow(contacts: Contacts) -> Follow:
     return motion
 
 
-def _course(contacts: Contacts) -> FollowCourse:
-    """Return what gives the course of a part from rest.
+def _trajectory(contacts: Contacts) -> FollowCourse:
+    """Return the function that follows a part from rest.
 
     It is shown after as many periods as the study follows it for; the steps are those of the finest
     run that gave its mean.
     """
 
-    def course(asked: TrajectoryRequest) -> TrajectoryValues:
+    def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
         _, phases = asked.times()
         steps = 2 * int(asked.setting("steps_per_period")) + 1
         before = 2 * np.pi * asked.setting("max_periods")
@@ -282,9 +282,9 @@ def _course(contacts: Contacts) -> FollowCourse:
         modes = _modes(asked.groups, position, velocity, steps)
         # A part in contact sinks in by a step of its fall.
         shown = np.column_stack([position[:, 0], np.maximum(position[:, 1:], 0.0)])
-        return asked.course(shown, velocity, modes, contacts.wall, shown[0, 0])
+        return asked.trajectory(shown, velocity, modes, contacts.wall, shown[0, 0])
 
-    return course
+    return trajectory
 
 
 def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDArray[np.int8]:
@@ -318,7 +318,7 @@ TIME_STEPPING = Method(
     accuracy="of first order in the step; of second for a planar motion without hops",
     seconds_a_cell=_price,
     defaults={"steps_per_period": 1000.0, "max_periods": 200.0},
-    course=_course,
+    course=_trajectory,
     most_steps=MAX_STEPS,
     checked_by=("events", "reference"),
 )

@@ -114,7 +114,7 @@ class Throw(NamedTuple):
 
 
 class Tumble(NamedTuple):
-    """How parts tumbled; all arrays have the shape of the arguments broadcast, SI and radians.
+    """The tumbling of parts; all arrays have the shape of the arguments broadcast, SI and radians.
 
     Attributes
     ----------
@@ -185,7 +185,7 @@ class TumblePath(NamedTuple):
 
 
 def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None = None) -> Tumble:
-    """Return how parts tumble on a plane from their start to the end of the duration.
+    """Return the tumbling of parts on a plane from their start to the end of the duration.
 
     Wrong values, such as a restitution above 1, raise ValueError. Where numbers are beyond those of
     a computer, such as an acceleration that overflows, the status is `limit_reached`.
@@ -322,7 +322,7 @@ def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
         del contacts
 
         def tumble(*, throw: Throw, watch: Watch | None = None) -> Tumble:
-            """Return how the part tumbles from its start to the end of the duration."""
+            """Return the tumbling of the part from its start to the end of the duration."""
             return tumbling_motion(throw._replace(law=law), method=way, watch=watch)
 
         return tumble
@@ -330,11 +330,11 @@ def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
     return Method(name=name, follow=follow, **known)
 
 
-def _course(contacts: Contacts) -> FollowCourse:
-    """Return what gives the course of a tumbling part from its start."""
+def _trajectory(contacts: Contacts) -> FollowCourse:
+    """Return the function that follows a tumbling part from its start."""
     del contacts
 
-    def course(asked: TrajectoryRequest) -> TrajectoryValues:
+    def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
         throw: Throw = asked.arguments["throw"]
         duration, samples = np.asarray(throw.duration).item(), asked.samples
         if isinstance(samples, int):
@@ -351,11 +351,11 @@ def _course(contacts: Contacts) -> FollowCourse:
         }
         return TrajectoryValues(times, values, {})
 
-    return course
+    return trajectory
 
 
 def _pricing(step: float, settles: float, rebounds: float) -> Pricing:
-    """Return what tells the price of a method, whose step takes so many seconds.
+    """Return the function for the price of a method, whose step takes so many seconds.
 
     A part that the plane does not shake off comes to rest; that takes so many seconds without
     restitution, and more with much.
@@ -382,7 +382,7 @@ EVENTS = _by(
     accuracy="of fourth order in the step while a corner or a side is on the plane, some 1e-8 of "
     "the energy; exact in flight; endless runs of impacts are cut off at 1e-6 of the fall's speed",
     seconds_a_cell=_pricing(1.2e-6, 1.6e-4, 3.9),
-    course=_course,
+    course=_trajectory,
     checked_by=("time-stepping",),
 )
 TIME_STEPPING = _by(

@@ -1,4 +1,4 @@
-"""What block and cylinder share under the friction disc: candidates, of which the best is taken.
+"""Candidates for the best drive of block and cylinder under the friction disc.
 
 All in units of the drive acceleration P: k = c/P, g = G/P.
 """

@@ -1,4 +1,4 @@
-"""What closed answers look like, and what all of them share."""
+"""The record of a closed optimum, and the checks that all closed forms share."""
 
 from __future__ import annotations
 

@@ -200,7 +200,7 @@ def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
 
 
 def _alpha_max(g: Array, mu: Array) -> Array:
-    """Return where a_y = 0 on the curve of case B; 90 deg where it stays negative."""
+    """Return the angle at which a_y = 0 on the curve of case B; 90 deg where it stays negative."""
     return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
 
 

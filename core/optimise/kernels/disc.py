@@ -347,7 +347,7 @@ def _past_minimum(
 
 @compiled
 def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tuple[float, bool]:
-    """Return where the slope over beta changes sign, and whether the last digit was reached.
+    """Return the zero of the slope over beta, and whether the last digit was reached.
 
     Secants with halved weights (Illinois); every third step halves, for slopes that jump. Where the
     block does not slide within its limits counts as past the change: it ends at the last that does.
@@ -410,7 +410,7 @@ def _azimuth(beta: float, at: BestAcross, block: Block) -> float:
 
 @compiled
 def _is_held(beta: float, at: BestAcross, block: Block) -> bool:
-    """Return whether static friction just holds the block at its best."""
+    """True if static friction just holds the block at its best."""
     q, X, k, g = math.cos(beta), at.drive, block.k, block.g
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
     return block.mu_s > block.mu and R - block.mu_s * (g - math.sin(beta)) < TIGHT * (1 + g)
@@ -448,7 +448,7 @@ def _highest(
 
 @compiled
 def _slides_straight(beta: float, lift_off: float, block: Block) -> bool:
-    """Return whether a drive straight along x moves the block: q - k > mu_s n."""
+    """True if a drive straight along x moves the block: q - k > mu_s n."""
     floor = block.g - math.sin(beta) if beta < lift_off else 0.0
     return math.cos(beta) - block.k > block.mu_s * floor
 

@@ -107,7 +107,7 @@ def gradients(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work) -> 
 
 @compiled
 def _is_valid(p: Numbers) -> bool:
-    """Return whether all groups are numbers within their range; only the limit may be infinite."""
+    """True if all groups are numbers within their range; only the limit may be infinite."""
     for i in range(GROUPS):
         if not math.isfinite(p[i]) and not (i == LIMIT and p[i] == math.inf):
             return False
@@ -162,7 +162,7 @@ def _at_best(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work, row:
 def solve(
     kept: Kept, groups: Numbers, table: Numbers, active: NDArray[np.int16], status: NDArray[np.int8]
 ) -> None:
-    """Fill table, bits and statuses for groups (n, GROUPS)."""
+    """Find the best drive of each cell, groups (n, GROUPS): fill table, bounds and status."""
     work = Work(
         np.empty((ROWS, 3)), np.empty(ROWS), np.empty(3), np.empty(3),
         np.empty(SAMPLES), np.empty(SAMPLES), np.empty(SAMPLES),

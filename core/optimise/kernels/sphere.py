@@ -32,7 +32,7 @@ NEAR_PARALLEL = 1e-20  # squared sine below which two planes have no corner
 
 @compiled
 def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bool:
-    """Return whether a direction keeps all planes a.d <= b."""
+    """True if a direction keeps all planes a.d <= b."""
     for i in range(rows):  # noqa: SIM110 - a generator would not compile
         if A[i, 0] * x + A[i, 1] * y + A[i, 2] * z > b[i] + KEPT:
             return False
@@ -41,7 +41,7 @@ def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bo
 
 @compiled
 def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """Return whether two planes meet on the sphere within all others; the highest into `best`."""
+    """True if two planes meet on the sphere within all others; the highest goes into `best`."""
     exists = False
     highest = -math.inf
     for i in range(rows):
@@ -75,7 +75,7 @@ def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers
 
 @compiled
 def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """Return whether a unit vector keeps a.d <= b; `best` becomes the one with the largest u.d.
+    """True if a unit vector keeps a.d <= b; `best` becomes the one with the largest u.d.
 
     The rows of A are unit vectors. Where the top of the sphere oversteps a plane and the top of
     that plane's circle keeps all others, it is the answer: without the others nothing is higher.

@@ -180,7 +180,7 @@ def run_stages(
 
 
 def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> dict[int, Any]:
-    """Return what the loops of a program are given: by the axes that are loops, then by row."""
+    """Return the operands of a program's loops: by the axes that are loops, then by row."""
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)
     operands: dict[int, Any] = {}
@@ -252,7 +252,7 @@ class Values:
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
-    """Yield where each call of a loop starts and ends: on the row, and on each loop around it."""
+    """Yield the ranges of each call of a loop: on the row, and on each loop around it."""
     row = math.prod(shape[name] for name in order.inner)
     sizes = [row, *(shape[name] for name in order.outer)]
     steps = [inside := min(row, most)]

@@ -105,7 +105,7 @@ def _outwards(
 
 
 def work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
-    """Return what steps and leaves cost in an order of the loops, in additions of a row's loop."""
+    """Return the cost of steps and operands in an order of loops, in additions of a row's."""
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.
     along = row + (LANES - 1) * (row % UNROLLED)

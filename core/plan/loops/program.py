@@ -1,4 +1,4 @@
-"""Which loops fill arrays that have the same axes, and what numpy does before and between them.
+"""The loops that fill arrays with the same axes, and the steps of numpy around them.
 
 What depends on few axes is computed by numpy on its own small grid, once. What is left has a value
 for each cell, or nearly: one loop computes it without an array in between. A function that numpy
@@ -47,7 +47,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Program:
-    """What fills arrays that have the same axes.
+    """The loops that fill arrays with the same axes.
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ def _renewed(
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return how many times numpy works between loops before each node is known."""
+    """Return the number of times that numpy works between loops before each node is known."""
     ready: dict[int, int] = {}
 
     def visit(node: Node) -> int:

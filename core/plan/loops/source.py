@@ -54,7 +54,7 @@ would write only where something changes, which costs a processor several times 
 
 @dataclass(frozen=True)
 class Lanes:
-    """How a loop takes cells into lanes in place of storing them.
+    """The settings by which a loop takes cells into lanes instead of storing them.
 
     Attributes
     ----------
@@ -184,7 +184,7 @@ class _Writer:
         return dict(sorted(kept.items()))
 
     def _term(self, node: Node) -> str:
-        """Return how a row's loop refers to a value."""
+        """Return the text by which a row's loop refers to a value."""
         number = node.number
         if number in self.columns:
             return f"c{number}[done + i]"
@@ -199,7 +199,7 @@ class _Writer:
         return f"({row} != 0.0)" if node.dtype == np.bool_ else row
 
     def write(self) -> Loop:
-        """Return the loop."""
+        """Return the source text of the loop, and the nodes of its arguments."""
         arrays = [node for node in self.used.values() if node.number in self.leaves]
         columns = [node for node in self.used.values() if node.number in self.columns]
         lines: list[str] = []
@@ -230,7 +230,7 @@ class _Writer:
         )
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return what stands within so many loops, but not within the next."""
+        """Return the lines that stand within so many loops, but not within the next."""
         here = [node for node in self.nodes if self._level(node) == level]
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
@@ -282,7 +282,7 @@ class _Writer:
         return " + ".join([*terms, f"{strides}[{len(turns)}]"])
 
     def _updated(self) -> list[str]:
-        """Return what the last loop does with the results."""
+        """Return the lines by which the last loop handles the results."""
         lines, free = [], 0
         for update, term in zip(self.updates, self._terms(), strict=True):
             count, texts = UPDATES[update]
@@ -292,7 +292,7 @@ class _Writer:
         return lines
 
     def _terms(self) -> list[str]:
-        """Return how the last loop refers to the results."""
+        """Return the texts by which the last loop refers to the results."""
         return [self._term(one) if isinstance(one, Node) else _literal(one) for one in self.results]
 
     def _step(self, node: Node) -> str:

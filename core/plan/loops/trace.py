@@ -127,7 +127,7 @@ class Graph:
         return self._known[key]
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
-        """Return what a function of numpy gives: a node, or a number if it is given numbers."""
+        """Return the result of a function of numpy: a node, or a number if it is given numbers."""
         operands = tuple(
             operand if isinstance(operand, Node) else _number(operand) for operand in inputs
         )
@@ -173,7 +173,7 @@ def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
 
 
 def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return what a choice gives where its condition is a number, or both of its ways are one."""
+    """Return the result of a choice whose condition is a number, or whose ways are one."""
     condition, first, second = operands
     if not isinstance(condition, Node):
         return (first if condition else second,)
@@ -181,7 +181,7 @@ def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
-    """Return what "and" or "or" gives where one of two is true or false, or both are one."""
+    """Return the result of "and" or "or" where one of two is true or false, or both are one."""
     for first, second in (operands, operands[::-1]):
         if isinstance(first, bool | np.bool_):
             return (second if bool(first) == neutral else first,)

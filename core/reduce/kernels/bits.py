@@ -22,7 +22,7 @@ def key(value: float) -> int:
 
 @borrowing
 def counted(value: float, regime: int, valid: int) -> bool:
-    """Return whether a cell counts: its regime is in `valid`, and its value is not NaN."""
+    """True if a cell counts: its regime is in `valid`, and its value is not NaN."""
     return ((valid >> regime) & 1 != 0) & (value == value)
 
 

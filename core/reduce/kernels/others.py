@@ -133,7 +133,7 @@ def crossings(
 def _between(
     lower: float, upper: float, level: float, first: float, last: float, largest: bool
 ) -> float:
-    """Return where a line between two values crosses a level that lies between them."""
+    """Return the point at which a line between two values crosses a level between them."""
     if lower == level and upper == level:
         return max(first, last) if largest else min(first, last)
     if lower == level or math.isinf(upper):

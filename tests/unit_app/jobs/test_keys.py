@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from app.cli import app as commands
 from app.jobs import audit, keys
 from app.jobs.database import Database
-from app.jobs.keys import Key, Keys, NoSuchKeyError, WrongKeyError, hash_of
+from app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, hash_of
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def test_a_key_is_found_by_its_hash_and_kept_nowhere(database, tmp_path):
 
 
 def test_all_that_is_wrong_is_told_at_once(database):
-    with pytest.raises(WrongKeyError) as caught:
+    with pytest.raises(InvalidKeyError) as caught:
         Keys(database).add(Key("a b", "root", requests=0, jobs=-1, cells=0, bytes=10**19), 0)
     places = [problem.place for problem in caught.value.problems]
     assert places == ["name", "role", "requests", "jobs", "cells", "bytes", "days"]
@@ -44,7 +44,7 @@ def test_all_that_is_wrong_is_told_at_once(database):
 def test_a_name_is_free_again_once_its_key_is_withdrawn_or_over(database):
     here = Keys(database)
     here.add(Key("lab", "run"))
-    with pytest.raises(WrongKeyError, match="in force"):
+    with pytest.raises(InvalidKeyError, match="in force"):
         here.add(Key("lab", "read"))
     here.withdraw("lab")
     with pytest.raises(NoSuchKeyError):

@@ -345,14 +345,14 @@ def test_what_is_away_for_a_while_is_told_and_loses_nothing(postgresql):
         for how in (signal.SIGINT, signal.SIGQUIT):
             postgresql.stop(how)
             try:
-                assert ledger.wrong() == "The database of the ledger cannot be reached."
+                assert ledger.fault() == "The database of the ledger cannot be reached."
                 for call in (ledger.counts, lambda: ledger.renew(work, LEASE)):
                     with pytest.raises(LostLedgerError) as lost:
                         call()
                     assert PASSWORD not in str(lost.getrepr(chain=True, showlocals=False))
             finally:
                 postgresql.start()
-            assert ledger.wrong() is None
+            assert ledger.fault() is None
             assert ledger.holds(work)
         ledger.succeed(work)
         assert ledger.job(job.id).state == "successful"

@@ -106,8 +106,8 @@ def test_upgrades_are_carried_out_once_and_a_later_ledger_is_left_alone(tmp_path
 
 def test_an_upgrade_that_fails_changes_nothing(tmp_path, monkeypatch):
     path = tmp_path / "jobs.sqlite3"
-    wrong = (*UPGRADES, ("CREATE TABLE further (id INTEGER) STRICT", "nonsense"))
-    monkeypatch.setattr(database, "UPGRADES", wrong)
+    fault = (*UPGRADES, ("CREATE TABLE further (id INTEGER) STRICT", "nonsense"))
+    monkeypatch.setattr(database, "UPGRADES", fault)
     with pytest.raises(sqlite3.Error):
         Ledger(path).counts()
     monkeypatch.setattr(database, "UPGRADES", UPGRADES)
@@ -141,5 +141,5 @@ def test_a_password_is_shown_nowhere():
     settings = Settings(ledger_url=SCHEME + "u:sesame@127.0.0.1:9/d")
     assert "sesame" not in settings.model_dump_json() + repr(settings)
     ledger = Ledger(settings.ledger_url.get_secret_value())
-    assert ledger.wrong() == "The database of the ledger cannot be reached."
+    assert ledger.fault() == "The database of the ledger cannot be reached."
     ledger.close()

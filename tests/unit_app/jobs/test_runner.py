@@ -213,10 +213,10 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
     monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        assert runner.wrong() is None
-        await awaited(lambda: runner.wrong() == "there are no workers")
+        assert runner.fault() is None
+        await awaited(lambda: runner.fault() == "there are no workers")
         admission.dismiss(job.id)
-        await awaited(lambda: runner.wrong() is None)
+        await awaited(lambda: runner.fault() is None)
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=0.4)
 
@@ -228,11 +228,11 @@ def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: "compute_block" in workers.calls)
-        assert runner.wrong() is None
+        assert runner.fault() is None
         workers.count = 0
-        await awaited(lambda: runner.wrong() == "there are no workers")
+        await awaited(lambda: runner.fault() == "there are no workers")
         workers.count = 1
-        await awaited(lambda: runner.wrong() is None)
+        await awaited(lambda: runner.fault() is None)
         go_on.set()
 
     carried_out(tmp_path, workers, play)

@@ -16,7 +16,7 @@ from app.jobs import audit
 from app.jobs.keys import Key
 from app.main import create_app
 from app.settings import Settings
-from app.web import wrong_keys
+from app.web import refused_keys
 from local_client import local_client
 from posted_sweeps import problem
 from two_keys import ASYNC, SLICE, study
@@ -322,19 +322,19 @@ class TestWrongKeys:
         async def sleep(seconds: float) -> None:
             waits.append(seconds)
 
-        monkeypatch.setattr(wrong_keys, "sleep", sleep)
+        monkeypatch.setattr(refused_keys, "sleep", sleep)
         right = house.key("lab")
         for number in range(40):
             problem(house.asking(f"vf_{number}")("GET", "/scenes"), 401)
         assert waits == sorted(waits)
         assert waits[0] == 0
-        assert waits[-1] == wrong_keys.MAX_WAIT
+        assert waits[-1] == refused_keys.MAX_WAIT
         count = len(waits)
         assert right("GET", "/scenes").status_code == 200
         assert len(waits) == count
 
     def test_too_many_that_wait_are_refused_at_once(self, house, monkeypatch):
-        monkeypatch.setattr(wrong_keys, "MAX_WAITING", 0)
+        monkeypatch.setattr(refused_keys, "MAX_WAITING", 0)
         house.key("lab")
         reply = house.asking("vf_wrong")("GET", "/scenes")
         assert problem(reply, 429)["type"] == "urn:vibrafeed:problem:wrong-keys"

@@ -94,8 +94,8 @@ def test_nothing_is_imported_unless_it_is_asked_for():
 
 def test_what_is_not_installed_is_told(monkeypatch):
     wanted = {"OTEL_EXPORTER_OTLP_ENDPOINT": "somewhere"}
-    assert traces.wrong({}) is None
-    assert traces.wrong(wanted) is None
+    assert traces.fault({}) is None
+    assert traces.fault(wanted) is None
     monkeypatch.setitem(sys.modules, "opentelemetry.exporter.otlp.proto.http", None)
-    assert "extra" in traces.wrong(wanted)
+    assert "extra" in traces.fault(wanted)
     assert traces.configured(wanted) is None

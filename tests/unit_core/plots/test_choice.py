@@ -86,7 +86,7 @@ def test_numbers_that_stand_for_words_are_a_map_with_these_words(motion: xarray.
     row = draw(motion, variable="period_multiple", kind="line", axes=("amplitude",))
     assert not row.axes[0].get_yticks().size
     found = problem(motion, variable="period_multiple", kind="surface")
-    assert found.message == "period_multiple has names, not heights"
+    assert found.message == "period_multiple has a name in each cell, not a number"
 
 
 def test_words_of_flags_and_of_what_has_no_value():

@@ -27,9 +27,9 @@ def row() -> xarray.Dataset:
 
 def test_the_course_of_a_row_knows_which_parts_touch(row: xarray.Dataset):
     course = read_row(row, UNITS)
-    assert course.places.shape == (4, 401)
+    assert course.centres.shape == (4, 401)
     assert course.length == 12.0
-    gaps = np.diff(course.places, axis=0) - 12.0
+    gaps = np.diff(course.centres, axis=0) - 12.0
     assert gaps[:, 0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-9)
     assert course.closed[:, 0].tolist() == [True, False, True]
     assert gaps.min() > -1e-9
@@ -39,7 +39,7 @@ def test_the_course_of_a_row_knows_which_parts_touch(row: xarray.Dataset):
 def test_a_picture_shows_the_places_and_the_contacts(row: xarray.Dataset):
     axes = draw(row).axes[0]
     course = read_row(row, UNITS)
-    for line, place in zip(axes.lines, course.places, strict=True):
+    for line, place in zip(axes.lines, course.centres, strict=True):
         np.testing.assert_allclose(line.get_ydata(), place)
     assert len(axes.collections) == 3  # one shade a contact
     shaded = [sum(path.vertices.shape[0] > 2 for path in one.get_paths())

@@ -12,7 +12,7 @@ from core.plan.loops.lanes import DEPTH, LaneOrder
 from core.reduce.arrays import binned_quantiles
 from core.reduce.boxes import exact_quantiles, values_of
 from core.reduce.kernels import others
-from core.reduce.kernels.lanes import COUNT_BITS, fold_counts
+from core.reduce.kernels.folding import COUNT_BITS, fold_counts
 from core.reduce.lanes import EMPTY, BoxLanes, Totals
 from core.reduce.state import State, merged
 from core.reduce.sums import means
@@ -39,14 +39,14 @@ def gathered(table: np.ndarray, over: tuple[str, ...], box: dict | None = None) 
     slots = math.prod(ends[name][1] - ends[name][0] for name in dims if name not in over)
     totals = Totals(slots, 1)
     for tile in lanes.tiles(ends):
-        places, offset = lanes.places(tile, ends)
-        held = {kind: lanes.buffer(kind, places.lanes) for kind in EMPTY}
+        layout, offset = lanes.layout(tile, ends)
+        held = {kind: lanes.buffer(kind, layout.lanes) for kind in EMPTY}
         cells = table[tuple(slice(*tile[name]) for name in dims)]
-        lanes.gather(cells, tile, places, held)
-        totals.fold_counts(held["counts"], places, offset, 0, 1)
-        totals.fold_sum("x", held["sum"], places, offset, lanes.line)
+        lanes.gather(cells, tile, layout, held)
+        totals.fold_counts(held["counts"], layout, offset, 0, 1)
+        totals.fold_sum("x", held["sum"], layout, offset, lanes.line)
         for kind in ("largest", "least"):
-            totals.fold_extremes("x", kind, held[kind], held[f"{kind}_at"], places, offset)
+            totals.fold_extremes("x", kind, held[kind], held[f"{kind}_at"], layout, offset)
     return totals.state("x", 0)
 
 

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from core.reduce.reduced_arrays import reduced_arrays
 
 from boxes import assert_same_bits
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.loops.lanes import DEPTH, MAX_LANES
 from core.quantities import REGIMES
+from core.reduce.arrays import reduced_arrays
 from core.reduce.run import Units
 from core.watch import Watch
 

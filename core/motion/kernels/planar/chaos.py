@@ -56,7 +56,7 @@ COARSER = 1.0 / (KEPT_BITS * EPSILON)
 
 
 class FollowedRun(NamedTuple):
-    """What a run tells.
+    """The result of a run.
 
     `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
     is dropped, and `periods` of it are in the table of travel; then impacts, largest landing speed
@@ -111,7 +111,7 @@ def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
 def flight(
     drive: Drive, e: Restitution, u: float, w: float, tau: float, span: float
 ) -> tuple[float, float, float, float, bool]:
-    """Return what a flight and its landing do: landing speed, rebound, slip, distance, and a stay.
+    """Return the results of a flight and its landing: speed, rebound, slip, distance, and a stay.
 
     By `fly` and `rise` over the span, `rebound`, `slowed`; the last tells whether the part `rests`.
     """

@@ -105,7 +105,7 @@ def add(d: Floats, to: int, factor: float, of: int) -> None:
 
 @borrowing
 def close(size: int, d: Floats, nearest: Floats) -> None:
-    """Put in what the state y at the start must change by for the cycle to close again.
+    """Add the change of the start state y by each parameter that keeps the cycle closed.
 
     y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter (theory
     13.16): of hops y is phase and rebound, and the slip after them. With M = (a, b; c, f) + 1,
@@ -203,7 +203,7 @@ def turn_slopes(c: float, s: float, slopes: Floats) -> None:
 
 @borrowing
 def from_edges(drive: SineDrive) -> float:
-    """Return how far a drive is from lifting off, letting go or running away, or from not doing it.
+    """Return the distance of a drive from lifting off, letting go or running away, either way.
 
     The least of |s - n|/n, |1 - |S|| of both bounds of `stick_range`, and |mu_s n -
     |sin(gamma)||/(mu_s n + |sin(gamma)|). Beside these a motion changes its kind.

@@ -48,7 +48,7 @@ def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float
 
 @_by_drive(sine_flight.sizes, wave_flight.sizes)
 def sizes(drive: Drive) -> tuple[float, float]:
-    """Return how much the drive pushes along and normal to the floor.
+    """Return the largest push along the floor and normal to it.
 
     max |b_x| and max |b_z| in units of g, p cb and p sb of a sine, bounds for a wave.
     """
@@ -183,7 +183,7 @@ def holds(drive: Drive, at: float) -> bool:
 
 @_by_drive(sine_slip.hold, wave_slip.hold)
 def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, until when, and whether it then slips forward.
+    """Return the stick of a part without slip: if any, its last phase, if it then slips forward.
 
     It sticks while |b_x - sin(gamma)| <= mu_s n(tau) (theory 13.3), until `end` at the latest.
     """
@@ -240,7 +240,7 @@ def two_sided(drive: Drive) -> tuple[float, float]:
 
 @_by_drive(sine_slip.slip_uncertainty, wave_slip.slip_uncertainty)
 def slip_uncertainty(drive: Drive) -> float:
-    """Return how much velocity hangs on the rounding of the phases where a slip starts.
+    """Return the uncertainty of the velocity by rounding the phases at which a slip starts.
 
     Friction falls there by (mu_s - mu_k) n, so that a slip starts with a jerk, and velocity changes
     by that times the error of the phase, which is known the less, the slower the push passes the

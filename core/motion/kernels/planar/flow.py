@@ -27,7 +27,7 @@ parameter tells a user nothing."""
 
 
 class NoWaves(NamedTuple):
-    """What stands in the place of room for waves where the drive is a sine."""
+    """The stand-in for the buffer of waves where the drive is a sine."""
 
 
 NO_WAVES = NoWaves()
@@ -147,7 +147,7 @@ def arc(d: float) -> tuple[float, float]:
 
 @compiled
 def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return what sin(tau) adds to velocity and distance over a phase D from tau0 on.
+    """Return the part of velocity and distance due to sin(tau) over a phase D from tau0 on.
 
     cos(tau0) (1 - cos D) + sin(tau0) sin D  and  cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """

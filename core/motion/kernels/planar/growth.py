@@ -1,4 +1,4 @@
-"""How far roundings have grown along a chain of hops."""
+"""The growth of rounding errors along a chain of hops."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def grown(
 
 @compiled
 def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> float:
-    """Return how many roundings the state after a hop is in doubt by, as far as they move a part.
+    """Return the error of the state after a hop in roundings, as far as it moves a part.
 
     sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22): a landing that comes late matters by what
     the floor gives there, its force and the impulse: next to nothing where a part has hardly lifted

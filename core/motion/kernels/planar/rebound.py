@@ -1,4 +1,4 @@
-"""How fast a part leaves the floor after an impact: one restitution, or one that falls with speed.
+"""The speed of a part after an impact with the floor: one restitution, or one that falls.
 
 Hunt and Crossley's contact F = k x^n (1 + b x') has the restitution e(d) of d = b v, v the speed of
 impact, whatever n and k (theory 18.3):
@@ -24,7 +24,7 @@ Restitution = namedtuple("Restitution", "constant damping")
 
 @compiled
 def restitution_of(cell: Cell) -> Restitution:
-    """Return how a part of a cell rebounds from the floor."""
+    """Return the law of a cell's rebound from the floor."""
     return Restitution(cell.restitution, cell.impact_damping)
 
 
@@ -74,7 +74,7 @@ def rebound(e: Restitution, speed: float) -> tuple[float, float]:
 
 @compiled
 def impulse(e: Restitution, speed: float, up: float) -> float:
-    """Return what an impact takes from the floor, per mass: the speeds before and after it."""
+    """Return the impulse of an impact on the floor, per mass: the speeds before and after it."""
     if e.damping == 0.0:
         return (1.0 + e.constant) * speed
     return speed + up

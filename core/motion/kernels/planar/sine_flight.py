@@ -121,7 +121,7 @@ def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, star
 
 @compiled
 def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
-    """Return where the normal velocity, rising from negative to positive, is zero.
+    """Return the phase at which the normal velocity, rising from negative to positive, is zero.
 
     w(D) = 0 by Newton's iteration in a bracket, D -> D - w/w', w' = s sin(tau + D) - n.
     """
@@ -212,7 +212,7 @@ def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float
 
 @compiled
 def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
-    """Return what no height of a flight exceeds; no closer than needs be to be below `known`.
+    """Return an upper bound of a flight's height; no closer than needs be to be below `known`.
 
     With r = w + s cos(tau) and x = D - r/n
 

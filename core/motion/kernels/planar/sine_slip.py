@@ -105,7 +105,7 @@ def holds(drive: SineDrive, at: float) -> bool:
 
 @compiled
 def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, until when, and whether it then slips forward.
+    """Return the stick of a part without slip: if any, its last phase, if it then slips forward.
 
     Until the next phase at which sin(tau) leaves the bounds of `stick_range`: asin(largest),
     rising, or pi - asin(least), falling (theory 13.3). Where it does not stick, forward if c
@@ -177,7 +177,7 @@ def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
 
 @compiled
 def slip_uncertainty(drive: SineDrive) -> float:
-    """Return how much velocity hangs on the rounding of the phases where a slip starts.
+    """Return the uncertainty of the velocity by rounding the phases at which a slip starts.
 
     (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S moves the phase asin(S)
     by dS/sqrt(1 - S^2): it is known the less, the nearer S is to 1.

@@ -1,4 +1,4 @@
-"""What is derived, by what, and the scratch table on which derivatives are carried along."""
+"""Tables of derivatives: names, directions, and the scratch table that carries them."""
 
 from __future__ import annotations
 

@@ -274,7 +274,7 @@ def on_floor(
 
 @borrowing
 def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
-    """Return what small hops, left out after a landing that stops the slip, do to a part.
+    """Return the effect on a part of small hops that a landing which stops the slip leaves out.
 
     The way in which they drive it into a slip, as `skids`; the way in which it then slips, which at
     e = 0, where there are none, is up to static friction; and for how long per w it slips before
@@ -379,7 +379,7 @@ def time_of_hops(n1: float, e: float) -> float:
 
 
 class Landing(NamedTuple):
-    """How a landing goes, at which phase and speed, and what the slip `after` the flight does.
+    """A landing: its phase and speed, and the slip `after` the flight.
 
     Attributes
     ----------

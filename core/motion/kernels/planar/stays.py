@@ -1,4 +1,4 @@
-"""When a part that has landed stays on the floor: its hops have shrunk to nothing, or nearly."""
+"""The rule by which a landed part stays on the floor: its hops shrink to nothing, or nearly."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: 
 
 @compiled
 def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> tuple[float, float]:
-    """Return what stays on the floor of a cycle leave out of the hops that they stand for.
+    """Return the parts of small hops that stays on the floor of a cycle leave out.
 
     The position over mu_k, the sum of w T: in hops of speed w a part that friction would hold goes
     on by less than mu_k w in a unit of phase. And the largest rebound of `left_at_lift_off`. Both

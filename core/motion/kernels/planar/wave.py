@@ -210,7 +210,7 @@ def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
 
 @borrowing
 def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return what `next_passage` does, of the passages beyond tau."""
+    """Return the same as `next_passage`, of the passages beyond tau."""
     return next_passage(drive, kind, tau + 2.0 * SLACK * (1.0 + tau))
 
 
@@ -266,7 +266,7 @@ def speed_from(
 
 @borrowing
 def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return what `speed_from` asks for as `start`, P1(tau) of `integrals`."""
+    """Return the argument `start` of `speed_from`, P1(tau) of `integrals`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
@@ -292,7 +292,7 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 
 @borrowing
 def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
-    """Return what the push alone gives over a short phase, to the last digits of small numbers.
+    """Return the flow by the push alone over a short phase, to the last digits of small numbers.
 
     The term of order k turns by K = k D, and gives with p and p' of `integrals`, over k and over
     k^2, p sin K + (p'/k)(1 - cos K) and p (1 - cos K) + (p'/k)(K - sin K), by `arc`.
@@ -314,7 +314,7 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
 def stepped_flow(
     drive: WaveDrive, kind: int, v: float, tau: float, d: float
 ) -> tuple[float, float]:
-    """Return what `flow` does where the acceleration a is constant from step to step.
+    """Return the same as `flow` where the acceleration a is constant from step to step.
 
     Over each: x -> x + (v + a D/2) D and v -> v + a D (theory 13.14).
     """
@@ -341,7 +341,7 @@ def zero_of_velocity(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
     first: float, last: float,
 ) -> float:  # fmt: skip
-    """Return where a velocity that runs one way passes 0, by Halley's iteration in a bracket.
+    """Return the phase at which a monotonic velocity passes 0, by Halley's bracketed iteration.
 
     u(D) = 0 with u, u' and u'' of `speed_from`, by the step of `halley`. `first` and `last` are the
     velocities at both ends; the others are those of `speed_from`.

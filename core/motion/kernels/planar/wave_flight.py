@@ -30,7 +30,7 @@ from core.motion.kernels.waves import halley, is_near_root
 
 @borrowing
 def sizes(drive: WaveDrive) -> tuple[float, float]:
-    """Return what the push along and normal to the floor does not exceed, |b_x| and |b_z|."""
+    """Return bounds of the push along the floor and normal to it, |b_x| and |b_z|."""
     return drive.along, drive.normal
 
 
@@ -159,7 +159,7 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
 def landing_root(
     drive: WaveDrive, z: float, w: float, tau: float, low: float, high: float
 ) -> float:
-    """Return where a height, z at first, falls through 0, between phases above and below it.
+    """Return the phase at which a height, z at first, falls through 0, between two phases.
 
     z(D) = 0 with z' = w and z'' = p_z - n, by the step of `halley` in a bracket. It starts where
     the parabola at `high` falls through 0, z + z' D + z'' D^2/2 = 0: `high` may be the lowest

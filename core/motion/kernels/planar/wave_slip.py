@@ -42,7 +42,7 @@ def holds(drive: WaveDrive, at: float) -> bool:
 
 @borrowing
 def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, until when, and whether it then slips forward.
+    """Return the stick of a part without slip: if any, its last phase, if it then slips forward.
 
     Until the first change of sign of the accelerations of `holds` that lets go.
     """
@@ -123,7 +123,7 @@ def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
 
 @borrowing
 def slip_uncertainty(drive: WaveDrive) -> float:
-    """Return how much velocity hangs on the rounding of the phases where a slip starts.
+    """Return the uncertainty of the velocity by rounding the phases at which a slip starts.
 
     (mu_s - mu_k) max|n(tau)| times the rounding of the push over its slope: a phase at which a sum
     of sines passes a threshold is known the less, the slower it passes it; one at which the push

@@ -87,7 +87,7 @@ def run(
 
 @compiled
 def push_of(scene: int, cell: Cell) -> float:
-    """Return what can change the velocity along the track in a unit of phase.
+    """Return the largest change of the velocity along the track in a unit of phase.
 
     p_x + sin(gamma) + mu_k (p_z + n), and mu_w (p_y + g_y) more at a wall (theory 13.1).
     """

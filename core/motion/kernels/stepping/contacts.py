@@ -30,7 +30,7 @@ class BodyState(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """How the floor was left: `spare` as in `slip_along`, and whether it carried the part."""
+    """The contact with the floor after a step: `spare` as in `slip_along`; if it was carrying."""
 
     spare: float
     pressed: bool
@@ -73,7 +73,7 @@ class Wall(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """What a step ends with: velocities, spin, the normal impulse of the floor, and `spare`."""
+    """The end of a step: velocities, spin, the normal impulse of the floor, and `spare`."""
 
     vx: float
     vy: float

@@ -1,4 +1,4 @@
-"""Whether the motion repeats after some periods, and its means."""
+"""Finds the number of periods after which the motion repeats, and its means."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Of the motions on the bowl of `tests/laws/test_stepping_labels.py` that repeat e
 
 @compiled
 def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> float:
-    """Return how far two states at the ends of periods lie apart, as far as it matters.
+    """Return the distance of two states at the ends of periods, as far as it matters.
 
     The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and, by `wall_gap`, |dy|. A part in contact
     stays where it sank in, at most a step of its fall deep: no difference. The distance from the
@@ -50,7 +50,7 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 def limit(
     tallies: Floats, done: int, part: int, slows: float, rounding: float, period: float
 ) -> tuple[float, float]:
-    """Return where the mean velocity drifts to, and how far it still is from there.
+    """Return the limit of the drifting mean velocity, and its distance from there.
 
     From the means v_1, v_2, v_3 of three parts of so many periods: a transient dies out as a power,
     with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. A drift

@@ -1,4 +1,4 @@
-"""What happens to the contacts at an event: impacts, and the mode that comes after it."""
+"""Contacts at an event: impacts, and the mode that comes after it."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, 
 
 @borrowing
 def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
-    """Return how the contact's slip stands; decide whether it sticks where it does not move.
+    """Return the slip of the contact; decide whether it sticks where it does not move.
 
     It sticks where |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L
     and the response r to friction across; a slip e changes at the rate D.e - mu_k L (e_1^2 + r
@@ -229,7 +229,7 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
 def closing(
     tolerance: float, size: float, rate: float, rub: float, need: float, speed: float
 ) -> tuple[bool, float]:
-    """Return whether a slip ends by a straight line, and the size at which it is asked again.
+    """Return the end of a slip by a straight line, if it does, and the size at which to ask again.
 
     It may turn along the push first: what friction has left, s = mu_k L - |(D_1, D_2/r)|, is its
     least rate. It ends so where r^2 <= 3 tol s, and forces must not outgrow s while it closes,

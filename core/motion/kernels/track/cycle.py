@@ -63,14 +63,14 @@ class History(NamedTuple):
 
 
 class Series(NamedTuple):
-    """What a cell is followed by: order and tolerance of a term, a share of the drive's speed."""
+    """The settings by which a cell is followed: order of the series, relative tolerance."""
 
     order: int
     tolerance: float
 
 
 class Settled(NamedTuple):
-    """How a cell came to repeat.
+    """The way in which a cell came to repeat.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def new_history(most: int, stop: Stop) -> History:
 
 @compiled
 def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
-    """Return how far the end of one period is from the start of another, as far as it matters.
+    """Return the distance of the end of one period from another's start, as far as it matters.
 
     The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and, by `wall_gap`, |dy|. The floor is the
     same everywhere, along and, without a wall, across. The distance from a wall does not matter to
@@ -155,7 +155,7 @@ def repeats(
 def remaining(
     wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
 ) -> float:
-    """Return how far the state still is from where it goes, as its changes shrink.
+    """Return the distance of the state from its limit, as its changes shrink.
 
     d/(1 - q), q = d/d0 at most 0.999, with the change d over a cycle after d0, by `apart` (theory
     13.13).
@@ -239,7 +239,7 @@ def to_cycle(
 
 @compiled
 def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
-    """Return how a motion without jumps repeats that comes nearer to a cycle, but slowly.
+    """Return the repetition of a motion without jumps that comes nearer to a cycle, but slowly.
 
     Its change over a cycle, d, fell from d0 within the last L cycles: with the ratio of a cycle
     q = (d/d0)^(1/L) the state is still off by d q/(1 - q), less than `near`.

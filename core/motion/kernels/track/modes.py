@@ -46,7 +46,7 @@ REACH = 0.02
 
 
 class StepSettings(NamedTuple):
-    """What a step is computed with: contacts, order, tolerance of a term.
+    """The settings of a step: contacts, order, tolerance of a term.
 
     `rest` is the phase to the end of the period or to a jump of the drive, `lift` that to the next
     lift-off of a part on the floor, `even` that to a jump alone.
@@ -62,7 +62,7 @@ class StepSettings(NamedTuple):
 
 
 class Begin(NamedTuple):
-    """How a slip stands at the start of a step: its size and direction, and how it changes.
+    """A slip at the start of a step: its size and direction, and how it changes.
 
     `onset` where it begins, at the rate `rate`; `closes` where what is left of it is a straight
     line to its end, at that rate; `least` is the size at which it is to be asked again.

@@ -23,7 +23,7 @@ NOTHING = 1e-15
 
 
 class Contact(NamedTuple):
-    """What the contact that slips is.
+    """The contact that slips.
 
     Attributes
     ----------
@@ -275,7 +275,7 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 
 @borrowing
 def asymptotic_span(order: int, work: Work) -> float:
-    """Return how far a formal series is good: its terms must fall to the last.
+    """Return the span in which a formal series is good: its terms must fall to the last.
 
     0.7 min |a_k|/|a_(k+1)| over the last half of them.
     """

@@ -169,7 +169,7 @@ def followed_on(
     cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
     velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
-    """Return how far shorter series come from a mean velocity, or NaN.
+    """Return the distance of shorter series from a mean velocity, or NaN.
 
     |v_12 - v| and what `remaining` says: they follow the cycle twice from its start. By how much
     less the state changes over the second time tells how far it still goes.
@@ -197,7 +197,7 @@ def settled_anew(
     row: Floats, wall: bool, rolling: float, settled: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return how far other runs come from a mean velocity, and whether digits do not decide.
+    """Return the distance of other runs from a mean velocity, and whether digits do not decide.
 
     max |v_other - v|. They start from rest again, by shorter series and with a restitution that is
     a hair smaller, `changed`: which of several motions a part with rebounds falls into may hang on

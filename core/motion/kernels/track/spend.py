@@ -1,4 +1,4 @@
-"""What friction and the drive do over a step, and the kinetic energy of a part (theory 13.15)."""
+"""The work of friction and drive over a step, and the kinetic energy of a part (theory 13.15)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run from event to event and one by time stepping share."""
+"""Parts that runs from event to event and runs by time stepping share."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ settled."""
 
 
 class TumblingRun(NamedTuple):
-    """What a run leaves besides its state; the table's columns follow `Tumble`."""
+    """The results of a run besides its state; the table's columns follow `Tumble`."""
 
     status: int
     time: float

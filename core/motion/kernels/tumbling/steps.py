@@ -108,7 +108,7 @@ def set_targets(
 
 @compiled
 def carrying(impulse: Floats) -> int:
-    """Return what carries the part: the corner with a normal impulse i_n > 0, `FLAT` for two."""
+    """Return the corner that carries the part, with a normal impulse i_n > 0; `FLAT` for two."""
     support = FREE
     for corner in range(impulse.shape[1]):
         if impulse[0, corner] > 0.0:

@@ -1,4 +1,4 @@
-"""What carries the part after an event, and whether it still does."""
+"""The support of the part after an event: what carries it, and whether it still does."""
 
 from __future__ import annotations
 

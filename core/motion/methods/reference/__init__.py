@@ -43,7 +43,7 @@ def reference_path(
     velocity: Sequence[float] = (0.0, 0.0, 0.0),
     spin: float = 0.0,
 ) -> Path:
-    """Return where one part is at given phases, to about twelve digits.
+    """Return the positions of one part at given phases, to about twelve digits.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ X, Y, Z, UX, UY, UZ, SPIN = range(7)
 
 
 class Mode(NamedTuple):
-    """Which contacts carry, and whether they slip; both do or neither."""
+    """The contacts that carry, and whether they slip; both do or neither."""
 
     floor: bool
     wall: bool

@@ -51,7 +51,7 @@ to 1e-7. More is a failure."""
 
 @dataclass(frozen=True)
 class Care:
-    """How finely a part is followed.
+    """The accuracy settings with which a part is followed.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
 
 
 def fall_from_start(condition: Array) -> float:
-    """Return where a condition first falls through 0, from 0 to 1; infinite if it does not.
+    """Return the share of the stretch at which a condition first falls through 0; else infinity.
 
     One that is 0 at the start but for rounding, and below it at the end, has fallen at the start.
     """
@@ -91,7 +91,7 @@ def sample(stretch: Stretch, phases: Array, end: float, rows: Array) -> None:
 
 
 class Tally:
-    """What a run counts: phases spent in each way, impacts, extremes, contact with the wall."""
+    """The sums of a run: phases spent in each way, impacts, extremes, contact with the wall."""
 
     def __init__(self) -> None:
         self.stick = self.forward = self.backward = self.flight = 0.0
@@ -177,7 +177,7 @@ class Part:
     # --- events
 
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
-        """Return where a stretch's first event is, from 0 to 1, and its name; 1 if none comes."""
+        """Return the first event of a stretch, from 0 to 1, and its name; 1 if none comes."""
         events = [(1.0, "")]
 
         def ask(name: str, condition: Array) -> None:
@@ -206,7 +206,7 @@ class Part:
         return min(events, key=lambda one: one[0])
 
     def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
-        """Return where a part comes back to a contact, from 0 to 1; infinite if it does not.
+        """Return the share of the stretch at which a part comes back to a contact; else infinity.
 
         Of a part that starts at the contact, the distance is divided by its root at the start, a
         double one where the part has no speed there: small hops and grazes are so told from none.

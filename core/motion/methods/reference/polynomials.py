@@ -86,7 +86,7 @@ def _sense(rises: bool) -> int:
 
 
 def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
-    """Yield where a polynomial changes sign, in order, each with its sense (1 rising, -1 falling).
+    """Yield the sign changes of a polynomial, in order, each with its sense (1 rising, else -1).
 
     A stretch is cut into halves until the coefficients prove that the polynomial keeps its sign
     there (the first is larger than all others together), or that its derivative does: then the
@@ -128,7 +128,7 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
 
 
 def first_fall(coefficients: Array) -> float:
-    """Return where a polynomial first falls through 0, infinite if it does not."""
+    """Return the first argument at which a polynomial falls through 0; else infinity."""
     return next((at for at, sense in crossings(coefficients) if sense < 0), math.inf)
 
 

@@ -59,7 +59,7 @@ SAFE = 3.0
 
 @dataclass
 class Growth:
-    """What a small change of the state at the start of a cycle does until its end.
+    """The map of small changes of the state from the start of a cycle to its end.
 
     Attributes
     ----------
@@ -77,18 +77,18 @@ class Growth:
 
     @property
     def radius(self) -> float:
-        """What one round leaves of a change in the long run, as a share of it."""
+        """The share of a change that one round leaves in the long run."""
         if not np.all(np.isfinite(self.map)):
             return math.inf
         return float(np.abs(np.linalg.eigvals(self.map)).max(initial=0.0))
 
     @property
     def attracts(self) -> bool:
-        """Whether changes die out."""
+        """True if changes die out."""
         return self.radius < ATTRACTS
 
     def lasting(self, change: Array) -> Array:
-        """Return where the cycle moves if each round changes the state by so much."""
+        """Return the final shift of the cycle if each round changes the state by so much."""
         return np.asarray(np.linalg.solve(np.eye(len(self.indices)) - self.map, change), np.float64)
 
     def weights(self) -> Array:
@@ -135,14 +135,14 @@ class ReferenceRun:
 
     @property
     def rests(self) -> bool:
-        """Whether friction held the part for all of the last period."""
+        """True if friction held the part for all of the last period."""
         tally = self.tallies[-1]
         moved = tally.forward + tally.backward + tally.flight
         return moved == 0.0 and self.distance(1, self.indices(1)) == 0.0
 
     @property
     def slides_free(self) -> bool:
-        """Whether there is no friction: the speed along is that of the start."""
+        """True if there is no friction: the speed along is that of the start."""
         p = self.laws.groups
         at_wall = self.laws.contacts.wall and p.wall_friction > 0.0
         return p.friction_static == 0.0 == p.friction_kinetic and not at_wall
@@ -150,7 +150,7 @@ class ReferenceRun:
     # --- coming back
 
     def indices(self, multiple: int) -> list[int]:
-        """Return what of the state has to come back after so many periods.
+        """Return the indices of the state that have to come back after so many periods.
 
         The distance from the wall, too, unless the wall was untouched over the cycle and the part
         does not near it. Of a cylinder without a wall only the slip across plays a part.
@@ -193,12 +193,12 @@ class ReferenceRun:
         return self.compared(self.after[last - 1]) - self.compared(self.before[first])
 
     def distance(self, multiple: int, indices: list[int], back: int = 0) -> float:
-        """Return how far the state is from coming back, as a share of the drive's size."""
+        """Return the distance of the state from coming back, as a share of the drive's size."""
         off = self.off(multiple, back)
         return math.inf if off is None else float(np.abs(off[indices]).max()) / self.scale
 
     def apart(self, multiple: int) -> float:
-        """Return how far the state is from coming back after so many periods."""
+        """Return the distance of the state from coming back after so many periods."""
         return self.distance(multiple, self.indices(multiple))
 
     def touches_alike(self, multiple: int) -> bool:
@@ -222,7 +222,7 @@ class ReferenceRun:
 
     @property
     def is_on_its_way(self) -> bool:
-        """Whether the motion was still nearing a cycle, or leaving one that does not attract.
+        """True if the motion was still nearing a cycle, or leaving one that does not attract.
 
         Over the last quarter of the periods the same events came again and again, and the state
         came back ever more nearly, or ever less so.
@@ -322,7 +322,7 @@ class ReferenceRun:
         return part
 
     def measured(self, multiple: int) -> Growth:
-        """Return what small changes at the start of the last cycle do until its end."""
+        """Return the effect of small changes at the start of the last cycle on its end."""
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
         if self.laws.groups.planar:

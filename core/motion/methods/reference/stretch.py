@@ -58,7 +58,7 @@ class Slip(NamedTuple):
 
 @dataclass
 class Stretch:
-    """What a part does over a stretch of phase, with no event.
+    """The motion of a part over a stretch of phase without an event.
 
     Attributes
     ----------

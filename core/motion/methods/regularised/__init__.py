@@ -238,7 +238,7 @@ def regularised_motion(
 
 
 def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
-    """Return what tells the price of one of the integrators.
+    """Return the function for the price of one of the integrators.
 
     `seconds` are those of a part that slides under a sine by the settings by default; the others
     tell how that grows: with the order of the drive, where a part hops, and by the powers of the

@@ -191,7 +191,7 @@ class Cell:
 
     @property
     def swing(self) -> float:
-        """What the speed of the track beside the floor does not exceed."""
+        """A bound of the speed of the track beside the floor."""
         return math.hypot(*self.drive[:-1]) if self.wave is None else float(size(self.wave))
 
     @property

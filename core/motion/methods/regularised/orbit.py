@@ -143,7 +143,7 @@ class RegularisedRun:
 
 @dataclass
 class Orbit:
-    """What a run came to: the last states at the end of a period, and the mean velocity."""
+    """The end of a run: the last states at the end of a period, and the mean velocity."""
 
     states: list[Array]
     velocity: float
@@ -211,7 +211,7 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
 def _crossings(
     function: Callable[[Array], float], state_at: Callable[[float], Array], phases: Array
 ) -> list[float]:
-    """Return where the function of the state changes its sign between the phases.
+    """Return the phases at which the function of the state changes its sign.
 
     scipy's own search for events fails where an interpolant misses the end of a step by rounding.
     """
@@ -234,7 +234,7 @@ def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
     limit = PEAK * law.slip_speed
 
     def release(state: Array) -> float:
-        """Return what is negative where the floor presses."""
+        """Return a number that is negative where the floor presses."""
         height = float(state[n - 1])
         return height if height >= 0 else -law.unclamped(height, float(state[-1]))
 
@@ -242,9 +242,11 @@ def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
         return math.hypot(*state[n:-1]) - limit
 
     def along(state: Array) -> float:
+        """Return the slip along the track."""
         return float(state[n])
 
     def climb(state: Array) -> float:
+        """Return the velocity normal to the floor."""
         return float(state[-1])
 
     run.options["dense_output"] = True

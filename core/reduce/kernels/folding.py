@@ -111,7 +111,7 @@ def fold_extremes(
     offset: int,
     own_numbers: Integers,
     keys: Integers,
-    places: Integers,
+    held_numbers: Integers,
 ) -> None:
     """Take the extremes in lanes to their slots: of equal ones that of the lowest number.
 
@@ -127,7 +127,7 @@ def fold_extremes(
         As in `fold_sums`.
     own_numbers : ndarray of int64, shape (lanes,)
         What the place of a lane in the row adds to the number.
-    keys, places : ndarray of int64, shape (slots of the box,)
+    keys, held_numbers : ndarray of int64, shape (slots of the box,)
         Key and number of the extreme of each slot.
     """
     empty = math.inf if least else -math.inf
@@ -146,8 +146,8 @@ def fold_extremes(
         own, at = key(best + 0.0), int(lowest)
         here = offset + slots[slot]
         is_better = own < keys[here] if least else own > keys[here]
-        if is_better or (own == keys[here] and at < places[here]):
-            keys[here], places[here] = own, at
+        if is_better or (own == keys[here] and at < held_numbers[here]):
+            keys[here], held_numbers[here] = own, at
     values[:] = empty
     numbers[:] = math.inf
 

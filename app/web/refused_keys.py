@@ -20,7 +20,7 @@ MAX_COUNTED = 100  # of one address
 MAX_NOTED = 10  # entries in the audit a minute: each is written to the disk
 
 
-class WrongKeys:
+class RefusedKeys:
     """Counts the wrong keys of each address.
 
     Parameters

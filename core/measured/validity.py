@@ -1,4 +1,4 @@
-"""Whether a recording can state a drive: long and fast enough, periodic, steady."""
+"""Checks of a recording before a drive is fitted: long and fast enough, periodic, steady."""
 
 from __future__ import annotations
 
