@@ -236,7 +236,7 @@ def test_parts_in_the_air_keep_their_momentum():
         phases = np.linspace(3 * TURN, 5 * TURN, 800)
         # In the air, all at once, they go on at one velocity without the push and the slope.
         centre = path(cell(**row), phases)[0] @ row["mass"] / row["mass"].sum()
-        free = centre + waves.place(row["wave"], 0, phases) + row["gs"] * phases**2 / 2
+        free = centre + waves.position_at(row["wave"], 0, phases) + row["gs"] * phases**2 / 2
         bends = np.abs(np.diff(free, 2))
         found, _ = followed(cell(**row, most=5))
         flights += (bends < 1e-10).mean() > 0.05 and found["flight"] > 0.0
