@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -69,6 +70,37 @@ def test_what_describes_no_real_part_is_hatched(page: Page, address: str) -> Non
     assert page.locator("#picture .hatch path").count() == 1
     opened(page, f"{address}/{MOTION}")
     assert page.locator("#picture .hatch path").count() == 0
+
+
+def test_borders_lie_where_the_part_lifts_off(page: Page, address: str) -> None:
+    opened(page, f"{address}/{CLOSED}")
+    picture = page.locator("#picture .map[data-borders=exact]")
+    expect(picture).to_be_attached()
+    left, low = (float(picture.locator(".frame").get_attribute(name) or 0) for name in "xy")
+    wide, tall = (
+        float(picture.locator(".frame").get_attribute(n) or 0) for n in ("width", "height")
+    )
+    found = [
+        [tuple(map(float, point.split(","))) for point in re.findall(r"[\d.-]+,[\d.-]+", drawn)]
+        for drawn in picture.locator(".borders .border").evaluate_all(
+            "all => all.map((one) => one.getAttribute('d'))"
+        )
+    ]
+    weight = 9.80665 / (2 * math.pi * 50) ** 2
+
+    def apart(x: float, y: float) -> float:
+        """Return how many dots a point lies from where the throw number is 1, up or across."""
+        amplitude = 1e-4 + (x - left) / wide * 6e-4
+        beta = math.radians(5 + (low + tall - y) / tall * 55)
+        up = math.degrees(math.asin(min(1, weight / amplitude)) - beta) * tall / 55
+        return min(abs(up), abs(weight / math.sin(beta) - amplitude) * wide / 6e-4)
+
+    inside = [
+        [apart(x, y) for x, y in ring if left < x < left + wide and low < y < low + tall]
+        for ring in found
+    ]
+    # One border is that of lift-off; half a value of the picture is 2 to 3 dots.
+    assert min(max(ring) for ring in inside if len(ring) > 50) < 1.5
 
 
 @pytest.mark.parametrize("link", [CLOSED, MOTION, MOTION.replace("&y=beta:5:60", "&y=&p.beta=30")])

@@ -3,10 +3,11 @@
 
 import { byId, reveal } from "./elements.js";
 import { LETTERS } from "./pins.js";
-import { Refusal, cancelled, left } from "./service.js";
+import { Refusal, cancelled, isPassing, left } from "./service.js";
 import { duration } from "./words.js";
 
 const DIMMED_AFTER = 100; // ms without the picture of the fields
+const CALM = 300; // ms in which nothing is changed, before borders are looked for
 
 // For screen readers, and whoever waits for the picture.
 export function busy(isBusy) {
@@ -30,6 +31,7 @@ export class Computing {
 
   // One computation at a time; of the changes meanwhile only the last counts.
   async compute(how) {
+    this.sharpening?.abort(left());
     if (this.isComputing) {
       this.waiting = how;
       if (how.dragged) this.source.ahead(this.view(), how.dragged);
@@ -43,7 +45,8 @@ export class Computing {
       while (next) {
         this.waiting = null;
         try {
-          await this.computeOnce(next);
+          const { view, found } = (await this.computeOnce(next)) ?? {};
+          if (found?.y && !next.dragged && !this.waiting) this.sharpen(view, found);
         } catch (error) {
           reportError(error); // a fault of this page: the next view is drawn all the same
           this.picture.dim("Not drawn: the page has met a fault of its own. Change a value, or load it anew.");
@@ -89,24 +92,26 @@ export class Computing {
     const started = performance.now();
     const dimming = setTimeout(() => this.picture.dim("Computing ...", cancel), DIMMED_AFTER);
     try {
-      await this.draw(view, { dragged, isFirst, signal, tell, show });
+      const found = await this.draw(view, { dragged, isFirst, signal, tell, show });
       this.controls.clear();
       if (!isFirst) this.notice.tell(); // a word about a link stays
       const seconds = (performance.now() - started) / 1000;
       byId("progress").textContent = dragged ? "" : `Shown after ${duration(seconds)}.`;
+      return { view, found };
     } catch (error) {
       if (error.name === "AbortError") {
-        if (!isCancelled || this.waiting) return;
+        if (!isCancelled || this.waiting) return null;
         if (isShown) this.picture.undim();
         else this.picture.dim("Cancelled.", again);
         byId("progress").textContent = isShown ? "Cancelled: this is a first picture, with fewer values." : "";
         reveal();
-        return;
+        return null;
       }
       byId("progress").textContent = "";
       if (!(error instanceof Refusal)) throw error;
       reveal();
       this.refuse(error, again);
+      return null;
     } finally {
       clearTimeout(dimming);
     }
@@ -138,6 +143,22 @@ export class Computing {
       const band = await persist(() => this.source.band(view, { signal }));
       signal.throwIfAborted();
       this.picture.showBand(found, band, view.band);
+    }
+    return found;
+  }
+
+  // Where the borders in a map lie between its cells: asked for once the map stands and nothing changes.
+  async sharpen(view, found) {
+    this.sharpening = new AbortController();
+    const { signal } = this.sharpening;
+    await new Promise((done) => setTimeout(done, CALM));
+    if (signal.aborted) return;
+    try {
+      const edges = await this.source.between(view, found, { signal });
+      if (edges && !signal.aborted) this.picture.sharpen(found, edges);
+    } catch (error) {
+      // The map stands without them.
+      if (error.name !== "AbortError" && !(error instanceof Refusal) && !isPassing(error)) reportError(error);
     }
   }
 

@@ -1,8 +1,10 @@
 // What lies over each other in a map: colours, contours, borders of regimes.
-// A `ground` is {data, flat, range, x, y, clipId}: what is drawn, its values row by row, the scale of
-// their colours, the axes on the screen, and the name of the area that the layers keep within.
+// A `ground` is {data, flat, range, x, y, clipId, edges}: what is drawn, its values row by row, the scale of
+// their colours, the axes on the screen, the name of the area that the layers keep within, and regimes
+// between its cells, or null.
 
 import { FRAME } from "./axes.js";
+import { ringsAround } from "./borders.js";
 import { drawn } from "./elements.js";
 import { shown } from "./words.js";
 
@@ -48,6 +50,7 @@ export function thinned(ground) {
   const { regime } = data;
   return {
     ...ground,
+    edges: null, // they are of all values
     flat: some,
     data: {
       ...data,
@@ -84,17 +87,11 @@ export function levelsOf({ low, high }, unit) {
 }
 
 // Lines over what does not describe a real part, so that its colours are not read as speeds.
-export function hatchDrawn({ data, x, y, clipId }, regimes) {
+export function hatchDrawn({ data, x, y, clipId, edges }, regimes) {
   const invalid = new Set(regimes.filter(({ valid }) => !valid).map(({ value }) => value));
   const group = drawn("g", { class: "hatch", "clip-path": `url(#${clipId})` });
   if (!invalid.size) return group;
-  const nx = data.x.values.length;
-  const ny = data.y.values.length;
-  const inside = new Float64Array(nx * ny);
-  for (let j = 0; j < ny; j++) {
-    for (let i = 0; i < nx; i++) inside[j * nx + i] = invalid.has(data.regime.at(i, j)) ? 1 : 0;
-  }
-  const [area] = contours().size([nx, ny]).smooth(true).thresholds([0.5])(inside);
+  const area = ringsAround(gridOf(data), (value) => invalid.has(value), edges);
   const id = `${clipId}-hatch`;
   group.append(
     drawn(
@@ -103,7 +100,7 @@ export function hatchDrawn({ data, x, y, clipId }, regimes) {
       drawn("rect", { width: 8, height: 8, class: "haze" }),
       drawn("line", { x1: 0, y1: 0, x2: 0, y2: 8, class: "stripe" }),
     ),
-    drawn("path", { d: path(area.coordinates, data, x, y), fill: `url(#${id})` }),
+    drawn("path", { d: path(area, data, x, y), fill: `url(#${id})` }),
   );
   return group;
 }
@@ -125,21 +122,19 @@ export function contoursDrawn({ data, flat, range, x, y, clipId }) {
 }
 
 // Borders of the regimes of a list: of two neighbours one draws the line between them.
-export function bordersDrawn({ data, x, y, clipId }, regimes) {
+export function bordersDrawn({ data, x, y, clipId, edges }, regimes) {
   const group = drawn("g", { class: "borders", "clip-path": `url(#${clipId})` });
-  const nx = data.x.values.length;
-  const ny = data.y.values.length;
   for (const { value, ink } of regimes.slice(1)) {
-    const inside = new Float64Array(nx * ny);
-    for (let j = 0; j < ny; j++) {
-      for (let i = 0; i < nx; i++) inside[j * nx + i] = data.regime.at(i, j) === value ? 1 : 0;
-    }
-    const [area] = contours().size([nx, ny]).smooth(true).thresholds([0.5])(inside);
-    const d = path(area.coordinates, data, x, y);
+    const area = ringsAround(gridOf(data), (one) => one === value, edges);
+    const d = path(area, data, x, y);
     // A pale line below it: dark colours are seen on dark ones, too.
     group.append(drawn("path", { d, class: "halo" }), drawn("path", { d, class: "border", stroke: ink }));
   }
   return group;
+}
+
+function gridOf({ x, y, regime }) {
+  return { nx: x.values.length, ny: y.values.length, at: regime.at };
 }
 
 function path(polygons, data, x, y) {

@@ -61,6 +61,8 @@ export class HeatMap {
   // the time. A `range` of colours is that of several maps.
   show(data, { isMoving = false, range = null } = {}) {
     this.data = data;
+    this.edges = null;
+    delete this.box.dataset.borders;
     this.isMoving = isMoving;
     const size = data.x.values.length * data.y.values.length;
     this.flat = new Float64Array(size);
@@ -77,6 +79,14 @@ export class HeatMap {
     fill(this.scale, ...scaleTold(this.range, data.z, this.flat));
     fill(this.legend, ...legendOf(this.regimes));
     if (this.cursor) this.say();
+  }
+
+  // Draw the borders of what is shown by what lies between its cells; `regime` tells which picture it is of.
+  sharpen(regime, edges) {
+    if (this.data?.regime !== regime) return;
+    this.edges = edges;
+    this.box.dataset.borders = "exact";
+    this.draw();
   }
 
   // Set somebody's marks, of {x, y, text}; with `isSmall` and a `regime` it is one of many.

@@ -68,6 +68,11 @@ export class Picture {
     reveal();
   }
 
+  // What lies between the cells of a map that is shown.
+  sharpen(found, edges) {
+    this.drawing?.sharpen?.(found.regime, edges);
+  }
+
   // What is drawn is not, or not yet, of the fields: it is dimmed, and why is said over it, with
   // {text, onclick} of what one can do.
   dim(reason, action = null) {
