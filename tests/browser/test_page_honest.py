@@ -7,12 +7,14 @@ import math
 import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
+from operator import ne
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from tools import tool
+from waiting import wait_for
 
 CLOSED = (
     "#question=all&kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
@@ -119,6 +121,17 @@ def test_a_saved_picture_says_what_it_shows(
         assert len(bars) == 1
         assert any(one.get("class") == "tick" for one in bars[0].iter())
     assert saved(page, "PNG", tmp_path).read_bytes().startswith(b"\x89PNG")
+
+
+def test_lines_and_motion_follow_light_and_dark(page: Page, address: str) -> None:
+    page.emulate_media(color_scheme="light", reduced_motion="reduce")
+    opened(page, f"{address}/{MOTION.replace('&y=beta:5:60', '&y=&p.beta=30')}&point=0.0003:")
+    expect(page.locator("#detail .said")).to_contain_text("Mean speed")
+    seen = "[...document.querySelectorAll('canvas')].filter((one) => one.offsetWidth)"
+    painted = f"{seen}.map((one) => one.toDataURL())"
+    light = page.evaluate(painted)
+    page.emulate_media(color_scheme="dark", reduced_motion="reduce")
+    wait_for(lambda: all(map(ne, light, page.evaluate(painted))))
 
 
 def test_every_file_that_is_offered_comes(page: Page, address: str, tmp_path: Path) -> None:

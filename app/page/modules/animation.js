@@ -1,7 +1,7 @@
 // A motion that plays: the sketch, the curves that are scrubbed, and what the part does.
 
 import { MODES, PARTS, cycleOf, modeAt, platoonsAt } from "./course.js";
-import { element, fill } from "./elements.js";
+import { element, fill, whenRecoloured } from "./elements.js";
 import { Panels } from "./panels.js";
 import { drawAbove, drawSide } from "./sketch.js";
 import { capital, withUnit } from "./words.js";
@@ -44,6 +44,7 @@ export class Animation {
     this.isSeen = true;
     this.last = null; // when it was drawn last, while it plays
     this.awaitsFrame = false;
+    whenRecoloured(() => this.course && this.drawAll());
     // In a frame of its own: what is drawn changes the height.
     new ResizeObserver(() => requestAnimationFrame(() => this.resize())).observe(host);
     new IntersectionObserver(([{ isIntersecting }]) => {

@@ -1,7 +1,7 @@
 // Quantities over one parameter, with a band where something is uncertain, and the regimes below.
 
 import { axesDrawn, axisOf, FRAME } from "./axes.js";
-import { drawn, element, fill } from "./elements.js";
+import { drawn, element, fill, whenRecoloured } from "./elements.js";
 import { svgDocument } from "./exported.js";
 import { legendOf, occurring } from "./legend.js";
 import { capital, label, number, shown, withUnit, words } from "./words.js";
@@ -30,6 +30,7 @@ export class Curves {
     this.plot = null;
     this.at = null;
     new ResizeObserver(() => this.resize()).observe(this.box);
+    whenRecoloured(() => this.plot && this.box.isConnected && this.show(this.data));
   }
 
   // data: {x: {name, unit, values}, lines: [{name, unit, values, low, high}], regime or null, look}

@@ -48,3 +48,8 @@ export function drawn(tag, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
+
+// Have what is painted painted anew where light colours become dark ones, or dark ones light.
+export function whenRecoloured(paint) {
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+}
