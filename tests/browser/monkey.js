@@ -92,7 +92,8 @@
   };
 
   const near = (value, wanted, part = 1e-5) => Math.abs(value - wanted) <= part * Math.abs(wanted) + 1e-12;
-  const factorOf = (unit) => (/\((mm|mm\/s|g)\)/.test(unit) ? 1e3 : 1);
+  const FACTORS = { mm: 1e3, "mm/s": 1e3, g: 1e3, MPa: 1e-6, "N/mm": 1e-3, "cm²": 1e4 };
+  const factorOf = (text) => FACTORS[text.match(/\(([^)]+)\)/)?.[1]] ?? 1;
 
   window.disagreements = async () => {
     const { fromLink, pictureOf } = await import(new URL("page/modules/view.js", document.baseURI));
