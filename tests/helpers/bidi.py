@@ -13,7 +13,8 @@ from typing import Any
 
 import aiohttp
 
-PATIENCE = 60.0  # s
+from waiting import PATIENCE
+
 LISTENING = re.compile(rb"WebDriver BiDi listening on (ws://\S+)")
 PREFERENCES = {
     "browser.download.folderList": 2,  # the folder of the next line

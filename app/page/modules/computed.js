@@ -9,6 +9,7 @@ import { givenValues } from "./view.js";
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
 const BETWEEN = { sweep: 3, simulate: 4 }; // parts that neighbours are asked for at, along borders
+const QUICK = 0.4; // s of a map, whose borders take some times as long to find
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const LINE = 201;
 const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
@@ -153,7 +154,7 @@ export class Source {
   // where the map itself took long.
   /** @param {View} view @param {any} found @param {{signal?: AbortSignal}} how */
   async between(view, found, { signal } = {}) {
-    if (!found.regime || !found.y || found.seconds > PATIENCE) return null;
+    if (!found.regime || !found.y || found.seconds > QUICK) return null;
     const counts = [found.x, found.y].map(({ values }) => values.length);
     const times = BETWEEN[view.kind];
     const asked = async (finer) => {
