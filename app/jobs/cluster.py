@@ -178,7 +178,13 @@ async def _end(start: asyncio.Task[_Made]) -> None:
 async def _end_workers(cluster: Any) -> None:
     """End our own workers, what they compute too: it is to be computed again."""
     nannies = list(cluster.workers.values())
-    await asyncio.gather(*(nanny.close(timeout=PATIENCE) for nanny in nannies))
+    ends = await asyncio.gather(
+        *(nanny.close(timeout=PATIENCE) for nanny in nannies), return_exceptions=True
+    )
+    for error in ends:
+        # What does not end in time has been killed: on a busy machine its end comes later.
+        if isinstance(error, BaseException) and not isinstance(error, TimeoutError):
+            raise error
 
 
 def _local(workers: int) -> Any:

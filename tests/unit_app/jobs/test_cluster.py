@@ -77,7 +77,7 @@ def test_closing_while_workers_start_closes_what_comes_of_it(run):
         asking = asyncio.create_task(cluster.client())
         await until(lambda: processes() - before)
         await cluster.close()
-        assert not processes() - before
+        await until(lambda: not processes() - before)
         assert (await asking).status == "closed"
         assert (await cluster.client()).status == "running"  # as after any close
 
