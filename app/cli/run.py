@@ -75,16 +75,16 @@ def run(
         ),
     ] = False,
     max_cells: Annotated[
-        int | None, typer.Option(help="Largest number of cells of one study.")
+        int | None, typer.Option(help="Refuse a study of more cells than this.")
     ] = None,
     max_bytes: Annotated[
-        int | None, typer.Option(help="Largest number of bytes of one study.")
+        int | None, typer.Option(help="Refuse a study whose result takes more bytes than this.")
     ] = None,
     time_limit: Annotated[
         float | None,
         typer.Option(
-            help="Seconds after which no further cell is started or verified; a sweep that is not "
-            "large is computed as a whole.",
+            help="Start no further grid point, and verify none, after this many seconds. A sweep "
+            "of closed forms that fits in memory is computed in one go, whatever the limit.",
             min=0,
         ),
     ] = None,
@@ -100,7 +100,8 @@ def run(
         typer.Option(help="Have the parts of a sweep computed by the Dask scheduler there."),
     ] = None,
     parts: Annotated[
-        int | None, typer.Option(min=1, help="Number of parts, with --scheduler.")
+        int | None,
+        typer.Option(min=1, help="With --scheduler: into how many parts the sweep is cut."),
     ] = None,
 ) -> None:
     """Carry out studies and write one file each: NetCDF, or what the suffix of the output names.

@@ -137,12 +137,12 @@ class Running:
                 table = pieces.tabulate(Watch(progress, interrupted, self.deadline))
             except StoppedError as stopped:
                 console.fail(f"{path}: {stopped}; nothing is written.")
-                _say_what_is_kept(pieces)
+                _keep_or_remove(pieces)
                 return None
             except KeyboardInterrupt:
                 at_once = f"{path}: it was stopped at once; nothing is written."
                 console.fail(at_once if begun.is_set() else stopped_early)
-                _say_what_is_kept(pieces)
+                _keep_or_remove(pieces)
                 raise typer.Exit(INTERRUPTED) from None
         if kinds.share_left_out(table) == 1:
             console.fail(stopped_early)
@@ -183,8 +183,8 @@ class Running:
                 console.tell(line)
 
 
-def _say_what_is_kept(pieces: Pieces) -> None:
-    """Print the number of kept pieces of a study, if any, and the command to go on."""
+def _keep_or_remove(pieces: Pieces) -> None:
+    """Print how a study goes on with the pieces that are kept; remove their folder if none is."""
     if pieces.kept:
         done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"
         console.fail(f"  {done}. The same command with --resume goes on with them.")

@@ -85,7 +85,10 @@ class Admission:
                 logger.exception("a result cannot be fetched: %s", key)
             else:
                 if found is None:
-                    raise FetchingError("The result is there, and is being fetched. Post it again.")
+                    raise FetchingError(
+                        "The result of this study is there and is being fetched. Post the study "
+                        "again in some seconds."
+                    )
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             self._check_jobs(who)

@@ -291,7 +291,7 @@ def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
     return spatial_impulse.sticks
 
 
-def _masked(
+def _only_at_one_contact(
     impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: ImpactFrame
 ) -> SpatialImpulse:
     nothing = is_apart(cylinder_contact=at, contact_tolerance=tolerance)
@@ -320,7 +320,7 @@ def frictionless_impulse(
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     none = np.zeros_like(normal)
     impulse = SpatialImpulse(normal, (none, none), np.zeros(normal.shape, dtype=np.bool_))
-    return _masked(impulse, cylinder_contact, contact_tolerance, contact_frame)
+    return _only_at_one_contact(impulse, cylinder_contact, contact_tolerance, contact_frame)
 
 
 def pfeiffer_glocker_impulse(
@@ -341,7 +341,7 @@ def pfeiffer_glocker_impulse(
         friction=friction,
         restitution=restitution,
     )
-    return _masked(impulse, cylinder_contact, contact_tolerance, contact_frame)
+    return _only_at_one_contact(impulse, cylinder_contact, contact_tolerance, contact_frame)
 
 
 def moreau_impulse(
@@ -354,7 +354,10 @@ def moreau_impulse(
     friction: Array,
     restitution: Array,
 ) -> SpatialImpulse:
-    """Return Moreau's impulse with friction, one restitution for all directions."""
+    """Return Moreau's impulse with friction, one restitution for all directions.
+
+    Nothing where the parts are apart, unknown where they overlap or touch at several places.
+    """
     impulse = impact.moreau_in_space(
         G=spatial_delassus,
         u_N=spatial_approach.normal,
@@ -362,7 +365,7 @@ def moreau_impulse(
         friction=friction,
         restitution=restitution,
     )
-    return _masked(impulse, cylinder_contact, contact_tolerance, contact_frame)
+    return _only_at_one_contact(impulse, cylinder_contact, contact_tolerance, contact_frame)
 
 
 # --- after the impact

@@ -305,7 +305,7 @@ def ends_in_stick(*, planar_impulse: Impulse) -> Mask:
     return planar_impulse.sticks
 
 
-def _masked(
+def _only_at_one_contact(
     impulse: Impulse,
     at: RectangleContact,
     tolerance: Array,
@@ -333,7 +333,7 @@ def frictionless_impulse(
     """Return Newton's impulse without friction; NaN where the bodies overlap or the law is mute."""
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     impulse = Impulse(normal, np.zeros_like(normal), np.zeros(normal.shape, dtype=np.bool_))
-    return _masked(impulse, rectangle_contact, contact_tolerance, edge_action)
+    return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
 
 
 def pfeiffer_glocker_impulse(
@@ -359,7 +359,7 @@ def pfeiffer_glocker_impulse(
         friction=friction,
         restitution=restitution,
     )
-    return _masked(impulse, rectangle_contact, contact_tolerance, edge_action)
+    return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
 
 
 def moreau_impulse(
@@ -385,4 +385,4 @@ def moreau_impulse(
         friction=friction,
         restitution=restitution,
     )
-    return _masked(impulse, rectangle_contact, contact_tolerance, edge_action)
+    return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)

@@ -27,7 +27,7 @@ class TumblingRectangle(NamedTuple):
     height: ArrayLike
 
     def body(self) -> Body:
-        """Return the numbers of its motion (theory 2.1)."""
+        """Return half diagonal, inertia ratio and corner angle in the plane (theory 2.1)."""
         h, b = (np.asarray(side, dtype=float) for side in self)
         return Body(
             rectangle_isolated.half_diagonal(height=b, length=h),
@@ -47,7 +47,7 @@ class TumblingCylinder(NamedTuple):
     diameter: ArrayLike
 
     def body(self) -> Body:
-        """Return the numbers of its motion (theory 6)."""
+        """Return half diagonal, inertia ratio and corner angle in the plane (theory 6)."""
         h, d = (np.asarray(side, dtype=float) for side in self)
         direction = cylinder_isolated.corner_direction(diameter=d, length=h)
         return Body(
@@ -64,7 +64,7 @@ class Ball(NamedTuple):
     radius: ArrayLike
 
     def body(self) -> Body:
-        """Return the numbers of its motion; m R^2/I = 5/2."""
+        """Return the radius of the ball and its inertia ratio m R^2/I = 5/2; it has no corners."""
         radius = np.asarray(self.radius, dtype=float)
         return Body(radius, np.full((), 2.5), np.full((), np.pi / 2), np.zeros(()))
 

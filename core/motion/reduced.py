@@ -40,7 +40,10 @@ class ReducedSimulation(Reduced, Simulation):
         return {**told, "accuracy": accuracy(plan)}
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """As in `Reduced`: the cells are followed each by itself."""
+        """Return how verified cells came out, as attributes of the result; empty if none was asked.
+
+        Some cells of the grid are chosen, and each is followed by itself with another method.
+        """
         if self.study.verify is None:
             return {}
         places, count = chosen_positions(self)

@@ -168,11 +168,12 @@ def step_speeds(wave: Wave, axis: int) -> Array:
 
 
 def largest(wave: Wave, axis: int, of: str) -> Array:
-    """Return the largest value over a period of a key of `COURSES`, to rounding.
+    """Return the largest value over a period of a quantity of the drive, shape (cells,).
 
-    Exact as every extreme is looked at: of sines those where the derivative, a polynomial in
-    exp(i tau), is 0; of steps their ends, and where the track turns between them. Not so of a wave
-    that has both.
+    `of` names the quantity: a key of `COURSES`, such as ``"push"`` or ``"speed"``. Every extreme is
+    looked at, so the value is exact to rounding: of sines those where the derivative, a polynomial
+    in exp(i tau), is 0; of steps their ends, and where the track turns between them. A wave of both
+    sines and steps has extremes that are not looked at.
     """
     function, _ = COURSES[of]
     best = np.full(wave.cells, -np.inf)

@@ -288,13 +288,18 @@ def _doubled(parameters: Collection[str]) -> list[Problem]:
     return problems
 
 
-def _missing(scene: Scene, name: str, user: str) -> Problem:
+def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
+    """Return the problem of a parameter that a study lacks: what needs it, and an example to add.
+
+    A parameter has the name that studies have for it. A quantity that users do not know, such as a
+    bundle of several, is not named as what needs it.
+    """
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
-    inner = user not in QUANTITIES or QUANTITIES[user].bundle  # no word of those that users know
+    is_inner = needed_by not in QUANTITIES or QUANTITIES[needed_by].bundle
     needed = f"{scene.name} needs it"
-    if not inner:
-        needed = f"{user.replace('_', ' ')} of {needed}"
+    if not is_inner:
+        needed = f"{needed_by.replace('_', ' ')} of {needed}"
     example = quantity.examples[0] if quantity.unit == "1" else f'"{quantity.examples[0]}"'
     return Problem(
         f"parameters.{written}",

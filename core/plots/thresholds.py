@@ -76,7 +76,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     style, units, axes, at = options.style, options.units, options.axes, options.at
     nearest = options.nearest
     if axes is not None and len(axes) != 1:
-        raise PlotError("axes", "thresholds are marked along one axis", "Write, say, amplitude")
+        raise PlotError(
+            "axes", f"a plot of thresholds takes one axis, not {len(axes)}", "Write, say, amplitude"
+        )
     variable = options.variable or (SPEED if SPEED in dataset.data_vars else None)
     selection = select(dataset, variable, axes, at, "line", units, nearest=nearest)
     if selection.categories:

@@ -100,7 +100,9 @@ def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
             fix = f"It depends on {', '.join(needed)}" if needed else "Leave the level out"
             yield Problem(path, message, fix)
         elif grid.shape[level.along] == 1:
-            yield Problem(path, f"{level.along} has one value only", "Give it two or more")
+            yield Problem(
+                path, f"{level.along} has one value only", f"Give {level.along} two values or more"
+            )
 
 
 def _no_axis(

@@ -27,7 +27,15 @@ State = dict[str, NDArray[Any]]
 
 
 def merged(first: State, second: State) -> State:
-    """Return the state after the cells of two states, in whatever order they were seen."""
+    """Return the state of two sets of cells together: counts, extremes, sums and histograms.
+
+    The kinds of arrays are those of `State`; the order of the two does not matter.
+
+    Raises
+    ------
+    ValueError
+        Of quantiles, for which all cells have to be seen at once.
+    """
     result: State = {}
     for name in first:
         of, _, kind = name.rpartition(".")

@@ -74,7 +74,9 @@ class Shards(Parts):
         finally:
             growing.close()
         if target.left:
-            raise StoppedError("it was stopped before all shards of the part were written")
+            raise StoppedError(
+                "it was stopped before this part of the sweep was written; run it again"
+            )
         return {}, growing.digests
 
     def _joined(self, watch: Watch, history: str | None) -> Table:

@@ -177,8 +177,11 @@ class ReferenceRun:
         """True if the part has been on its way to the wall for so many periods."""
         return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
 
-    def compared(self, state: Array) -> Array:
-        """Return the state with the slip of a cylinder in place of its speed across."""
+    def comparable(self, state: Array) -> Array:
+        """Return a state as two are compared to see whether the motion repeats.
+
+        A cylinder that rolls has its slip in place of its speed across.
+        """
         if self.laws.contacts.rolling and not self.laws.contacts.wall:
             state = state.copy()
             state[UY] += state[SPIN]
@@ -190,7 +193,7 @@ class ReferenceRun:
         first = last - multiple
         if first < self.plain_since:
             return None
-        return self.compared(self.after[last - 1]) - self.compared(self.before[first])
+        return self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
 
     def distance(self, multiple: int, indices: list[int], back: int = 0) -> float:
         """Return the distance of the state from coming back, as a share of the drive's size."""
@@ -284,7 +287,7 @@ class ReferenceRun:
         growth = self.measured(multiple)
         start = self.part.state
         if growth.attracts:
-            off = self.compared(self.after[-1]) - self.compared(self.before[-multiple])
+            off = self.comparable(self.after[-1]) - self.comparable(self.before[-multiple])
             state = start.copy()
             state[growth.indices] += growth.lasting(growth.map @ off[growth.indices])
             if self.comes_back(state, multiple, growth.indices, 0.5 * np.abs(off)):
@@ -308,7 +311,7 @@ class ReferenceRun:
             part = self.followed(state, self.flags[-multiple], multiple, USUAL)
         except FailedError:
             return False
-        off = np.abs(self.compared(part.state) - self.compared(state))
+        off = np.abs(self.comparable(part.state) - self.comparable(state))
         return float(off[indices].max(initial=0.0)) <= float(within[indices].max(initial=0.0))
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
@@ -338,7 +341,7 @@ class ReferenceRun:
             except FailedError:
                 growth[:, column] = math.nan
                 continue
-            change = self.compared(part.state) - self.compared(end)
+            change = self.comparable(part.state) - self.comparable(end)
             growth[:, column] = change[indices] / size
             travel[column] = (part.state[X] - end[X]) / size
         return Growth(indices, growth, travel)
@@ -361,9 +364,9 @@ class ReferenceRun:
             self.lingers = self.lingers or growth.radius < 2.0
             return math.nan, math.inf
         start, flags = self.before[-multiple], self.flags[-multiple]
-        end = self.compared(self.after[-1])
-        finer = self.compared(self.followed(start, flags, multiple, FINER).state)
-        left = (end - self.compared(start))[growth.indices]
+        end = self.comparable(self.after[-1])
+        finer = self.comparable(self.followed(start, flags, multiple, FINER).state)
+        left = (end - self.comparable(start))[growth.indices]
         shift = (finer - end)[growth.indices]
         # Without friction nothing dies out: what went wrong in every period so far stays.
         weights = growth.travel * len(self.after) if self.slides_free else growth.weights()

@@ -133,7 +133,11 @@ def solve(
 def _slip(
     laws: ReferenceLaws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
 ) -> Slip | None:
-    """Return the slip at the nodes."""
+    """Return the slip at the nodes of an integration step; None if it cannot be found.
+
+    The slip keeps its direction if nothing turns it by more than `STRAIGHT`, else it turns. If the
+    part `begins` to slip in this step, its direction is that of the push.
+    """
     first, second = laws.slip(mode, state)
     size = math.hypot(first, second)
     if begins:
