@@ -11,7 +11,7 @@ from playwright.sync_api import Route, expect
 
 from app.jobs.keys import new_key
 from services import services
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_for
 
 KEY, HASH = new_key()
 MOTION = (
@@ -138,9 +138,12 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
     shown(page)
     expect(lines.first).to_contain_text("something else is looked at")
     expect(page.locator("#notice")).to_be_empty()
+
     # The motion at the one point is another matter: it is computed to its end.
-    maps = [job for job in asked(service, "/jobs")["jobs"] if job["cells"] > 1]
-    assert {job["status"] for job in maps} == {"dismissed"}
+    def statuses() -> set[str]:
+        return {job["status"] for job in asked(service, "/jobs")["jobs"] if job["cells"] > 1}
+
+    wait_for(lambda: statuses() == {"dismissed"})
 
 
 def test_a_service_that_starts_again_is_waited_for(page, service, browser):
