@@ -41,7 +41,10 @@ VIEWS = {
 }
 
 
-@pytest.fixture(scope="module", params=["without keys", "with keys"])
+# By day with keys: what asks no service, and so has none, is run by other tests as well.
+@pytest.fixture(
+    scope="module", params=["with keys", pytest.param("without keys", marks=pytest.mark.night)]
+)
 def service(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Service]:
