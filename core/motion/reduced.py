@@ -40,7 +40,7 @@ class ReducedSimulation(Reduced, Simulation):
         return {**told, "accuracy": accuracy(plan)}
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return how verified cells came out, as attributes of the result; empty if none was asked.
+        """Return attributes of the result about verified cells; empty if none are asked for.
 
         Some cells of the grid are chosen, and each is followed by itself with another method.
         """

@@ -8,8 +8,7 @@ import { givenValues } from "./view.js";
 
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
-const BETWEEN = { sweep: 3, simulate: 4 }; // parts that neighbours are asked for at, along borders
-const QUICK = 0.4; // s of a map, whose borders take some times as long to find
+const BETWEEN = 3; // parts between neighbours, at which regimes are asked for along borders
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const LINE = 201;
 const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
@@ -147,28 +146,25 @@ export class Source {
       this.next = Math.max(COARSE, Math.min(FINE.simulate, next));
       this.fineness = num;
     }
-    return { ...fromDataset(dataset, view), seconds };
+    return fromDataset(dataset, view);
   }
 
-  // Regimes between the cells of a map, along each axis: where borders lie. Null where there are none, or
-  // where the map itself took long.
+  // Regimes between the cells of a map of closed forms, along each axis: where borders lie. Null where there
+  // are none, and of motion: its cells may take so long that the service makes a job of them.
   /** @param {View} view @param {any} found @param {{signal?: AbortSignal}} how */
   async between(view, found, { signal } = {}) {
-    if (!found.regime || !found.y || found.seconds > QUICK) return null;
+    if (view.kind !== "sweep" || !found.regime || !found.y) return null;
     const counts = [found.x, found.y].map(({ values }) => values.length);
-    const times = BETWEEN[view.kind];
+    const axes = [view.x.name, view.y.name];
     const asked = async (finer) => {
       const study = studyOf(view);
       [view.x, view.y].forEach((axis, k) => {
-        study.parameters[axis.name] = span(axis, k === finer ? (counts[k] - 1) * times + 1 : counts[k]);
+        study.parameters[axis.name] = span(axis, k === finer ? (counts[k] - 1) * BETWEEN + 1 : counts[k]);
       });
-      const one =
-        view.kind === "sweep"
-          ? fromSlice(await slice(await this.posted(study, signal), view.output, [view.x.name, view.y.name], {}, signal), view)
-          : fromDataset((await carryOut("simulate", study, { signal })).dataset, view);
-      return one.regime.at;
+      const id = await this.posted(study, signal);
+      return fromSlice(await slice(id, view.output, axes, {}, signal), view).regime.at;
     };
-    return { times, across: await asked(0), up: await asked(1) };
+    return { times: BETWEEN, across: await asked(0), up: await asked(1) };
   }
 
   // Whether a finer map would be worth while: the first one may have waited for code to be loaded.
