@@ -75,6 +75,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
         if (lacking := traces.fault()) is not None:
             logger.warning(lacking)
+        process_pool.open()
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(admission, stopping))

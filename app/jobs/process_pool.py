@@ -56,12 +56,15 @@ class ProcessPool:
     def __init__(self, most: int, modules: tuple[str, ...]):
         self._context = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(list(modules))
-        for name, value in ENVIRONMENT.items():
-            os.environ.setdefault(name, value)
-        forkserver.ensure_running()  # before others who fork from it name what they need
         self._threads = ThreadPoolExecutor(most, thread_name_prefix="process-pool")
         self._idle: list[_Process] = []
         self._is_closed = False
+
+    def open(self) -> None:
+        """Start the server that processes are forked from, before others who fork from it do."""
+        for name, value in ENVIRONMENT.items():
+            os.environ.setdefault(name, value)
+        forkserver.ensure_running()
 
     async def start(self) -> None:
         """Have a process ready before the first call."""

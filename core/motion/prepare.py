@@ -126,8 +126,8 @@ def price_of(
     ]
     loaded = any(equation.gives == "part_load" for equation in plan.equations)
     likely, most = (
-        (rounds + sum(along)) * equation + (price_of_load(equation) if loaded else 0.0)
-        for equation in (likely, most)
+        (rounds + sum(along)) * seconds + (price_of_load(seconds) if loaded else 0.0)
+        for seconds in (likely, most)
     )
     return likely * pace(), most * pace()
 
