@@ -124,14 +124,14 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
 def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
     """Return an answer to every question that belongs; report every wrong option, and exit."""
     answers: dict[str, str] = {}
-    problems, doubts = [], []
+    problems, warnings = [], []
     for question in QUESTIONS:
         if question.name in answers or not question.belongs(answers):
             continue
         if question.name in options:
             try:
                 answers[question.name] = question.read(options[question.name])
-                doubts.append(question.unusual_question(answers[question.name]))
+                warnings.append(question.warning(answers[question.name]))
             except UnitError as error:
                 problems.append(Problem(_flag(question.name), error.message, error.fix))
                 if question.choices:  # the others cannot be judged without it
@@ -146,8 +146,8 @@ def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
         ]
     if problems:
         refuse({Path("new"): problems})
-    for unusual_question in filter(None, doubts):
-        typer.echo(unusual_question, err=True)
+    for warning in filter(None, warnings):
+        typer.echo(warning, err=True)
     return answers
 
 
@@ -166,10 +166,10 @@ def _ask(question: Question) -> str:
         except UnitError as error:
             typer.echo(f"  {error}{'' if error.fix.endswith('?') else '.'}", err=True)
             continue
-        unusual_question = question.unusual_question(text)
-        if not unusual_question or typed == before:
+        warning = question.warning(text)
+        if not warning or typed == before:
             return text
-        typer.echo(f"  {unusual_question}", err=True)
+        typer.echo(f"  {warning}", err=True)
         before = typed
 
 

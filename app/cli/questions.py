@@ -77,7 +77,7 @@ class Question:
         read_number(self.parameter, QUANTITIES[self.parameter], typed(text))
         return text
 
-    def unusual_question(self, text: str) -> str:
+    def warning(self, text: str) -> str:
         """Return the line that asks whether an unusual number is meant; empty if it is usual."""
         return " ".join(questions({"parameters": {self.parameter: typed(text)}}))
 

@@ -33,7 +33,6 @@ from core.motion.kernels.rows.tables import (
     Whole,
     drive_of,
     row_at,
-    row_of,
 )
 from core.motion.kernels.rows.wave import waved_of
 from core.motion.kernels.statuses import STATUS
@@ -294,7 +293,8 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
     """Fill the table of cells, each a row, under a sine or steps along the track."""
     for number in range(cells.shape[0]):
         cell = cells[number]
-        found = follow(drive_of(cell), row_of(cell), cell, table[number], stop)
+        drive = drive_of(cell)
+        found = follow(drive, row_at(cell, backward_speed(drive)), cell, table[number], stop)
         if raised(stop):
             return
         status[number] = found
@@ -306,8 +306,7 @@ def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) 
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = waved_of(cell)
-        row = row_at(cell, backward_speed(drive))
-        found = follow(drive, row, cell, table[number], stop)
+        found = follow(drive, row_at(cell, backward_speed(drive)), cell, table[number], stop)
         if raised(stop):
             return
         status[number] = found
@@ -320,22 +319,19 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
     The gap to a stop, if there is one, is the last. Where a period has more than `MAX_EVENTS`, what
     comes after has no value.
     """
-    path_under(drive_of(cell), row_of(cell), cell[4], phases, places, gaps)
+    path_under(drive_of(cell), cell, phases, places, gaps)
 
 
 @compiled
 def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Do what `path_of_row` does, under any wave."""
-    drive = waved_of(cell)
-    row = row_at(cell, backward_speed(drive))
-    path_under(drive, row, cell[4], phases, places, gaps)
+    path_under(waved_of(cell), cell, phases, places, gaps)
 
 
 @compiled
-def path_under(
-    drive: Driven, row: Row, restitution: float, phases: Floats, places: Floats, gaps: Floats
-) -> None:
-    """Write the path of a row under its drive."""
+def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
+    """Write the path of the row of a cell under its drive."""
+    row, restitution = row_at(cell, backward_speed(drive)), cell[4]
     air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0
     places[:], gaps[:] = math.nan, math.nan
