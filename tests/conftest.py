@@ -31,23 +31,39 @@ def name_of(node: str) -> str:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark tests by place and duration, leave out the night's, begin with the longest files."""
-    whole: dict[Path, float] = {}
-    for item in items:
-        seconds = DURATIONS.get(name_of(item.nodeid), 0.0)
-        whole.setdefault(item.path, 0.0)
-        if item.path.relative_to(HERE).parts[0] in ("service", "browser", "packaging"):
-            item.add_marker(pytest.mark.service)
-        if seconds >= SLOW:
-            item.add_marker(pytest.mark.slow)
-    for name, seconds in DURATIONS.items():
-        path = HERE / name.partition("::")[0]
-        if path in whole:
-            whole[path] += seconds
     if not NIGHT:
-        left = [item for item in items if item.get_closest_marker("night")]
-        config.hook.pytest_deselected(items=left)
-        items[:] = [item for item in items if not item.get_closest_marker("night")]
+        night = {item for item in items if item.get_closest_marker("night")}
+        night |= set(cases_of_the_night([item for item in items if item not in night]))
+        config.hook.pytest_deselected(items=[item for item in items if item in night])
+        items[:] = [item for item in items if item not in night]
+    whole: dict[Path, float] = dict.fromkeys((item.path for item in items), 0.0)
+    for name, cases in by_name(items).items():
+        seconds = DURATIONS.get(name, 0.0)
+        whole[cases[0].path] += seconds
+        for item in cases:
+            if item.path.relative_to(HERE).parts[0] in ("service", "browser", "packaging"):
+                item.add_marker(pytest.mark.service)
+            if seconds >= SLOW:
+                item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: -whole[item.path])
+
+
+def by_name(items: list[pytest.Item]) -> dict[str, list[pytest.Item]]:
+    """Group cases by their test."""
+    groups: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        groups.setdefault(name_of(item.nodeid), []).append(item)
+    return groups
+
+
+def cases_of_the_night(items: list[pytest.Item]) -> Iterator[pytest.Item]:
+    """Yield what `by_day(n)` leaves to the night: all but n cases, evenly spread, of a test."""
+    for cases in by_name(items).values():
+        mark = cases[0].get_closest_marker("by_day")
+        if mark:
+            (day,) = mark.args
+            kept = {round(k * len(cases) / day) for k in range(day)}
+            yield from (item for k, item in enumerate(cases) if k not in kept)
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
+import pytest
+
 from benchmarks import page_pictures
 
 PAGE = (Path(__file__).parents[2] / "docs" / "page.md").read_text()
@@ -14,6 +16,7 @@ def size_of(png):
     return struct.unpack(">II", png[16:24])
 
 
+@pytest.mark.night
 def test_each_state_is_reached_and_fits_a_desk_and_a_phone(page, address):
     assert len(page_pictures.STATES) == 8
     for state in page_pictures.STATES:

@@ -43,6 +43,7 @@ def test_the_page_is_that_of_the_program():
     assert all(picture.judged.endswith(".") for picture in GALLERY)
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("picture", GALLERY, ids=lambda picture: picture.file)
 def test_every_study_runs_and_every_picture_can_be_read(picture: Picture):
     datasets = [carried_out(name) for name in picture.studies]

@@ -14,6 +14,7 @@ import pytest
 from core.kernel_cache import root
 
 ROOT = Path(__file__).parents[2]
+GUIDES = sorted((ROOT / "docs").glob("adding-a*.md"))
 HEADING = re.compile(r"^## The (?:file|line|test|example): `([^`]+)`$", re.MULTILINE)
 BLOCK = re.compile(r"^```(python|diff|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -76,6 +77,11 @@ def test_a_diff_is_applied_where_its_lines_stand() -> None:
             changed(text, " a\n+x\n")
 
 
+@pytest.mark.parametrize("page", GUIDES, ids=[page.stem for page in GUIDES])
+def test_its_lines_stand_where_the_page_says(tree: Path, page: Path) -> None:
+    assert carry_out(page.read_text(encoding="utf-8"), tree)
+
+
 def test_adding_a_scene(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-scene.md").read_text(encoding="utf-8")
     test = "tests/unit_core/scenes/test_ball_on_plane.py"
@@ -102,6 +108,7 @@ def test_adding_a_scene(tree: Path) -> None:
     assert "ball-on-plane" in run(tree, "-m", "vibrafeed", "scenes")
 
 
+@pytest.mark.night
 def test_adding_a_method(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-method.md").read_text(encoding="utf-8")
     test = "tests/unit_core/motion/test_midpoint.py"
@@ -140,6 +147,7 @@ def test_adding_a_method(tree: Path) -> None:
     assert "method midpoint" in said
 
 
+@pytest.mark.night
 def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
     page = (ROOT / "docs" / "adding-a-kind.md").read_text(encoding="utf-8")
     test = "tests/unit_core/test_mean.py"

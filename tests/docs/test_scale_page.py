@@ -49,6 +49,7 @@ def test_the_array_of_the_script_is_all_parts() -> None:
     assert (first, last + 1) == (0, count)
 
 
+@pytest.mark.night
 @pytest.mark.service
 def test_an_array_of_jobs_and_their_joining(tmp_path: Path) -> None:
     study = tomllib.loads(blocks(REDUCE, "toml")[0])

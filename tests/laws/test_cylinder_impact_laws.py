@@ -121,6 +121,7 @@ def energy_in_space(at: dict, end: str) -> np.ndarray:
 
 @pytest.mark.parametrize("law", LAWS)
 class TestCylinders:
+    @pytest.mark.by_day(1)
     def test_every_one_is_an_impact_at_a_point(self, law):
         at = of_cylinders(law)
         assert np.all(where(at, "impact", "impact_stick", "impact_slip"))
@@ -190,6 +191,7 @@ class TestCylinders:
         assert np.all(np.abs(before - after - at["energy_lost"]) <= CLOSE * before)
         assert np.all(at["energy_lost"] >= -CLOSE * before)
 
+    @pytest.mark.by_day(1)
     def test_swapping_mirroring_and_turning_change_nothing(self, law):
         at, points = of_cylinders(law), cylinders()
         other = swapped(evaluate("cylinder-pair-impact", law, swapped(points)))

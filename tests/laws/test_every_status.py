@@ -52,6 +52,7 @@ def of(family: str) -> Judged:
     return judged(groups_of(family), max_periods=MOST, periods=PERIODS)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_bound_holds_the_mean_of_the_course(family):
     found = of(family)

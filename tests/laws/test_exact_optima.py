@@ -330,6 +330,7 @@ def test_no_point_of_a_search_beats_the_weighted_optimum(floor):
     assert np.all(near.min(axis=1) <= RIGHT / 300)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("given", [PLANE, CLIMBING], ids=["any", "near the limit"])
 @pytest.mark.parametrize(
     ("part", "function"),
@@ -377,6 +378,7 @@ def test_a_horizontal_or_falling_block_has_no_trade_off():
     np.testing.assert_array_equal(found.beta[moves], np.minimum(np.arctan(MU), lift_off)[moves])
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("variant", ["thesis", "derived"])
 @pytest.mark.parametrize("contact", [True, False])
 def test_no_point_of_a_search_beats_the_track(variant, contact):

@@ -67,6 +67,7 @@ def by_night(case: Case) -> tuple[pytest.MarkDecorator, ...]:
     return (pytest.mark.night,) if is_easier or case.id.startswith("regularised-BDF") else ()
 
 
+@pytest.mark.by_day(75)
 @pytest.mark.parametrize(
     "case", [pytest.param(case, marks=by_night(case), id=case.id) for case in HARD_CASES]
 )

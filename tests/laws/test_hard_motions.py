@@ -203,6 +203,7 @@ def test_modes_share_out_the_mass_of_the_posterior(friction, share):
     assert sum(modes.values()) == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.night
 def test_runs_that_contradict_each_other_have_an_interval_around_the_best():
     """Errors are 300 times too small; the interval was 0.31039 to 0.31039, the best 0.28586."""
     study, _ = calibration([0.2, 0.575], [2e-4, 1.5e-4], 1e-6, beta=20)

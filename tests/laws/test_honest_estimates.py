@@ -22,6 +22,7 @@ from core.motion.result import STATUS
 STUDIES = {"stepping": 800, "spatial": 800, "events": 800, "chaos": 300}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_true_error_is_seldom_larger_than_the_stated_one(name: str) -> None:
     for row in ESTIMATES[name][0](STUDIES[name]):

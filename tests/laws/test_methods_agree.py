@@ -67,6 +67,7 @@ def part(pick, scene):
     return found
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("drive", [sine, harmonics, steps])
 @pytest.mark.parametrize("scene", SCENES)
 def test_methods_agree_within_both_errors(scene, drive):

@@ -231,6 +231,7 @@ def test_the_physical_track_with_each_contact_at_its_limit():
             assert (moves & (at_wall == wall) & (at_floor == floor)).sum() > 5, (wall, floor)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
 def test_the_physical_plane_has_no_trade_off(scene):
     falling = sorted(-abs(angle) for angle in GAMMA)

@@ -185,6 +185,7 @@ def closes(found: Course, multiple: float) -> tuple[float, float] | None:
     return mean, abs(back[event]) + abs(found.slip[-1] - found.slip[event])
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("wave", [False, True])
 def test_the_mean_is_that_of_the_course_from_rest(wave):
     """`periodic`: one more cycle closes, with that mean. Else: the mean of a long course."""

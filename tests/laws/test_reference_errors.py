@@ -142,6 +142,7 @@ def test_what_was_not_shown_to_repeat_has_an_error(name: str, max_periods: int) 
     assert found.status != STATUS["aperiodic"] or float(found.error) > 1e-6
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("multiple", [2, 3, 7, 16])
 def test_multiples(multiple: int) -> None:
     groups = random_groups(3000, 21, throw=(2.5, 4.5), most_restitution=0.4)

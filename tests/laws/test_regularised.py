@@ -100,6 +100,7 @@ def test_the_estimate_covers_the_error_without_exaggeration(name):
     assert 1.2 * SAFETY * error <= found.error <= 3.3 * SAFETY * error
 
 
+@pytest.mark.night
 @pytest.mark.parametrize(
     # LSODA may stay with its explicit formula after a landing.
     ("name", "solvers"),
@@ -115,6 +116,7 @@ def test_integrators_agree(name, solvers):
             assert getattr(other, field) == pytest.approx(first, abs=1e-3), field
 
 
+@pytest.mark.night
 def test_flight_and_landing_of_a_hop():
     """The hop at a throw number of 1.2."""
     given = {**GROUPS["hop on a climb"], "gravity_number_along": 0.0, "gravity_number_normal": 1.0}

@@ -53,6 +53,7 @@ def drive_of(groups: Groups) -> np.ndarray:
     )
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("contacts", "curved"),
     [(PLANE, False), (TRACK, False), (TRACK, True), (CYLINDER, False)],

@@ -118,6 +118,7 @@ def test_a_rocking_block_loses_what_housner_says(law):
     assert np.all(np.sign(path.pitch[path.touching[:, 0] & ~path.touching[:, 1]]) >= 0)
 
 
+@pytest.mark.night
 def test_stepping_rocks_like_housner():
     # First order: sqrt(R/g) = 0.1 s, step 1e-5 s, some ten times 1e-4 in the energy of a swing.
     times = np.linspace(0, 1, 1001)

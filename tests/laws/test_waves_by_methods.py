@@ -385,6 +385,7 @@ def disagree(groups: Groups, contacts: Contacts) -> tuple[float, Motion, Motion]
     return abs(float(exact.velocity - stepped.velocity)) / max(stated, 1e-300), exact, stepped
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("contacts", "across", "seeds"),
     [
@@ -444,6 +445,7 @@ def stiff(groups: Groups) -> Motion:
     )  # fmt: skip
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     "wave",
     [

@@ -187,6 +187,7 @@ def test_other_packages_of_these_names_are_told_of_in_one_sentence(place):
     assert "its name is 'core'" in place.run("-c", "import vibrafeed.core", wrong=True)
 
 
+@pytest.mark.night
 def test_what_another_distribution_took_away_is_not_missed(installed):
     assert not (installed.packages / "core").exists()
     study = {**POINT, "method": "reference"}  # which compiles nothing
@@ -198,6 +199,7 @@ def test_what_another_distribution_took_away_is_not_missed(installed):
     )
 
 
+@pytest.mark.night
 def test_a_wheel_lives_beside_a_core_and_an_app_of_the_user(installed):
     """In one process: a sweep, a motion, a picture and the service, and packages of these names."""
     lines = installed.run(
@@ -268,6 +270,7 @@ def test_an_import_that_would_bind_another_name_is_refused():
         rewritten("import core.plan", ROOT)
 
 
+@pytest.mark.night
 def test_studies_go_to_processes_however_they_are_started(installed):
     script = installed.folder / "processes.py"
     script.write_text(f"""

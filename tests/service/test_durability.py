@@ -164,6 +164,7 @@ def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgre
         assert content == expected(study, tmp_path / "whole.nc")
 
 
+@pytest.mark.night
 def test_a_block_that_is_done_is_not_computed_again(tmp_path):
     study = simulation(0)
     with serving(tmp_path, **QUICK) as server:
@@ -185,6 +186,7 @@ def test_a_block_that_is_done_is_not_computed_again(tmp_path):
         assert server.waited(number, is_untouched)["status"] == "successful"
 
 
+@pytest.mark.night
 def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
     """SIGTERM gives leases back: the next server need not wait for them to run out."""
     patient = {**QUICK, "lease_seconds": 600}
@@ -198,6 +200,7 @@ def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
         assert server.finished(number)["status"] == "successful"
 
 
+@pytest.mark.night
 def test_a_dismissed_job_stops(tmp_path):
     with serving(tmp_path, **QUICK) as server:
         numbers = [server.post(simulation(number)) for number in range(2)]
@@ -334,6 +337,7 @@ def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(tmp_path):
         assert server.finished(server.post(fourth))["status"] == "successful"
 
 
+@pytest.mark.night
 def test_a_start_on_a_full_or_read_only_disk_is_refused_in_one_line(tmp_path):
     data = tmp_path / "data"
 

@@ -110,6 +110,7 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
         assert path.stat().st_mode & 0o077 == 0, path
 
 
+@pytest.mark.night
 def test_only_keys_of_the_group_are_served(server: Server) -> None:
     number = server.post(STUDY)
     server.waited(number, lambda job: job["progress"] >= 5)

@@ -15,6 +15,7 @@ import urllib.parse
 import urllib.request
 from pathlib import Path
 
+import pytest
 import yaml
 from dockerfile_parse import DockerfileParser
 
@@ -157,6 +158,7 @@ def test_backup_and_restore(serve, tmp_path):
     assert ask(service.address, "/processes/sweep/execution", SWEEP)["status"] == "successful"
 
 
+@pytest.mark.night
 def test_data_of_an_earlier_commit_are_served_and_its_work_goes_on(serve):
     service = serve(workers=1, retention_days=1_000_000)
     service.stop()

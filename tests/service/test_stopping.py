@@ -158,6 +158,7 @@ server.serve_until_stopped(create_app(settings), settings, "127.0.0.1", int(sys.
 """
 
 
+@pytest.mark.night
 def test_what_hangs_is_cut_short(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]

@@ -135,6 +135,7 @@ def test_numbas_own_cache_keeps_the_old_callee(tmp_path):
     assert ask(package, cache) == (4.0, 1)
 
 
+@pytest.mark.night
 def test_other_packages_stay_compiled(tmp_path):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     assert ask(package, cache, "other.kernels.lone") == (0.0, 0)
@@ -144,6 +145,7 @@ def test_other_packages_stay_compiled(tmp_path):
     assert ask(package, cache) == (12.0, 0)
 
 
+@pytest.mark.night
 def test_a_flag_with_another_value_is_seen_where_it_is_known(tmp_path):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     ask(package, cache)
@@ -171,6 +173,7 @@ def test_how_code_is_kept_opens_none(tmp_path, name):
     assert ask(package, cache) == (4.0, 1)
 
 
+@pytest.mark.night
 def test_several_processes_at_once_find_whole_code(tmp_path):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     running = [start(package, cache) for _ in range(4)]
@@ -178,6 +181,7 @@ def test_several_processes_at_once_find_whole_code(tmp_path):
     assert ask(package, cache) == (4.0, 1)
 
 
+@pytest.mark.night
 @pytest.mark.parametrize(
     "setting", first_by_day([{"NUMBA_CPU_NAME": "generic"}, {"NUMBA_BOUNDSCHECK": "1"}])
 )
@@ -275,6 +279,7 @@ print(stopwatch.spent)
 """
 
 
+@pytest.mark.night
 def test_after_an_edit_of_a_tumbling_kernel_a_planar_simulation_compiles_nothing(tree):
     """Nor does it in another clone."""
     from core.warm import FIRST, carry_out

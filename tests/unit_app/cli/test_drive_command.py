@@ -53,6 +53,7 @@ def test_the_toml_is_the_parameters_of_a_study(tmp_path):
         assert values[name].value == pytest.approx(number, rel=1e-3), name
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
 def test_a_picture_is_drawn(kind, tmp_path):
     target = tmp_path / f"fit.{kind}"

@@ -72,6 +72,7 @@ def read(path: Path, name: str) -> np.ndarray:
     return table[name].to_numpy()
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("kind", "name"),
     [

@@ -98,6 +98,7 @@ def result(path: Path) -> xarray.Dataset:
     return dataset
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("name", "count"), [("motion", 12), ("best", 4), ("tolerances", 3)])
 def test_a_study_that_was_stopped_goes_on_where_it_was(
     name, count, tmp_path, monkeypatch, computed, stop_at

@@ -93,6 +93,7 @@ def comparable(path: Path) -> object:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "options", [["a.nc"], pytest.param(["a.nc", "--plain"], marks=pytest.mark.night), ["a.zarr"]]
 )

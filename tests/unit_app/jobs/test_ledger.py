@@ -264,6 +264,7 @@ def test_of_jobs_that_are_over_so_many_are_kept(ledgers):
     assert {job.id for job in here.jobs(limit=9)} == {active.id, over[3].id, over[4].id}
 
 
+@pytest.mark.by_day(1)
 def test_many_threads_of_two_servers_lose_nothing(ledgers):
     """With a plain BEGIN most of these would fail at once: a read that turns into a write."""
     taken, lock = [], threading.Lock()

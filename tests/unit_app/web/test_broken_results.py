@@ -76,6 +76,7 @@ def assert_mended(client: TestClient, address: str, path: str, before: bytes) ->
 
 @pytest.mark.service
 class TestJob:
+    @pytest.mark.by_day(3)
     @pytest.mark.parametrize("damage", DAMAGE)
     @pytest.mark.parametrize("name", [NETCDF, JSON])
     @pytest.mark.parametrize("method", ["GET", "HEAD"])
@@ -125,6 +126,7 @@ class TestJob:
 class TestGroup:
     LARGE = with_axes(frequency=20, amplitude=20, alpha=20, beta=20)
 
+    @pytest.mark.by_day(2)
     @pytest.mark.parametrize("damage", DAMAGE)
     @pytest.mark.parametrize("what", ["zarr.json", "frequency/c/0", "transport_velocity/c/*/*/*/*"])
     def test_what_a_group_has_is_computed_again(self, client, damage, what):

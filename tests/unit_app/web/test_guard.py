@@ -379,6 +379,7 @@ class TestLimits:
 DEEP = 100_000
 
 
+@pytest.mark.by_day(32)
 @pytest.mark.parametrize("path", POSTS)
 @pytest.mark.parametrize(
     ("body", "words"),

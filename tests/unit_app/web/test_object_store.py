@@ -76,6 +76,7 @@ def keys(bucket: Any) -> set[str]:
     return {one.key.rpartition("/")[2] for one in bucket.objects.all()}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("study", "path"),
     [(STUDY, "dataset"), (LARGE, "zarr/frequency/c/0"), (LARGE, "zarr/zarr.json")],

@@ -130,6 +130,7 @@ def test_a_service_says_when_all_is_compiled(tmp_path):
         wait_for(lambda: is_warm(port))
 
 
+@pytest.mark.night
 def test_a_service_that_stops_compiles_no_more(tmp_path):
     cache = tmp_path / "empty"
     settings = {"VIBRAFEED_WARM_AT_START": "true", "NUMBA_CACHE_DIR": str(cache)}
@@ -224,6 +225,7 @@ def stored(tmp_path, key, content):
     (folder / "manifest.json").write_text(json.dumps(asdict(manifest)))
 
 
+@pytest.mark.night
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_a_download_that_nobody_reads_does_not_hold_the_server_for_ever(tmp_path):
     with server(tmp_path, VIBRAFEED_SHUTDOWN_SECONDS="1") as (process, port, log):

@@ -58,6 +58,7 @@ def test_what_is_left_over_is_noise_and_hum(program, fit):
     np.testing.assert_allclose(rms, expected, rtol=0.05)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("axes", [("along",), ("along", "normal"), ("normal",)])
 def test_fits_of_some_axes_are_drawn(axes, tmp_path):
     figure = draw_fit(fit_signal(signal_of({axis: DRIVE[axis] for axis in axes})))

@@ -71,6 +71,7 @@ class TestMethods:
                 prepared = prepare_content(study(name, method=method, parameters=curved))
                 assert 0 < prepared.seconds_a_cell < 60, (name, method)
 
+    @pytest.mark.by_day(1)
     @pytest.mark.parametrize("method", ["regularised", "regularised-BDF", "regularised-LSODA"])
     def test_every_stiff_solver_agrees_within_its_error(self, method):
         # Sliding, without hops: a second a solver.

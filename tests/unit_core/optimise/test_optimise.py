@@ -108,6 +108,7 @@ def test_a_batch_is_its_single_designs():
                 np.testing.assert_array_equal(same[name], one[name], err_msg=name)
 
 
+@pytest.mark.by_day(6)
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_finds_the_best_elevation(method):
     # alpha given, the limit of no concern: beta = atan(mu) (theory 12.1) needs full azimuth.
@@ -124,6 +125,7 @@ def test_every_method_finds_the_best_elevation(method):
     assert "best_alpha" not in dataset
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("method", "gap"),
     [("shgo", 1e-6), ("direct", 1e-3), ("trust-constr", 1e-3), ("grid", 1e-3)],
@@ -371,6 +373,7 @@ def test_bounds_that_exclude_everything(method):
     assert dataset.attrs["message"].startswith("infeasible: no choice keeps")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("method", ["population", "slsqp", "differential_evolution", "direct"])
 def test_outputs_without_a_value(method):
     # In flight the floor's resultant is nowhere: NaN would end scipy's differential evolution.

@@ -26,6 +26,7 @@ def problems(**changes: Any) -> dict[str, str]:
     return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("count", [3, 4])
 def test_free_switching_times_find_the_fastest_wave(count: int) -> None:
     found = run_study(parse_study(study(variables=steps(count))))
@@ -49,6 +50,7 @@ def test_the_best_phase_of_a_normal_drive() -> None:
     assert abs(at - phases[best.argmax()]) < 0.02
 
 
+@pytest.mark.night
 def test_a_stroke_is_kept() -> None:
     limits = [
         {"output": "stroke_along", "upper": 1e-4},
@@ -60,6 +62,7 @@ def test_a_stroke_is_kept() -> None:
     assert float(found.objective) > 0
 
 
+@pytest.mark.night
 def test_the_robust_wave_does_better_in_the_worst_case() -> None:
     found = run_study(load_study(CONFIGS / "optimise-robust-steps.toml"))
     friction = np.linspace(0.36, 0.44, 201)

@@ -48,6 +48,7 @@ def problems(**change) -> dict[str, str]:
 # --- what a study may say
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
 def test_every_example_has_an_optimum_everywhere(path):
     dataset = run_study(load_study(path))

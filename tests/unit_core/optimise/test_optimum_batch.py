@@ -154,6 +154,7 @@ def objective(problem, alpha, beta):
     return np.where(keeps, value, -np.inf)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "problem", ["plane_thesis", "plane_physical", "track_derived", "track_physical"]
 )

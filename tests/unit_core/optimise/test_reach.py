@@ -58,6 +58,7 @@ def test_an_ellipse_keeps_limits_that_no_line_keeps(ways):
     assert float(held.throw_number) <= 1 + 1e-9
 
 
+@pytest.mark.night
 def test_more_friction_keeps_limits_where_it_does(ways):
     limits = [STUDY["constraints"][0], {"output": "conveying_velocity", "lower": "14 mm/s"}]
     slower = optimise.ways(parse_study({**STUDY, "constraints": limits}))

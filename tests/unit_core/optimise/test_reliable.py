@@ -85,6 +85,7 @@ def simulated(restitution: float) -> tuple[OptimisationProblem, dict, dict]:
     return prepared.problem, design, prepared.problem.scales(design)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("restitution", [0.0, 0.8])
 def test_simulated_velocities_stand(restitution):
     problem, design, scales = simulated(restitution)

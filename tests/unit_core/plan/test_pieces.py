@@ -85,6 +85,7 @@ def file_of(tmp_path_factory):
     return content
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("cells", first_by_day([7, 100, 1, 1000], 2))
 @pytest.mark.parametrize("study", STUDIES)
 def test_pieces_make_the_same_file(study, cells, file_of):

@@ -38,6 +38,7 @@ def drawn(figure):
     return axes, image
 
 
+@pytest.mark.night
 def test_a_robust_landscape_is_that_of_the_worst_case(picture):
     from core.optimise.run import designs_of
     from core.plots.landscape import _computed

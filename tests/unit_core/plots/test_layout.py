@@ -77,6 +77,7 @@ def test_closed_forms(plane: xarray.Dataset, asked: dict[str, object], look: dic
     judge(vibrafeed.plot(plane, **asked, **look))
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
 @pytest.mark.parametrize(
     "asked",

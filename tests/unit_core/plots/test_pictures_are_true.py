@@ -503,6 +503,7 @@ def check_copies(reader: Reader, random: np.random.Generator) -> int:
     return 0
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_drawn_is_what_the_title_says(kind: str):
     compared = drawn = 0

@@ -93,6 +93,7 @@ def named(figure: Figure) -> set[str]:
     return {text.split(" (")[0].replace(" ", "_") for text in legend(figure)}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("kind", ["contour", "surface", "line"])
 def test_every_kind_makes_png_and_svg(file: Path, tmp_path: Path, kind: str):
     targets = [tmp_path / "picture.png", tmp_path / "picture.SVG"]
@@ -112,6 +113,7 @@ def test_every_kind_makes_png_and_svg(file: Path, tmp_path: Path, kind: str):
     ]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("kind", ["contour", "surface", "line"])
 def test_legend_names_the_regimes_that_occur(
     plane: xarray.Dataset, track: xarray.Dataset, kind: str

@@ -58,6 +58,7 @@ def test_no_line_lies_on_another_or_leaves_the_page(dataset):
         assert wide <= 0 or high <= 0.2 * min(one.height, other.height)
 
 
+@pytest.mark.by_day(1)
 def test_the_command_writes_a_pdf_and_replaces_nothing_unasked(dataset, tmp_path):
     file = tmp_path / "nut.nc"
     dataset.to_netcdf(file)

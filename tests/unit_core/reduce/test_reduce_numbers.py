@@ -55,6 +55,7 @@ def mean_of(state: State) -> np.ndarray:
     return finite + state["x.beyond"]
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("values", HARD.values(), ids=HARD)
 def test_sums_of_single_cells_are_exact_however_they_are_joined(values: np.ndarray) -> None:
     """A tile of one cell adds nothing, so that what is left is the exact sum of tiles."""

@@ -66,6 +66,7 @@ CHOICES = [
 ]
 
 
+@pytest.mark.by_day(7)
 @pytest.mark.parametrize("over", CHOICES, ids="-".join)
 def test_statistics_are_those_of_the_stored_sweep(stored: Any, over: tuple[str, ...]) -> None:
     found = tabulate(reduced(over)).to_xarray()
@@ -108,6 +109,7 @@ def test_counts_and_shares_are_those_of_the_stored_sweep(stored: Any, over: Any)
     same(found.share_lies, lies.mean(over))
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("over", [tuple(AXES), ("alpha", "beta"), ("frequency",), ("friction",)])
 def test_no_bit_depends_on_boxes_threads_or_parts(over: tuple[str, ...]) -> None:
     prepared = reduced(over, levels={"fast": LEVEL} if "beta" in over else {})

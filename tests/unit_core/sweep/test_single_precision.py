@@ -40,6 +40,7 @@ def test_values_are_those_in_double_rounded_once(tmp_path):
     assert prepare_content(SINGLE).bytes < 0.6 * prepare_content(STUDY).bytes
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", ["tiles.nc", "tiles.zarr"])
 def test_tiles_and_views_have_the_same_values(tmp_path, monkeypatch, name):
     monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 500)

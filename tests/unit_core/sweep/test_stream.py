@@ -91,6 +91,7 @@ def test_the_file_is_the_one_written_from_memory(sweep, compression, tmp_path):
     assert "double transport_velocity(frequency, amplitude, alpha, beta)" in dump.stdout
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(sweep, name, tmp_path):
     whole, part = tmp_path / f"whole-{name}", tmp_path / name
@@ -113,6 +114,7 @@ def test_without_resume_or_for_another_study_it_begins_anew(sweep, tmp_path):
     assert streamed(other, path, stop_after=4, resume=True, compression=False) == (False, 0)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("damage", ["torn journal", "changed chunk", "lost end", "changed start"])
 def test_what_is_damaged_is_made_again(sweep, damage, tmp_path):
     whole, part = tmp_path / "whole.nc", tmp_path / "a.nc"
