@@ -32,38 +32,36 @@ def in_address(page: Page, name: str) -> float:
     return float(value)
 
 
-@pytest.mark.parametrize("nonsense", ["", "abc", "1e400", "0.3.1", "3 mm", "--"])
-def test_what_is_no_number_changes_nothing(page: Page, address: str, nonsense: str) -> None:
+def test_what_is_no_number_changes_nothing(page: Page, address: str) -> None:
     opened(page, address)
     before, said = page.url, page.locator(".field:has(#value-friction) [role=alert]")
-    typed(page, FRICTION, nonsense)
-    assert page.locator(FRICTION).input_value() == "0.3"
-    assert page.url == before
-    expect(said).to_contain_text("It stays 0.3.")
+    for nonsense in ("", "abc", "1e400", "0.3.1", "3 mm", "--"):
+        typed(page, FRICTION, nonsense)
+        assert page.locator(FRICTION).input_value() == "0.3", nonsense
+        assert page.url == before, nonsense
+        expect(said).to_contain_text("It stays 0.3.")
+        for number in ("0.31", "0.3"):
+            typed(page, FRICTION, number)
+            expect(said).to_be_hidden()
 
 
-@pytest.mark.parametrize(
-    ("field", "name", "text", "value"),
-    [
+def test_numbers_as_people_type_them(page: Page, address: str) -> None:
+    opened(page, address)
+    for field, name, text, value in (
         (FRICTION, "friction", "0,35", 0.35),
         (FRICTION, "friction", "25 %", 0.25),
         ("#value-frequency", "frequency", "3000/60", 50.0),
         ("#value-frequency", "frequency", "3300 rpm", 55.0),
         ("#value-frequency", "frequency", "53,5", 53.5),
-    ],
-)
-def test_numbers_as_people_type_them(
-    page: Page, address: str, field: str, name: str, text: str, value: float
-) -> None:
-    opened(page, address)
-    typed(page, field, "0.31" if name == "friction" else "49")
-    typed(page, field, text)
-    assert in_address(page, name) == pytest.approx(value, rel=1e-12)
-    assert float(page.locator(field).input_value()) == pytest.approx(value, rel=1e-5)
-    slider = page.locator(f".field:has({field}) input[type=range]")
-    spoken = slider.get_attribute("aria-valuetext")
-    assert spoken is not None
-    assert float(re.sub(r"[^\d.]", "", spoken)) == pytest.approx(value, rel=1e-3)
+    ):
+        typed(page, field, "0.31" if name == "friction" else "49")
+        typed(page, field, text)
+        assert in_address(page, name) == pytest.approx(value, rel=1e-12)
+        assert float(page.locator(field).input_value()) == pytest.approx(value, rel=1e-5)
+        slider = page.locator(f".field:has({field}) input[type=range]")
+        spoken = slider.get_attribute("aria-valuetext")
+        assert spoken is not None
+        assert float(re.sub(r"[^\d.]", "", spoken)) == pytest.approx(value, rel=1e-3)
 
 
 def test_arrow_keys_change_the_last_digit(page: Page, address: str) -> None:
