@@ -116,6 +116,8 @@ class ProcessPool:
             else:
                 process.kill()
                 await asyncio.wait({call})  # it finds the end of the process
+                if not call.cancelled():
+                    call.exception()  # is no news
                 process.close()
 
     def close(self) -> None:

@@ -14,6 +14,7 @@ import orjson
 from fastapi import APIRouter, Path, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
+from starlette.requests import ClientDisconnect
 
 from app.jobs.admission import Admission
 from app.jobs.keys import Key
@@ -139,14 +140,24 @@ async def execute(
 async def _reply_or_job(
     request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
 ) -> Response | Job:
-    """Return the dataset of a short study, or the job that it has become."""
+    """Return the dataset of a short study, or the job that it has become.
+
+    Raises
+    ------
+    ClientDisconnect
+        If the client has left, and has not asked for a job in any case: nobody knows of it.
+    """
     wishes = preferences(request.headers.getlist("prefer"))
     async with slot_of(request, len(body)):
         if name != ACCURACY and not wishes.respond_async:
             content = await _dataset_in_time(request, name, body, settings, who)
             if content is not None:
                 return Response(content, media_type=JSON)
-        return await run_in_threadpool(_post, name, body, settings, admission, who)
+        job = await run_in_threadpool(_post, name, body, settings, admission, who)
+        if not wishes.respond_async and await request.is_disconnected():
+            await run_in_threadpool(admission.dismiss, job.id, who)
+            raise ClientDisconnect
+        return job
 
 
 async def _dataset_in_time(

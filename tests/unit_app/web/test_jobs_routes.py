@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from fastapi import Request
 from fastapi.testclient import TestClient
 
 from app.main import create_app
@@ -150,6 +151,28 @@ class TestPrefer:
     def test_a_long_study_is_a_job_without_asking(self, client, running):
         assert running["status"] in ("accepted", "running")
         assert running["cells"] == 100_000
+
+    @pytest.mark.parametrize(("prefer", "state"), [({}, "dismissed"), (ASYNC, "accepted")])
+    def test_a_client_that_leaves_before_it_knows_of_its_job(
+        self, client, running, monkeypatch, prefer, state
+    ):
+        posted = []
+        admission = client.app.state.admission
+        post = admission.post
+
+        async def is_disconnected(request):
+            return bool(posted)
+
+        monkeypatch.setattr(
+            admission, "post", lambda *given: posted.append(post(*given)) or posted[0]
+        )
+        monkeypatch.setattr(Request, "is_disconnected", is_disconnected)
+        reply = client.post("/processes/simulate/execution", json=endless(0.32), headers=prefer)
+        assert reply.is_success == bool(prefer)
+        monkeypatch.undo()
+        address = f"/jobs/{posted[0].id}"
+        assert client.get(address).json()["status"] == state
+        client.delete(address)
 
     def test_a_wrong_study_makes_no_job(self, client):
         before = len(client.get("/jobs").json()["jobs"])
