@@ -268,10 +268,10 @@ function motionStudy(view, scene, values) {
 }
 
 // The course of the one part at a point of the view.
-/** @param {View} view @param {object} scene @param {Point} point @param {{signal?: AbortSignal}} how */
-export async function courseAt(view, scene, point, { signal } = {}) {
+/** @param {View} view @param {object} scene @param {Point} point @param {{signal?: AbortSignal, tell?: (job: any) => void}} how */
+export async function courseAt(view, scene, point, { signal, tell } = {}) {
   const study = { ...motionStudy(view, scene, valuesAt(view, point)), trajectory: 400 };
-  return (await carryOut("simulate", study, { signal })).dataset;
+  return (await carryOut("simulate", study, { signal, tell })).dataset;
 }
 
 // What a part does with these values: {name: value} of some outputs, and its regime.

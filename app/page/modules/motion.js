@@ -3,7 +3,7 @@
 import { Animation } from "./animation.js";
 import { courseAt } from "./computed.js";
 import { courseOf } from "./course.js";
-import { Refusal } from "./service.js";
+import { Refusal, left } from "./service.js";
 import { sentence } from "./words.js";
 
 const DIMMED_AFTER = 100; // ms without the motion of the fields
@@ -16,6 +16,7 @@ export class MotionAtPoint {
     this.onshown = onshown;
     this.next = null; // the view and scene whose motion is wanted
     this.isFollowing = false;
+    this.isJob = false; // the service carries out what is followed as a job
     this.turn = 0;
     /** @type {Animation | null} */
     this.animation = null;
@@ -25,12 +26,15 @@ export class MotionAtPoint {
   begin({ kind, point }) {
     this.turn += 1;
     this.next = null;
+    this.abort?.abort(left());
     this.section.hidden = kind !== "simulate" || !point;
   }
 
-  // Show the motion at the point of a view; of the views meanwhile only the last counts.
+  // Show the motion at the point of a view; of the views meanwhile only the last counts, and one that the
+  // service has made a job of is not waited for.
   async follow(view, scene) {
     this.next = { view, scene };
+    if (this.isJob) this.abort.abort(left());
     if (this.isFollowing) return;
     this.isFollowing = true;
     this.section.setAttribute("aria-busy", "true");
@@ -52,13 +56,20 @@ export class MotionAtPoint {
     this.animation ??= new Animation(this.section);
     const stale = (isStale) => this.section.classList.toggle("stale", isStale);
     const dimming = setTimeout(() => stale(true), DIMMED_AFTER);
+    this.abort = new AbortController();
+    const { signal } = this.abort;
+    const tell = () => {
+      this.isJob = true;
+      if (this.next) this.abort.abort(left());
+    };
     try {
-      const course = courseOf(await this.notice.persist(() => courseAt(view, scene, view.point)));
+      const course = courseOf(await this.notice.persist(() => courseAt(view, scene, view.point, { signal, tell })));
       if (turn !== this.turn) return;
       stale(false);
       this.animation.show(course);
       this.onshown(view, course);
     } catch (error) {
+      if (error.name === "AbortError") return;
       if (!(error instanceof Refusal)) throw error;
       if (turn !== this.turn) return;
       stale(true);
@@ -66,6 +77,7 @@ export class MotionAtPoint {
       this.onshown(view, null);
     } finally {
       clearTimeout(dimming);
+      this.isJob = false;
     }
   }
 }

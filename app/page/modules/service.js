@@ -137,7 +137,7 @@ export async function carryOut(process, study, { tell = () => {}, signal } = {})
     const seconds = (Date.parse(job.finished) - Date.parse(job.started)) / 1000;
     return { dataset, job, seconds: seconds > 0 ? seconds : null };
   } catch (error) {
-    if (error.name === "AbortError") await leave(content, tell, error.message);
+    if (error.name === "AbortError") leave(content, tell, error.message);
     throw error;
   }
 }
@@ -146,13 +146,18 @@ export async function carryOut(process, study, { tell = () => {}, signal } = {})
 export const cancelled = () => new DOMException("It was cancelled.", "AbortError");
 export const left = () => new DOMException("It was cancelled: something else is looked at.", "AbortError");
 
-// Have the service end a job that nobody waits for any more, so that others have their turn.
+// Have the service end a job that nobody waits for any more, so that others have their turn; where it is
+// away, as soon as it answers.
 async function leave(job, tell, message) {
-  try {
-    await remove(`/jobs/${job.jobID}`);
-    tell({ ...job, status: "dismissed", message });
-  } catch {
-    // it may be over
+  for (;;) {
+    try {
+      await remove(`/jobs/${job.jobID}`);
+      tell({ ...job, status: "dismissed", message });
+      return;
+    } catch (error) {
+      if (!isPassing(error)) return; // it may be over
+    }
+    await new Promise((done) => setTimeout(done, PAUSE));
   }
 }
 

@@ -1,0 +1,35 @@
+// A job that nobody waits for any more is ended, also where the service is away at first.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+globalThis.document = { baseURI: "http://127.0.0.1/" };
+globalThis.sessionStorage = { getItem: () => null };
+const { carryOut, cancelled } = await import("../../../app/page/modules/service.js");
+
+test("a job that is left is dismissed as soon as the service answers", async (context) => {
+  context.mock.timers.enable({ apis: ["setTimeout"] });
+  const job = { jobID: "1", status: "accepted" };
+  const abort = new AbortController();
+  const told = [];
+  let refusals = 2;
+  globalThis.fetch = async (address, { method = "GET", signal }) => {
+    if (method === "POST") return new Response(JSON.stringify(job), { status: 201 });
+    if (method === "DELETE") {
+      if (refusals-- > 0) throw new TypeError("the service is away");
+      return new Response("{}");
+    }
+    abort.abort(cancelled()); // while its events are listened to
+    signal.throwIfAborted();
+  };
+  const done = carryOut("simulate", {}, { tell: ({ status }) => told.push(status), signal: abort.signal });
+  await assert.rejects(done, { name: "AbortError" });
+  const soon = () => new Promise((turn) => setImmediate(turn));
+  for (let k = 0; k < 3; k++) {
+    await soon();
+    context.mock.timers.tick(1000);
+  }
+  await soon();
+  assert.deepEqual(told, ["accepted", "dismissed"]);
+  assert.equal(refusals, -1);
+});
