@@ -42,9 +42,11 @@ export class Front {
     new ResizeObserver(() => this.draw()).observe(this.box);
   }
 
-  // designs: of {at, values, regime, isKnee}, along the front; `output` against the size of `against`
-  show(designs, { output, against, scene, names, units }) {
+  // designs: of {at, values, regime, isKnee}, along the front; `output` against the size of `against`; one that is
+  // not bent has no knee to be named
+  show(designs, { output, against, scene, names, units, isBent }) {
     this.designs = designs;
+    this.isBent = isBent;
     this.output = output;
     this.against = against;
     this.scene = scene;
@@ -74,7 +76,7 @@ export class Front {
       markerDrawn(lookOf(this.scene, this.designs[i].regime.name), x, y, SIZE, { class: "marker" }),
     );
     const knees = placed
-      .filter((_, i) => this.designs[i].isKnee)
+      .filter((_, i) => this.isBent && this.designs[i].isKnee)
       .map(([x, y]) => drawn("text", { x: x + 8, y: y + 20, "text-anchor": x > width * 0.8 ? "end" : "start" }, "knee"));
     fill(
       this.svg,

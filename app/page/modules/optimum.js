@@ -1,6 +1,6 @@
 // The best drive: wishes, the study, what was found, and the pictures of it, linked to each other.
 
-import { designsOf } from "./answer.js";
+import { designsOf, isBent } from "./answer.js";
 import { bandOf, neighboursOf } from "./around.js";
 import { bestStudy, variablesOf } from "./best.js";
 import { element, fill, refill } from "./elements.js";
@@ -224,7 +224,8 @@ export class Optimum {
     const onpoint = (index) => this.look(index);
     const onpick = (index) => this.onchoose(designs[index].at);
     this.front = new Front(plots[0], { onpoint, onpick });
-    this.front.show(designs, { output: view.output, against, scene, names, units });
+    this.isBent = isBent(designs, view.output, against);
+    this.front.show(designs, { output: view.output, against, scene, names, units, isBent: this.isBent });
     this.parallel = new Parallel(plots[1], { onpoint, onpick, onbrush: (out) => this.front.dim(out) });
     const columns = [
       ...names.map((name) => ({ name, unit: units(name), values: designs.map(({ at }) => at[name]) })),
@@ -251,7 +252,7 @@ export class Optimum {
     );
     this.onmark([
       ...designs.map((design) => this.markOf(design, "", { regime: design.regime.name, isSmall: true })),
-      this.markOf(designs[index], designs[index].isKnee ? "knee" : "chosen"),
+      this.markOf(designs[index], designs[index].isKnee && this.isBent ? "knee" : "chosen"),
     ]);
   }
 

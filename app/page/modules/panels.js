@@ -73,7 +73,7 @@ export class Panels {
     if (wall) found.push({ name: "distance from the wall", unit, lines: [{ values: wall, modes }] });
     if (partVelocity) {
       const lines = [{ values: trackVelocity, modes: null }, { values: partVelocity, modes }];
-      found.push({ name: "velocity along, of part and track (thin)", unit: "m s-1", lines });
+      found.push({ name: "velocity of part and track (thin)", unit: "m s-1", lines });
     }
     return found;
   }
