@@ -110,7 +110,7 @@ STATES = (
     State(
         "trade-off",
         f"question=drive&{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80&found=1",
-        (("#beside .front", "knee"), ("#optimum .parallel .design", None)),
+        (("#beside .front .marker", None), ("#optimum .parallel .design", None)),
         seen="#beside",
         height=1730,
         is_dark=True,
@@ -144,6 +144,7 @@ def reach(page: Any, address: str, state: State) -> None:
     page.goto("about:blank")
     page.goto(f"{address}/#{state.link}")
     expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=PATIENCE)
+    expect(page.locator("#detail[aria-busy=true]")).to_have_count(0, timeout=PATIENCE)
     if state.does:
         state.does(page)
     for selector, words in state.reached:
