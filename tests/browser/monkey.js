@@ -1,5 +1,6 @@
 // Random actions on the page, and whether address, fields, picture and crosshair then agree.
 // `act`, `settled` and `disagreements` are added to the window.
+// A monkey waits for a picture as long as most people do; then it presses the Cancel over it.
 
 {
   const all = (places) => [...document.querySelectorAll(places)].filter((one) => one.getClientRects().length);
@@ -7,6 +8,7 @@
   const frame = () => new Promise((done) => requestAnimationFrame(done));
   const heard = (place, name, more = {}) => place.dispatchEvent(new Event(name, { bubbles: true, ...more }));
   const QUICK = ["rectangle-on-plane", "cylinder-on-plane", "rectangle-on-track"]; // their motion is soon known
+  const PATIENCE = 5_000; // ms; which of the two comes, a picture or the word that it was cancelled, is the same to it
   const FRAME = { left: 62, right: 14, top: 10, bottom: 46 }; // of the picture, px
 
   window.faults = [];
@@ -85,8 +87,11 @@
     const isBusy = () =>
       document.getElementById("picture").getAttribute("aria-busy") !== "false" ||
       document.getElementById("detail").getAttribute("aria-busy") === "true";
+    const begun = performance.now();
     for (let calm = 0; calm < 3; ) {
       calm = isBusy() ? 0 : calm + 1;
+      const cancel = all("#stale button").find((one) => one.textContent === "Cancel");
+      if (performance.now() - begun > PATIENCE) cancel?.click();
       await frame();
     }
   };
