@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def data_folder() -> Path:
-    """Return the system's folder for the data of a user's programs; `data` where there is no home.
+    """Return the system's folder for application data of this user; `data` if the user has no home.
 
     That is `XDG_DATA_HOME`, or `~/.local/share`; `~/Library/Application Support` on macOS.
     """
@@ -17,7 +17,7 @@ def data_folder() -> Path:
 
 
 def cache_folder() -> Path:
-    """Return the system's folder for caches of programs; `.cache` where there is no home.
+    """Return the system's cache folder of this user; `.cache` if the user has no home.
 
     That is `XDG_CACHE_HOME`, or `~/.cache`; `~/Library/Caches` on macOS.
     """
@@ -26,7 +26,7 @@ def cache_folder() -> Path:
 
 
 def _folder(variable: str, usual: str) -> Path | None:
-    """Return our part of the folder that a variable names, or of the usual one in the home."""
+    """Return our folder below one that an environment variable names, or below the usual one."""
     base = Path(os.environ.get(variable, ""))
     if not base.is_absolute():  # the standard says that others are ignored
         try:

@@ -29,7 +29,10 @@ _request: ContextVar[dict[str, object] | None] = ContextVar("vibrafeed_request",
 
 @contextmanager
 def request(**fields: object) -> Iterator[dict[str, object]]:
-    """Give every line until the end of a request these fields; yield them, with what is bound."""
+    """Add these fields to every log line until the end of a request.
+
+    Yield all fields of the request.
+    """
     token = _request.set(fields)
     try:
         yield fields
@@ -38,7 +41,7 @@ def request(**fields: object) -> Iterator[dict[str, object]]:
 
 
 def bind(**fields: object) -> None:
-    """Add fields, such as ``job_id``, to the lines of the request under way, if there is one."""
+    """Add fields, such as ``job_id``, to the log lines of the current request, if there is one."""
     current = _request.get()
     if current is not None:
         current.update(fields)
@@ -62,7 +65,7 @@ class Sparing:
         self._second, self._lines, self._untold = 0, 0, 0
 
     def has_room(self) -> bool:
-        """True if one more line may be written in this second."""
+        """True if one more line may be written in this second; count it."""
         now = int(time.monotonic())
         if now != self._second:
             if self._untold:
@@ -81,6 +84,7 @@ class _FewRefusals(logging.Filter):
         self._lines = Sparing(MAX_REFUSALS, "requests that are no HTTP are not counted")
 
     def filter(self, record: logging.LogRecord) -> bool:
+        """True if a line may pass: all but excess lines about requests that are not HTTP."""
         return record.msg != NO_HTTP or self._lines.has_room()
 
 
@@ -88,7 +92,7 @@ _few_refusals = _FewRefusals()
 
 
 def configure(stream: TextIO | None = None) -> None:
-    """Send every line of every logger to a stream as JSON; the error stream if left out."""
+    """Write all log lines of all loggers as JSON to a stream, by default the error stream."""
     shared: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
         _merge_request,
@@ -121,9 +125,11 @@ def configure(stream: TextIO | None = None) -> None:
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
+    """Add the fields of the current request to a log line."""
     return {**(_request.get() or {}), **event}
 
 
 def _drop_colours(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
+    """Remove uvicorn's coloured copy of the message from a log line."""
     event.pop("color_message", None)  # uvicorn's second copy of the message, for terminals
     return event

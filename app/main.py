@@ -59,7 +59,7 @@ TIDY = 3600.0  # s between looks for what nobody has used for long
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """Return the service with these settings."""
+    """Return the web application with the given settings: routes, middleware, jobs and metrics."""
     store = Store(settings.data_directory, settings.results_url)
     ledger = Ledger(settings.ledger)
     keys = Keys(ledger.database, settings.api_key_hashes)
@@ -71,6 +71,7 @@ def create_app(settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        """Start jobs and background tasks of the service; stop them in order at its shutdown."""
         current_default_thread_limiter().total_tokens = THREADS
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
         if (lacking := traces.fault()) is not None:
@@ -135,6 +136,7 @@ def create_app(settings: Settings) -> FastAPI:
 
 
 async def _tidy(admission: Admission, stopping: asyncio.Event) -> None:
+    """Tidy and check the data directory at intervals until the service stops."""
     while not stopping.is_set():
         try:
             await asyncio.to_thread(admission.tidy)

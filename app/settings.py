@@ -38,7 +38,7 @@ _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 
 def _listed(raw: object) -> object:
-    """Return the parts of a text: a JSON list, or words between commas."""
+    """Return the entries of a setting: a JSON list, or words separated by commas."""
     if not isinstance(raw, str):
         return raw
     if raw.lstrip().startswith("["):
@@ -50,7 +50,7 @@ def _listed(raw: object) -> object:
 
 
 def url_fault(url: str) -> str | None:
-    """Return the fault of a database's URL, without a part of it; None if it is right."""
+    """Return the fault of a database URL without echoing any of it; None if the URL is valid."""
     kind, _, rest = url.partition("://")
     if kind == "sqlite":
         return (
@@ -236,13 +236,14 @@ class Settings(BaseSettings):
 
     @property
     def ledger(self) -> Path | str:
-        """The ledger: a file, or the URL of a database."""
+        """The location of the ledger: a file path, or the URL of a database."""
         url = self.ledger_url
         return url.get_secret_value() if url else self.data_directory / "jobs.sqlite3"
 
     @field_validator("api_key_hashes")
     @classmethod
     def _digests(cls, hashes: tuple[str, ...]) -> tuple[str, ...]:
+        """Check that each hash is a SHA-256 in hexadecimal digits; return them in small letters."""
         # A wrong one may be a key: its number says which, and it is not echoed.
         for number, word in enumerate(hashes, 1):
             if not _DIGEST.fullmatch(word):
@@ -254,6 +255,7 @@ class Settings(BaseSettings):
     @field_validator("ledger_url")
     @classmethod
     def _database(cls, url: SecretStr | None) -> SecretStr | None:
+        """Check the URL of the ledger's database without echoing it."""
         # No part of it is echoed: what is wrong may be a password in the wrong place.
         if url is not None:
             why = url_fault(url.get_secret_value())
@@ -264,6 +266,7 @@ class Settings(BaseSettings):
     @field_validator("results_url")
     @classmethod
     def _store(cls, url: str) -> str:
+        """Check that obstore is installed if results go to an object store."""
         if url and find_spec("obstore") is None:
             raise ValueError(
                 f"it takes obstore, which is missing: {installing('obstore', 'cluster')}"
@@ -273,6 +276,7 @@ class Settings(BaseSettings):
     @field_validator("cors_origins")
     @classmethod
     def _origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:
+        """Check that each allowed origin has the form `https://lab.example`."""
         for word in origins:
             if not _ORIGIN.fullmatch(word):
                 raise ValueError(
@@ -282,11 +286,12 @@ class Settings(BaseSettings):
 
     @field_serializer("api_key_hashes")
     def _masked(self, hashes: tuple[str, ...]) -> list[str]:
+        """Return the hashes of keys cut to eight digits, for printing."""
         return [f"{word[:8]}..." for word in hashes]
 
 
 def unknown_variables(names: Iterable[str]) -> list[Problem]:
-    """Return a problem for each variable that looks like a setting and is none."""
+    """Return a problem for each environment variable named like a setting that does not exist."""
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(name, "there is no such setting", suggestion(name.upper(), known))

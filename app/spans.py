@@ -35,7 +35,7 @@ FLUSH = 1.0  # s that the last spans may take to leave
 
 
 def sent_as(service: str) -> Traces:
-    """Return a provider that makes spans and sends them in the name of a service."""
+    """Return an OpenTelemetry provider that sends spans under a service name."""
     provider = TracerProvider(
         resource=Resource.create({"service.name": service}), shutdown_on_exit=False
     )
@@ -60,7 +60,7 @@ class Traces:
 
     @contextmanager
     def request(self, headers: Mapping[str, str]) -> Iterator[Span]:
-        """Make the span of a request, within the trace that its `traceparent` names."""
+        """Begin the span of a request, in the trace of its `traceparent` header."""
         context = TraceContextTextMapPropagator().extract(headers)
         # What fails is in the log; its text may hold what is no span's business.
         with self._tracer.start_as_current_span(
@@ -71,7 +71,7 @@ class Traces:
 
     @staticmethod
     def answered(span: Span, method: str, route: str, status: int) -> None:
-        """Note on the span of a request what it was and how it was answered."""
+        """Record method, route and status on the span of a request."""
         span.update_name(f"{method} {route}")
         span.set_attributes(
             {"http.request.method": method, "http.route": route,
@@ -79,13 +79,13 @@ class Traces:
         )  # fmt: skip
 
     def posted(self, key: str) -> None:
-        """Note that the request under way has posted a job for a study."""
+        """Link the current request to the study for which it posted a job."""
         self._posted.setdefault(key, get_current_span().get_span_context())
         while len(self._posted) > MAX_POSTED:
             self._posted.popitem(last=False)
 
     def began(self, item: Work) -> dict[str, str]:
-        """Begin the span of an item of work, in the trace of the first request that posted it."""
+        """Begin the span of an item of work, in the trace of the request that first posted it."""
         asked = self._posted.pop(item.key, None)  # None: another server's, or before a restart
         context = None if asked is None else set_span_in_context(NonRecordingSpan(asked))
         about: dict[str, str | int] = {"vibrafeed.study": item.key, "vibrafeed.blocks": item.blocks}
@@ -94,7 +94,7 @@ class Traces:
         return {"trace_id": format_trace_id(span.get_span_context().trace_id)}
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Make spans of blocks that have just been done."""
+        """Add a span for each block that was just computed."""
         if item.owner not in self._working:
             return
         context, now = set_span_in_context(self._working[item.owner]), time.time_ns()
@@ -102,14 +102,14 @@ class Traces:
             self._tracer.start_span("block", context, start_time=now - int(one * 1e9)).end(now)
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """End the span of an item of work."""
+        """End the span of an item of work, with its outcome."""
         span = self._working.pop(item.owner, None)
         if span is not None:
             span.set_attribute("vibrafeed.outcome", outcome)
             span.end()
 
     def close(self) -> None:
-        """Send what has not been sent, for a moment; a receiver that is deaf is not waited for."""
+        """Send the remaining spans, waiting a moment at most for the receiver."""
         closing = threading.Thread(target=self._provider.shutdown, daemon=True)
         closing.start()
         closing.join(FLUSH)

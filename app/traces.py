@@ -19,7 +19,7 @@ ENDPOINTS = ("OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"
 
 
 def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
-    """Return a provider that makes spans and sends them; None if not asked for, or impossible."""
+    """Return a provider that sends spans; None if tracing is not configured or not installed."""
     if not _is_wanted(environment) or not _is_installed():
         return None
     from app.spans import sent_as  # OpenTelemetry, which few have
@@ -28,17 +28,19 @@ def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
 
 
 def fault(environment: Mapping[str, str] = os.environ) -> str | None:
-    """Return the reason why there are no traces though the environment asks for them, or None."""
+    """Return why traces cannot be sent although the environment configures them, else None."""
     if _is_wanted(environment) and not _is_installed():
         return "traces are asked for, and the extra `traces` is not installed"
     return None
 
 
 def _is_wanted(environment: Mapping[str, str]) -> bool:
+    """True if the environment names an address to which traces are sent."""
     return any(environment.get(name) for name in ENDPOINTS)
 
 
 def _is_installed() -> bool:
+    """True if the OpenTelemetry exporter is installed."""
     try:
         return importlib.util.find_spec("opentelemetry.exporter.otlp.proto.http") is not None
     except ModuleNotFoundError:  # one of the packages above it

@@ -60,13 +60,13 @@ class Commands(TyperGroup):
             self.add_command(TyperCommand(name, help=line))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the name of a command, the command as a whole, and the words after it."""
+        """Return the name of the typed command, the command, and the words after it."""
         name, _, rest = super().resolve_command(ctx, args)
         return name, name and loaded(name), rest
 
 
 def loaded(name: str) -> Any:
-    """Return a command with its options."""
+    """Import the module of a command by its name and return the command with its options."""
     command = getattr(import_module(f"{__name__}.{name}"), name)
     if not isinstance(command, typer.Typer):
         function, command = command, typer.Typer(add_completion=False, **STYLE)
@@ -85,6 +85,7 @@ app = typer.Typer(
 
 
 def _tell_version(asked: bool) -> None:
+    """Print the version and end the program, if `--version` was typed."""
     if asked:
         typer.echo(f"vibrafeed {core.__version__}")
         raise typer.Exit

@@ -35,7 +35,9 @@ def write_report(
     stopped: Callable[[], bool],
     extremes: bool = False,
 ) -> tuple[list[Path], bool]:
-    """Measure studies, write everything into a folder; return the files, and whether all is right.
+    """Measure the accuracy of studies; write the page, pictures and datasets into a folder.
+
+    Returns the written files, and True if all is right.
 
     Parameters
     ----------
@@ -67,6 +69,7 @@ def write_report(
     page = folder / PAGE
 
     def write() -> None:
+        """Write the page with all sections that are measured so far."""
         head = [*head_of(facts, command), *([STOPPED] if stopped() else [])]
         with whole(page) as temporary:
             temporary.write_text(write_page("Accuracy", head, sections), encoding="utf-8")
@@ -98,12 +101,15 @@ def write_report(
 
 
 def dataset_of(folder: Path, name: str) -> Path:
-    """Return the path of a study's measurements, by the stem of its file; or of `EXTREMES`."""
+    """Return the path of a study's measurements in a folder, named by the stem of its file."""
     return folder / f"accuracy-{name}.nc"
 
 
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageSection], bool]:
-    """Return tables and sections of the hard cases and of what is left out; True if all passed."""
+    """Run the hard cases; return the tables and page sections of them and of what is left out.
+
+    The last value is True if all hard cases passed.
+    """
     with console.progress("hard cases") as advance:
         outcomes = run_cases(HARD_CASES, Watch(advance, stopped))
     with console.progress("what a study does not load or compute") as advance:

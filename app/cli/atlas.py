@@ -94,7 +94,10 @@ def _refuse_problems(
 
 
 def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
-    """Carry something out with a bar and Ctrl-C; say what came out, or exit."""
+    """Run a long computation with a progress bar and Ctrl-C.
+
+    Print its result line, or exit with an error.
+    """
     began = time.perf_counter()
     try:
         with console.progress(target.name) as advance, interruption() as interrupted:
@@ -109,7 +112,7 @@ def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
 
 
 def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
-    """Write an atlas; return how large it is, in words."""
+    """Compute an atlas and write it to a file; return its size in words."""
     table = build(resolution, watch)
     # Without a history: two atlases of one version are equal to the byte.
     if target.suffix.lower() == ".zarr":

@@ -61,7 +61,7 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
 
 
 def _parameter(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
-    """Return the row of a parameter; its numbers are in the unit of the row."""
+    """Return the row of a parameter in the table of a scene, numbers in the unit that is shown."""
     shown = units.of(parameter["unit"], 0.0)
     default = ""
     if parameter["default"] is not None:

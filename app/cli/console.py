@@ -22,7 +22,7 @@ stderr = Console(stderr=True, highlight=False)
 
 @contextmanager
 def muted(asked: bool) -> Iterator[None]:
-    """Print no line, no table and no progress while the block runs, if that is asked for."""
+    """Suppress printed lines, tables and progress bars inside the block, if `asked` is true."""
     before, stdout.quiet = stdout.quiet, asked
     try:
         yield
@@ -31,33 +31,33 @@ def muted(asked: bool) -> Iterator[None]:
 
 
 def fail(message: str) -> None:
-    """Print an error that is not about a study."""
+    """Print an error message on the error stream; problems of a study are printed by `refuse`."""
     stderr.print(message, style="red", markup=False, soft_wrap=True)
 
 
 def say(text: str) -> None:
-    """Print a line as it is, however long."""
+    """Print a line of any length without folding it."""
     stdout.print(text, markup=False, soft_wrap=True)
 
 
 def tell(text: str) -> None:
-    """Print a long line, folded between words on a terminal, as it is where a program reads."""
+    """Print a long line: folded between words on a terminal, unfolded where a program reads it."""
     for line in folded(text, stdout.width) if stdout.is_terminal else [text]:
         say(line)
 
 
 def document(content: object) -> None:
-    """Print one JSON document on the output, also where lines and tables are muted."""
+    """Print one JSON document on standard output, even where `muted` suppresses the rest."""
     typer.echo(as_json(content))
 
 
 def as_json(content: object) -> str:
-    """Return a JSON document; what is no number, such as NaN, is null."""
+    """Return content as JSON text; NaN and infinities are written as null."""
     return json.dumps(_without_nan(content), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) -> None:
-    """Print a table of which no word is lost: folded on a terminal, plain where a program reads.
+    """Print a table without losing any word: folded on a terminal, else as plain text.
 
     Parameters
     ----------
@@ -125,6 +125,7 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
         announced = stdout.quiet
 
         def tell(compiles: bool) -> None:
+            """Note beside the progress bar that something is being compiled."""
             nonlocal announced
             more = ", compiling once" if compiles else ""
             bar.update(task, description=f"{label}{more}")
@@ -137,6 +138,7 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
 
 
 def _without_nan(content: object) -> object:
+    """Return JSON content with NaN and infinities replaced by None, at any depth."""
     if isinstance(content, float) and not math.isfinite(content):
         return None
     if isinstance(content, dict):

@@ -57,7 +57,7 @@ def convert(
 
 
 def _checked(file: Path) -> Mapping[str, Any]:
-    """Return the content of a sound study, as it was typed; report every error and exit."""
+    """Return the content of a valid study file as it was typed; else print every error and exit."""
     try:
         content = content_of(file)
         prepare_content(content, files=True)

@@ -111,11 +111,15 @@ def drive(
 
 
 def _parts(text: str | None) -> tuple[str, ...] | None:
+    """Return the entries of a list that was typed with commas; None if the option was not given."""
     return None if text is None else tuple(part.strip() for part in text.split(","))
 
 
 def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
-    """Return the fit; report every problem of recording and options, and exit."""
+    """Return the drive fitted to a recording.
+
+    Print every problem of recording and options, and exit.
+    """
     problems = _problems_of_picture(plot)
     try:
         if not (asked.along or asked.across or asked.normal or asked.sensor):
@@ -135,7 +139,7 @@ def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
 
 
 def _problems_of_picture(plot: Path | None) -> list[Problem]:
-    """Return the problems of a picture's name; exit if nothing can draw it."""
+    """Return the problems of the file name of the picture; exit if matplotlib is not installed."""
     if plot is None:
         return []
     try:

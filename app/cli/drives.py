@@ -19,7 +19,7 @@ PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
 
 def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
-    """Print what a recording tells of its drive."""
+    """Print the frequency, harmonics and errors of a drive that was fitted to a recording."""
     say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
     for name, text in facts(fit):
         say(f"  {name}: {text}")
@@ -37,7 +37,10 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
 
 
 def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
-    """Return the drive of a recording as a document; metres, degrees and hertz."""
+    """Return a fitted drive as a JSON document.
+
+    Lengths in metres, angles in degrees, frequency in hertz.
+    """
     harmonics = [
         {
             "axis": axis,
@@ -63,7 +66,7 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
 
 
 def facts(fit: Fit) -> Iterator[tuple[str, str]]:
-    """Yield names and values of what is known of a whole fit."""
+    """Yield name and value of each result that holds for the whole fit, such as the noise."""
     frequency, error = _rounded(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
     if fit.clock is not None:
@@ -80,7 +83,7 @@ def facts(fit: Fit) -> Iterator[tuple[str, str]]:
 
 
 def toml_of(fit: Fit, recording: Path) -> str:
-    """Return the parameters of a study, with errors as comments."""
+    """Return the fitted drive as TOML parameters of a study, with standard errors as comments."""
     lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}"]
     lines += [f"# {name}: {text}" for name, text in facts(fit)]
     frequency, error = _rounded(fit.frequency, fit.frequency_error)
@@ -97,13 +100,14 @@ def toml_of(fit: Fit, recording: Path) -> str:
 
 
 def _line(name: str, value: str, error: str) -> str:
+    """Return one line of TOML: name, value, and the error as a comment."""
     return f'{name} = "{value}"' + (f"  # +- {error}" if error else "  # exact")
 
 
 def _cells(
     fit: Fit, row: int, position: int, length: float = MICRO, angle: float = 1.0
 ) -> tuple[str, str, str, str]:
-    """Return amplitude and phase with their errors; dashes where they are not told.
+    """Return the cells of one harmonic: amplitude and phase with errors, dashes where unknown.
 
     `length` and `angle` are what metres and degrees are multiplied by.
     """
@@ -116,7 +120,10 @@ def _cells(
 
 
 def _rounded(value: float, error: float) -> tuple[str, str]:
-    """Return a value and its error, which has two digits; empty if there is none to tell."""
+    """Return a value and its error as texts, rounded to two digits of the error.
+
+    Empty error if unknown.
+    """
     if not (np.isfinite(error) and error > 1e-12 * abs(value)):
         return f"{value:.10g}", ""
     digits = max(0, 1 - int(np.floor(np.log10(error))))

@@ -22,7 +22,9 @@ REMOVE = "Remove it, or give another name"
 def complete_already(
     studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, resume: bool, force: bool
 ) -> list[Path]:
-    """Return the studies whose whole result is there and is to stay; exit if another one is there.
+    """Return the studies whose complete results exist already.
+
+    Exit if a target holds another result.
 
     Parameters
     ----------
@@ -51,7 +53,7 @@ def complete_already(
 def refuse_others(
     studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, force: bool
 ) -> None:
-    """Exit if parts would be joined to a file where the result of another study stands.
+    """Exit if parts would be joined into a file that holds the result of another study.
 
     The shards of a Zarr group are looked at one by one where they are computed.
     """
@@ -60,7 +62,7 @@ def refuse_others(
 
 
 def _is_whole(prepared: Prepared, target: str) -> bool:
-    """True if no stop left a cell of a result of this study uncomputed or unverified."""
+    """True if every cell of the result in a file is computed and, if asked for, verified."""
     if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)
     return is_whole(read_result(target))

@@ -18,7 +18,7 @@ MAX_ROWS = 20
 
 
 def show_findings(result: Table, units: ShownUnits) -> None:
-    """Print the unknowns with their intervals, the runs, and what was found in sentences."""
+    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences."""
     rows = []
     for name in str(result.attributes["unknowns"]).split():
         unit, (best, median, *ends) = _read(
@@ -37,7 +37,7 @@ def show_findings(result: Table, units: ShownUnits) -> None:
 
 
 def _read(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list[str]]:
-    """Return the unit and the texts of some single values of one unit."""
+    """Return the unit and the texts of some single values that have a common unit."""
     values = [float(result.variables[name].values) for name in names]
     unit = str(result.variables[names[0]].attributes["units"])
     shown = units.of(unit, max(map(abs, values)))
@@ -45,6 +45,7 @@ def _read(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list
 
 
 def _show_runs(result: Table, units: ShownUnits) -> None:
+    """Print measured and predicted value of each run, with the prediction's 95 % interval."""
     output = str(result.attributes["output"])
     measured, predicted, low, high, over = (
         np.asarray(result.variables[name].values, dtype=np.float64)
@@ -57,6 +58,7 @@ def _show_runs(result: Table, units: ShownUnits) -> None:
     )
 
     def text(value: float) -> str:
+        """Return a value in the shown unit as text; `-` for NaN."""
         return "-" if np.isnan(value) else number(value * shown.factor, DIGITS)
 
     rows = [

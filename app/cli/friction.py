@@ -59,4 +59,5 @@ def friction(
 
 
 def _pair(row: Mapping[str, Any]) -> str:
+    """Return the two materials of a row as `part on track`."""
     return f"{row['part']} on {row['track']}"

@@ -75,7 +75,10 @@ def add(
 
 
 def _whole(figure: float | None) -> int | None:
-    """Return a limit, which may be written 1e9; what is none is left for the check to name."""
+    """Return a limit as a number; notation such as 1e9 is allowed.
+
+    Invalid text is left for the check.
+    """
     if figure is None:
         return None
     return int(figure) if abs(figure) < float("inf") and figure == int(figure) else 0
@@ -83,7 +86,7 @@ def _whole(figure: float | None) -> int | None:
 
 @key.command("list")
 def list_keys(as_json: Json = False) -> None:
-    """List the keys, those too that are over."""
+    """List all keys, including expired and withdrawn ones."""
     with _database() as database:
         keys = Keys(database).all()
     now = time.time()
@@ -107,7 +110,10 @@ def list_keys(as_json: Json = False) -> None:
 
 @key.command()
 def withdraw(name: Name) -> None:
-    """Withdraw a key; a service that runs refuses it within seconds. What it made stays."""
+    """Withdraw a key: a running service refuses it within seconds.
+
+    Studies and results of it stay.
+    """
     with _database() as database:
         try:
             Keys(database).withdraw(name)
@@ -121,7 +127,7 @@ def withdraw(name: Name) -> None:
 def tell_audit(
     most: Annotated[int, typer.Option(help="Number of entries, the latest first.", min=1)] = 100,
 ) -> None:
-    """Print who did what: posts, dismissals, sharing, keys made, withdrawn and refused."""
+    """Print the audit log: posts, dismissals, sharing, and keys made, withdrawn and refused."""
     with _database() as database:
         for entry in reversed(audit.latest(database, most)):
             when = datetime.fromtimestamp(entry.time, UTC).isoformat(timespec="seconds")
@@ -130,7 +136,10 @@ def tell_audit(
 
 @key.command("hash")
 def print_hash() -> None:
-    """Make a key of the role admin for the setting VIBRAFEED_API_KEY_HASHES; nothing is kept."""
+    """Make an admin key for the setting VIBRAFEED_API_KEY_HASHES and print it.
+
+    Nothing is stored.
+    """
     made, digest = new_key()
     typer.echo(f"key   {made}")
     typer.echo(f"hash  {digest}")
@@ -143,7 +152,7 @@ def print_hash() -> None:
 
 @contextmanager
 def _database() -> Iterator[Database]:
-    """Yield the ledger's database, or say in one line why it cannot be used and exit."""
+    """Yield the database of the ledger; if it cannot be used, print why and exit."""
     settings = settings_in_force()
     os.umask(PRIVATE)  # it may be the one who makes the files
     ledger = Ledger(settings.ledger)
@@ -158,8 +167,10 @@ def _database() -> Iterator[Database]:
 
 
 def _limit(figure: int | None) -> str:
+    """Return a limit with thousands separators; `-` if there is no limit."""
     return "-" if figure is None else f"{figure:,}"
 
 
 def _day(seconds: float | None) -> str:
+    """Return a time [s since the epoch] as a date; `-` if there is none."""
     return "-" if seconds is None else datetime.fromtimestamp(seconds, UTC).date().isoformat()

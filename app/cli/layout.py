@@ -14,7 +14,7 @@ Rows = Sequence[Sequence[str]]
 
 
 def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
-    """Yield one line a row, columns at least two spaces apart, and ``-`` for an empty cell."""
+    """Yield one line of text per row, columns two spaces apart or more; empty cells become `-`."""
     told = [[*columns], *([cell or "-" for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*told, strict=True)]
     for row in told:
@@ -22,7 +22,7 @@ def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
 
 
 def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
-    """Return the least width of each column in which it is pleasant to read and no word breaks."""
+    """Return the smallest width of each column at which the table reads well and no word breaks."""
     widths = []
     for heading, *cells in zip(columns, *rows, strict=True):
         longest = max(len(word) for cell in (heading, *cells) for word in cell.split() or [""])
@@ -32,7 +32,7 @@ def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
 
 
 def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]:
-    """Yield each row as a block: short columns in a line, the others as sentences below it."""
+    """Yield each row as lines: short columns in one line, long ones as sentences below."""
     natural = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
     first = [0]
     used = len(GAP) + natural[0]
@@ -54,12 +54,13 @@ def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]
 
 
 def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
+    """Return cells as one line, each padded to the width of its column."""
     pairs = zip(cells, widths, strict=True)
     return GAP.join(cell.ljust(width) for cell, width in pairs).rstrip()
 
 
 def folded(line: str, width: int) -> list[str]:
-    """Return a line that is too long as several, broken between words and further indented."""
+    """Return a long line as several lines, broken between words; further lines are indented."""
     if len(line) <= width:
         return [line]
     return textwrap.wrap(

@@ -94,7 +94,7 @@ def lookup(
 
 
 def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulate: bool) -> Table:
-    """Return the values of the atlas; report every problem and exit."""
+    """Return the table of atlas values for the typed parameters; print every problem and exit."""
     source = rows or Path("lookup")
     refused: dict[Path, list[Problem]] = {}
     parameters, problems = _named(assignments)
@@ -133,7 +133,7 @@ def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulat
 
 
 def _named(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
-    """Return parameters by name, numbers as numbers, and what is wrong with their form."""
+    """Return `name=value` words as a mapping, numbers as numbers, and the problems found."""
     parameters: dict[str, str | float] = {}
     problems = []
     for text in assignments:
@@ -151,6 +151,7 @@ def _named(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem
 
 
 def _write(table: Table, output: str, *, force: bool) -> None:
+    """Write the looked-up table to a file; exit if it exists or cannot be written."""
     check_suffix(output)
     refuse_existing("lookup", output, force=force)
     make_folder_of(output)
@@ -159,13 +160,15 @@ def _write(table: Table, output: str, *, force: bool) -> None:
 
 
 def _labels(table: Table, name: str) -> list[str]:
+    """Return the words of a flag variable, such as the regime of each row."""
     return [str(word) for word in FrameColumn(name, table.variables[name]).values.ravel()]
 
 
 def _show_single(table: Table, shown: Any) -> None:
-    """Print the answer for one part."""
+    """Print the looked-up values of a single part and drive."""
 
     def value(name: str) -> float:
+        """Return the value of a variable as a number."""
         return float(table.variables[name].values.ravel()[0])
 
     status = _labels(table, "lookup_status")[0]
@@ -190,7 +193,7 @@ def _show_single(table: Table, shown: Any) -> None:
 
 
 def _show_many(table: Table, shown: Any) -> None:
-    """Print the first rows of many."""
+    """Print the first rows of a look-up of many parts."""
     speeds = table.variables["conveying_velocity"].values
     unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
     frame = Frame.of(table)
@@ -219,14 +222,14 @@ def _show_many(table: Table, shown: Any) -> None:
 
 
 def _parameter_columns(table: Table) -> list[str]:
-    """Return the columns that say which part a row is about."""
+    """Return the parameter columns that tell the rows of a look-up apart."""
     if ROW in table.coordinates:
         return [ROW]
     return list(table.coordinates)
 
 
 def _document(table: Table) -> dict[str, Any]:
-    """Return the answers as a document, in the units of files."""
+    """Return the looked-up values as a JSON document, in the units of files."""
     columns = {**table.coordinates, **table.variables}
     plain = {
         name: (_labels(table, name) if "flag_values" in one.attributes else one.values.tolist())

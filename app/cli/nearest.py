@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 def measured(name: str, value: float, units: ShownUnits) -> str:
-    """Return a value of a quantity with its unit, as a person reads it."""
+    """Return a value with its unit as readable text."""
     shown = units.of(QUANTITIES[name].unit, abs(value))
     gap = "" if shown.unit in ("", "°") else " "
     return f"{number(shown.factor * value)}{gap}{shown.unit}"
 
 
 def nearest(result: Table, units: ShownUnits) -> list[str]:
-    """Return lines of the designs nearest to the limits of an infeasible one, and of ways out."""
+    """Return lines on an infeasible optimisation: the nearest designs, and ways to meet limits."""
     if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
     tell("  Looking for what comes nearest; Ctrl-C leaves that out ...")
@@ -53,12 +53,12 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
 
 
 def listed(choice: Mapping[str, float], units: ShownUnits) -> str:
-    """Return names with their values and units, separated by commas."""
+    """Return `name value unit` of each chosen variable, separated by commas."""
     return ", ".join(f"{name} {measured(name, value, units)}" for name, value in choice.items())
 
 
 def is_infeasible(result: Table) -> bool:
-    """True if no design of an optimisation has a solution."""
+    """True if no design of an optimisation has a feasible solution."""
     status = result.variables.get("optimum_status")
     return status is not None and bool(
         np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)

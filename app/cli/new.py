@@ -23,7 +23,7 @@ Answer = str | None
 
 
 def _option(name: str) -> Any:
-    """Return the option that answers a question."""
+    """Return the command-line option of a question of `vibrafeed new`."""
     question = _BY_NAME[name]
     words = ", ".join(question.choices)
     return typer.Option(
@@ -98,11 +98,12 @@ def new(
 
 
 def is_terminal() -> bool:
-    """True if somebody can answer."""
+    """True if standard input is a terminal, so that a person can be asked."""
     return sys.stdin.isatty()
 
 
 def _check_name(file: Path, force: bool) -> None:
+    """Exit if the name of the new study is of a JSON file, or of a file that exists."""
     if file.suffix.lower() == ".json":
         fix = f"Name it {file.stem}.toml; `vibrafeed convert` makes JSON of it"
         refuse({file: [Problem("file", "JSON has no comments, and a starter has", fix)]})
@@ -111,7 +112,7 @@ def _check_name(file: Path, force: bool) -> None:
 
 
 def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
-    """Exit if there is no such kind, or if answers are given that its example does not take."""
+    """Exit if the kind is unknown, or its example does not use one of the answers."""
     message = "the example of a kind asks nothing"
     problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
     if kind not in KINDS:
@@ -122,7 +123,7 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
 
 
 def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
-    """Return an answer to every question that belongs; report every wrong option, and exit."""
+    """Return the answers to all questions that apply; print every invalid option and exit."""
     answers: dict[str, str] = {}
     problems, warnings = [], []
     for question in QUESTIONS:
@@ -152,7 +153,7 @@ def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
 
 
 def _ask(question: Question) -> str:
-    """Return the answer of a person, who is asked again until it is one, once if it is unusual."""
+    """Ask a person a question until the answer is valid; confirm an unusual value once."""
     width = max(map(len, question.choices), default=0)
     if question.choices:
         typer.echo(question.asks)
@@ -174,7 +175,7 @@ def _ask(question: Question) -> str:
 
 
 def _idle(name: str, answers: dict[str, str]) -> Problem:
-    """Return the problem of an option that nothing asks for."""
+    """Return the problem of an option that was given although its question does not apply."""
     question = _BY_NAME[name]
     if question.unless in answers:
         message = f"{_flag(question.unless)} says it already"
@@ -186,4 +187,5 @@ def _idle(name: str, answers: dict[str, str]) -> Problem:
 
 
 def _flag(name: str) -> str:
+    """Return the command-line flag of a question, such as `--base-mass`."""
     return "--" + name.replace("_", "-")

@@ -29,7 +29,7 @@ _PART = re.compile(r"(\d{1,9})/(\d{1,9})")
 
 
 def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part: str) -> None:
-    """Compute one part of a study and keep its record; a part that is there is left alone."""
+    """Compute one part of a study and store its record; a part with a record is skipped."""
     path, target = single_study(studies, targets)
     number, count = _numbers(path, part)
     parts = parts_of(path, studies[path], target, count)
@@ -48,7 +48,7 @@ def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part
 
 
 def join_parts(path: Path, parts: Parts, history: str) -> None:
-    """Join parts, and say which are missing."""
+    """Join all computed parts of a study into its result; exit and name the missing parts."""
     with failing(path, parts.where):
         try:
             with console.progress(f"{path.name}, joining") as advance, interruption() as stopped:
@@ -65,7 +65,7 @@ def join_parts(path: Path, parts: Parts, history: str) -> None:
 
 
 def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tuple[Path, str]:
-    """Return the one study, and where it goes; exit if there are more."""
+    """Return path, study and target of a command that takes one study; exit if there are more."""
     if len(studies) > 1:
         problem = Problem("part", "parts are of one study", "Give one file")
         refuse({path: [problem] for path in studies})
@@ -73,7 +73,10 @@ def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) 
 
 
 def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
-    """Return the parts of a study; exit if it can have none, or none there."""
+    """Return the parts of a study cut into `count`.
+
+    Exit if it cannot be cut or has no parts here.
+    """
     problem = None
     if not prepared.part_of:
         problem = Problem("kind", "only sweeps are computed in parts", "Leave --part out")
@@ -90,7 +93,7 @@ def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
 
 
 def _numbers(path: Path, part: str) -> tuple[int, int]:
-    """Return the number of a part and of all; exit if the text does not name one."""
+    """Return the numbers k and n of a part typed as `k/n`; exit if the text is not of this form."""
     found = _PART.fullmatch(part)
     number, count = (int(found[1]), int(found[2])) if found else (0, 0)
     if number < count:
@@ -101,14 +104,14 @@ def _numbers(path: Path, part: str) -> tuple[int, int]:
 
 
 def counts_of(target: str) -> set[int]:
-    """Return into how many parts a result has been cut, as records tell."""
+    """Return the numbers of parts that results of this target were cut into, from their records."""
     names = Records(target).names()
     return {int(found[1]) for name in names if (found := _OF.fullmatch(name))}
 
 
 @contextmanager
 def failing(path: Path, target: str) -> Iterator[None]:
-    """Tell errors that are not of the study, and exit with code 1."""
+    """Print errors of files and clusters raised in the block, and exit with code 1."""
     try:
         yield
     except OSError as error:

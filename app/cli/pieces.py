@@ -58,16 +58,16 @@ class Pieces:
                 self._begin()
 
     def __len__(self) -> int:
-        """Return the number of pieces, at least one."""
+        """Return the number of pieces, 1 or more."""
         return len(self._cut)
 
     @property
     def kept(self) -> int:
-        """The number of pieces that are on the disk."""
+        """The number of pieces that are stored on disk."""
         return sum(self._is_kept(index) for index in range(len(self))) if self._key else 0
 
     def tabulate(self, watch: Watch) -> Table:
-        """Return the labelled results, computed but for the pieces that are kept.
+        """Return the labelled results, computing only the pieces that are not stored on disk.
 
         Raises
         ------
@@ -81,11 +81,11 @@ class Pieces:
         return table.with_price(price(cells_of(self._prepared, table), seconds))
 
     def remove(self) -> None:
-        """Remove the pieces: they are in the result, or unwanted."""
+        """Remove the stored pieces, which are in the result or no longer needed."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def _begin(self) -> None:
-        """Make the folder of the pieces, or take their size from those that are there."""
+        """Create the folder of the pieces, or read their size from the pieces that are there."""
         key, _ = self._store.add(self._prepared.study)
         there = [int(one.name) for one in (self._store.folder(key) / "blocks").glob("[0-9]*")]
         if there and self._cells not in there:  # they come from a machine with other cores
@@ -94,10 +94,14 @@ class Pieces:
         self._key = key
 
     def _is_kept(self, index: int) -> bool:
+        """True if a piece is stored on disk."""
         return self._store.has_block(self._key, self._cells, index)
 
     def _compute(self, prepared: Prepared, watch: Watch) -> Computed:
-        """Return the arrays of all pieces; those under way when it is stopped in part."""
+        """Compute all pieces and return their arrays.
+
+        After a stop, those of the unfinished piece too.
+        """
         count = len(self)
         left = [index for index in range(count) if not self._is_kept(index)]
         if len(left) < count:
@@ -111,6 +115,7 @@ class Pieces:
         return join(prepared, self._in_order(held, watch))
 
     def _in_order(self, held: dict[int, Computed], watch: Watch) -> Iterator[tuple[Box, Computed]]:
+        """Yield the box and the arrays of each piece, computed ones first, then those on disk."""
         for index, computed in held.items():
             yield self._cut.box(index), computed
         for index in range(len(self)):
@@ -118,13 +123,13 @@ class Pieces:
                 yield self._cut.box(index), self._read(index, watch)
 
     def _piece(self, index: int, watch: Watch) -> tuple[Computed, float]:
-        """Return the arrays of a piece, and the seconds that it took."""
+        """Return the arrays of a piece and the seconds that computing it took."""
         started, compiling = time.perf_counter(), stopwatch.spent
         computed = self._kind.compute(self._prepared.within(self._cut.box(index)), watch)
         return computed, time.perf_counter() - started - (stopwatch.spent - compiling)
 
     def _keep(self, index: int, computed: Computed, seconds: float) -> bool:
-        """Write a piece; return whether it is on the disk now."""
+        """Store a piece on disk; return True if it is stored."""
         noted = replace(computed, notes={**computed.notes, SPENT: repr(seconds)})
         try:
             self._store.write_block(self._key, self._cells, index, noted)
@@ -134,7 +139,7 @@ class Pieces:
         return True
 
     def _read(self, index: int, watch: Watch) -> Computed:
-        """Return a piece from the disk; what is damaged there is computed again."""
+        """Return a piece read from disk; compute it again if it is damaged."""
         try:
             computed = self._store.read_block(self._key, self._cells, index)
         except TornBlockError:

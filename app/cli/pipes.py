@@ -19,13 +19,13 @@ FORM = ".csv"
 
 
 def is_standard(output: str | None) -> bool:
-    """True if an output is standard output: ``-``, or ``-`` and a suffix."""
+    """True if an output path means standard output: `-`, or `-` with a suffix such as `-.csv`."""
     return output is not None and (output == "-" or output.startswith("-."))
 
 
 @contextmanager
 def standard_output(output: str, studies: int) -> Iterator[str]:
-    """Yield the name of a file whose content goes to standard output when the block ends.
+    """Yield the name of a temporary file whose content is written to standard output at the end.
 
     Exits if what is asked for cannot go there.
     """

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
-    """Return the plan of a study as a document: cells, bytes, dimensions, equations."""
+    """Return the plan of a study as a JSON document: cells, bytes, dimensions, equations."""
     plan = prepared.plan
     facts: dict[str, Any] = {
         "study": str(path),
@@ -48,7 +48,7 @@ def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
 
 
 def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
-    """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
+    """Print the plan of a study: cells, bytes, dimensions kept, equations to compute."""
     plan, facts = prepared.plan, plan_facts(path, prepared)
     units = units_asked(asked, ",".join(prepared.study.units or ()))
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
@@ -74,7 +74,7 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
 
 
 def more(prepared: Prepared, checked: float) -> Iterator[str]:
-    """Yield the lines that --verbose prints of a study besides its result.
+    """Yield the lines that `--verbose` prints about a study in addition to its result.
 
     Parameters
     ----------

@@ -113,6 +113,7 @@ def plot(
 
 
 def _fixed(text: str) -> tuple[str, str]:
+    """Return name and value of an `--at` option typed as `name=value`; exit if it has no `=`."""
     name, sign, value = text.partition("=")
     if not sign:
         refuse({Path("--at"): [Problem(text, "it has no value", "Write name=value")]})

@@ -12,24 +12,24 @@ from app.cli.options import FAILED
 
 
 def numbered(sources: Iterable[str]) -> dict[str, str]:
-    """Return the number by which a table names each source."""
+    """Return the number under which a table cites each source."""
     return {name: str(number) for number, name in enumerate(sources, 1)}
 
 
 def joined(*texts: str) -> str:
-    """Return the texts of a cell that are not empty, as one."""
+    """Return the texts that are not empty, joined into one cell of a table."""
     return "; ".join(text for text in texts if text)
 
 
 def check_some(rows: Collection[Any], asked: str) -> None:
-    """Say that there are no rows of some words, and end, if there are none."""
+    """Exit with a message if no rows match the words that were asked for."""
     if not rows:
         console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
         raise typer.Exit(FAILED)
 
 
 def tell_notes(notes: Iterable[str], sources: Mapping[str, Mapping[str, str]]) -> None:
-    """Print what to make of a table, and its sources by their numbers."""
+    """Print the notes on a table of published values, and its numbered sources."""
     for line in notes:
         console.tell(f"- {line}")
     for name, number in numbered(sources).items():

@@ -52,13 +52,13 @@ class Question:
     values: int = 1
 
     def belongs(self, answers: Mapping[str, str]) -> bool:
-        """True if it matters, after the earlier answers."""
+        """True if the question applies, given the answers to earlier questions."""
         return self.unless not in answers and all(
             answers.get(name) in words.split() for name, words in self.needs.items()
         )
 
     def read(self, text: str) -> str:
-        """Return an answer as the study takes it.
+        """Return a typed answer in the form that the study takes.
 
         Raises
         ------
@@ -78,12 +78,12 @@ class Question:
         return text
 
     def warning(self, text: str) -> str:
-        """Return the line that asks whether an unusual number is meant; empty if it is usual."""
+        """Return a line that asks to confirm an unusual number; empty if the number is usual."""
         return " ".join(questions({"parameters": {self.parameter: typed(text)}}))
 
 
 def typed(text: str) -> float | int | str:
-    """Return an answer as TOML holds it: a bare number, in the quantity's unit, as one."""
+    """Return a typed answer as TOML holds it: a number without unit becomes a plain number."""
     for number in (int, float):
         try:
             return number(text)

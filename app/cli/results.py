@@ -35,7 +35,7 @@ _CHOICE = re.compile(r"\w+ = ")
 
 
 def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, Any]:
-    """Return the result of a study as a document; values in the units of files."""
+    """Return the result of a study as a JSON document; values in the units of files."""
     found = {name: _finite_ends(one) for name, one in _outputs(result).items()}
     shares = {}
     if "regime" in result.variables:
@@ -46,7 +46,10 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
 def streamed_facts(
     path: Path, target: str, result: Table, cells: int, passed: Passed
 ) -> dict[str, Any]:
-    """Return the same of a sweep that was computed tile by tile, of which `passed` is known."""
+    """Return the JSON document of a sweep that was written tile by tile.
+
+    `passed` holds its statistics.
+    """
     found: dict[str, Ends] = {**passed.ends}
     found |= {name: _finite_ends(one) for name, one in _outputs(result).items() if not one.dims}
     regime = result.variables["regime"]
@@ -57,7 +60,7 @@ def streamed_facts(
 def show_result(
     facts: Mapping[str, Any], result: Table, asked: str | None, *, everything: bool = False
 ) -> None:
-    """Print a short table of a result: values or ranges, regimes, what was verified.
+    """Print a short table of a result: values or ranges, regimes, and what was verified.
 
     With `everything` it has those of `OF_THE_SEARCH`, too.
     """
@@ -96,7 +99,7 @@ def show_result(
 def _show_values(
     facts: Mapping[str, Any], result: Table, units: ShownUnits, *, everything: bool
 ) -> None:
-    """Print the values or ranges of outputs, and how often each status and regime occurs."""
+    """Print values or ranges of all outputs, and the shares of the statuses and regimes."""
     outputs = facts["outputs"]
     if not everything:
         outputs = {name: one for name, one in outputs.items() if name not in OF_THE_SEARCH}
@@ -114,7 +117,7 @@ def _show_values(
 
 
 def _held_at(result: Table, units: ShownUnits) -> list[str]:
-    """Return at which values of uncertain parameters the outputs of an optimisation hold."""
+    """Return a sentence with the values of uncertain parameters at which an optimum holds."""
     if "optimum_status" not in result.variables:
         return []
     study = parse_json(str(result.attributes["study"]))
@@ -128,7 +131,7 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
 
 
 def _knee(result: Table, units: ShownUnits) -> str:
-    """Return the knee of a front, with both outputs and the choice; else nothing."""
+    """Return a sentence on the knee of a trade-off front: outputs and choice; else None."""
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
         return ""
@@ -148,7 +151,10 @@ def _knee(result: Table, units: ShownUnits) -> str:
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
-    """Return the cell where the part travels fastest, of a simulation of many; else nothing."""
+    """Return a sentence on the cell with the largest conveying velocity.
+
+    None if there is one cell.
+    """
     speed = result.variables.get("conveying_velocity")
     if speed is None or speed.values.size < 2 or "motion_status" not in result.variables:
         return ""
@@ -165,7 +171,7 @@ def _fastest(result: Table, units: ShownUnits) -> str:
 
 
 def _regimes_computed(result: Table) -> NDArray[Any]:
-    """Return the regimes of the cells that no stop left out."""
+    """Return the regimes of all cells that were computed, without those that a stop left out."""
     regime = result.variables["regime"]
     for name, not_computed in STATUSES.items():
         status = result.variables.get(name)
@@ -175,7 +181,7 @@ def _regimes_computed(result: Table) -> NDArray[Any]:
 
 
 def _outputs(result: Table) -> dict[str, TableVariable]:
-    """Return the variables of a result that are numbers, not flags."""
+    """Return the numeric variables of a result, without flags."""
     return {n: v for n, v in result.variables.items() if "flag_values" not in v.attributes}
 
 
@@ -187,6 +193,7 @@ def _facts(
     states: Mapping[str, Ends],
     shares: Mapping[str, float],
 ) -> dict[str, Any]:
+    """Return the JSON document of a result from its cells, ranges and regime shares."""
     left = round(cells * share_left_out(result))
     facts: dict[str, Any] = {
         "study": str(path),
@@ -218,7 +225,7 @@ def _facts(
 
 
 def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -> None:
-    """Print one value each if there is one design, else ranges."""
+    """Print a table of outputs: one value each for a single design, else their ranges."""
     if all("value" in column for column in outputs.values()):
         rows = []
         for name, column in outputs.items():
@@ -235,6 +242,7 @@ def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -
 
 
 def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -> None:
+    """Print the regimes with their shares, and how many cells lie beyond the closed forms."""
     if not shares:
         return
     tell(f"  {'regime' if cells == 1 else 'regimes'}: {_in_words(shares, cells)}")
@@ -248,7 +256,7 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
 
 
 def _states(result: Table) -> dict[str, dict[str, float]]:
-    """Return of each output that is told in words the share of each word, ascending by value."""
+    """Return, for each output with named values, the share of the cells that have each name."""
     states = {}
     for name, column in result.variables.items():
         is_told = (
@@ -269,17 +277,19 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
 
 
 def _in_words(shares: Mapping[str, float], cells: int) -> str:
-    """Return the word of one cell, or each word with its share."""
+    """Return the name of the only cell's value, or each name with its share of the cells."""
     if cells == 1:
         return ", ".join(shares)
     return ", ".join(f"{name} {_percent(share)}" for name, share in shares.items())
 
 
 def _percent(share: float) -> str:
+    """Return a share as per cent, with an ordinary space before the sign."""
     return percent(share).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _show_verified(result: Table) -> None:
+    """Print how many cells were verified and the worst one; print an error if some failed."""
     if "verified_worst" in result.attributes:
         against, count = (result.attributes[f"verified_{name}"] for name in ("against", "cells"))
         worst = "worst: " if count else ""
@@ -293,7 +303,7 @@ def _show_verified(result: Table) -> None:
 
 
 def _finite_ends(variable: TableVariable) -> Ends:
-    """Return the least and the largest finite value."""
+    """Return the smallest and the largest finite value of a variable."""
     values = variable.values
     least, largest = values.min(), values.max()
     if not (np.isfinite(least) and np.isfinite(largest)):

@@ -104,7 +104,7 @@ def run(
         typer.Option(min=1, help="With --scheduler: into how many parts the sweep is cut."),
     ] = None,
 ) -> None:
-    """Carry out studies and write one file each: NetCDF, or what the suffix of the output names.
+    """Run studies and write one result file each: NetCDF, or the format of the output's suffix.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, or that
     a result is there already, 1 that a result could not be written, that a verification failed,
@@ -158,6 +158,7 @@ def run(
 
 
 def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:
+    """Print the plans of all studies, or one JSON document with them."""
     if as_json:
         told = [plans.plan_facts(path, prepared) for path, prepared in studies.items()]
         console.document({"vibrafeed": core.__version__, "plans": told})
@@ -167,7 +168,7 @@ def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bo
 
 
 def _refuse_together(*, as_json: bool, to_standard: bool, in_parts: bool) -> None:
-    """Exit if options are given that do not go together."""
+    """Exit if options were given that exclude each other."""
     problem = None
     if to_standard and as_json:
         message = "the document and the result would both go to standard output"

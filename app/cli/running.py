@@ -72,7 +72,7 @@ class Running:
         targets: Mapping[Path, str],
         complete: Collection[Path],
     ) -> bool:
-        """Write the result of every study; return whether all are whole and verified."""
+        """Compute and write the results of all studies; True if all are complete and verified."""
         verified, left = True, list(studies)
         for path, prepared in studies.items():
             target = targets[path]
@@ -115,7 +115,10 @@ class Running:
     def _carry_out_study(
         self, path: Path, prepared: Prepared, target: str
     ) -> tuple[bool, bool] | None:
-        """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""
+        """Compute and write one result; return whether it is sound and whether Ctrl-C stopped it.
+
+        Returns None if nothing was written.
+        """
         refuse_beyond_memory(path, prepared)
         pieces = Pieces(prepared, target, resume=self.resume)
         if pieces.kept:
@@ -130,6 +133,7 @@ class Running:
         ):
 
             def progress(share: float) -> None:
+                """Advance the progress bar, and note that computing has begun."""
                 begun.set()
                 advance(share)
 
@@ -177,14 +181,17 @@ class Running:
         return kinds.is_whole(table) and not kinds.not_verified(table), interrupted()
 
     def _say_more(self, prepared: Prepared) -> None:
-        """Print what a user of --verbose reads besides."""
+        """Print the further lines that `--verbose` asks for."""
         if self.checked is not None:
             for line in more(prepared, self.checked):
                 console.tell(line)
 
 
 def _keep_or_remove(pieces: Pieces) -> None:
-    """Print how a study goes on with the pieces that are kept; remove their folder if none is."""
+    """Print how to continue a study from its stored pieces.
+
+    Remove their folder if there are none.
+    """
     if pieces.kept:
         done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"
         console.fail(f"  {done}. The same command with --resume goes on with them.")
@@ -193,7 +200,7 @@ def _keep_or_remove(pieces: Pieces) -> None:
 
 
 def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
-    """Print the command that carries on with a result of which cells are left."""
+    """Print the command that completes a result of which some cells are not computed."""
     options = "--resume" if target.endswith(".nc") else "--resume --force"
     if pieces.kept:
         how = f"{options} goes on with the {pieces.kept:,} of {len(pieces):,} pieces that are kept."
@@ -204,11 +211,11 @@ def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
 
 
 def _is_streamed(sweep: Prepared, target: str) -> bool:
-    """True if a sweep is written tile by tile, in place of being held in memory."""
+    """True if a sweep is written tile by tile: it is too large for memory, or goes to Zarr."""
     suffix = suffix_of(target)
     return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 
 
 def history_of(path: Path) -> str:
-    """Return the line of CF history that a result begins with."""
+    """Return the first line of the CF attribute `history`: time, program and study."""
     return f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed run {path.name}"

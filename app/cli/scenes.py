@@ -17,7 +17,7 @@ from core.scenes import SCENES
 
 
 def _names(begun: str) -> list[str]:
-    """Return the scenes that a shell may complete what is begun to."""
+    """Return the scene names that begin with the typed text, for completion in a shell."""
     return [name for name in SCENES if name.startswith(begun)]
 
 

@@ -26,7 +26,7 @@ def run_on_scheduler(
     count: int | None,
     history: str,
 ) -> None:
-    """Have all parts that are not there computed by a Dask cluster, and join them."""
+    """Compute all missing parts of a study on a Dask cluster, and join them into its result."""
     path, target = single_study(studies, targets)
     target = target if "://" in target else str(Path(target).resolve())
     sweep = studies[path]

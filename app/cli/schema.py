@@ -46,7 +46,7 @@ def schema() -> None:
 
 
 def _digest() -> str:
-    """Return the name of all that the schema follows from, 16 hexadecimal digits."""
+    """Return a digest of everything that the JSON Schema depends on, 16 hexadecimal digits."""
     content = hashlib.sha256(f"{sys.version} {version('pydantic')}".encode())
     for path in sorted(SOURCES.rglob("*.py")):
         content.update(f"\n{path.relative_to(SOURCES).as_posix()}\n".encode())

@@ -31,7 +31,7 @@ def scrub(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Compare every result of a service with its digests; exit with 1 if one is broken.
+    """Compare all results of a service with their digests; exit with code 1 if one is damaged.
 
     The service may run meanwhile.
     """
@@ -73,7 +73,7 @@ def _tell(
     *,
     repair: bool,
 ) -> None:
-    """Print what was found."""
+    """Print the damaged folders, the counts, and what was repaired."""
     if rows:
         console.table(COLUMNS, rows)
     told = ", ".join(f"{count:,} {state}" for state, count in sorted(counts.items()))

@@ -70,7 +70,7 @@ def serve(
 
 
 def _welcome(settings: Settings, host: str, port: int) -> None:
-    """Print the address of the page, then what else there is to know."""
+    """Print the address of the web page and further hints at the start of a service."""
     address = "http://" + (f"[{host}]:{port}/" if ":" in host else f"{host}:{port}/")
     typer.echo(f"Open {address} in a browser; Ctrl-C stops the service.")
     typer.echo(f"Programs use the same address: {address}docs describes what they may ask.")
@@ -78,7 +78,7 @@ def _welcome(settings: Settings, host: str, port: int) -> None:
 
 
 def _tell_of_older_data(settings: Settings) -> None:
-    """Name the folder that was the default once, where it holds studies and is not in use."""
+    """Print a hint if the folder that older versions used by default still holds studies."""
     is_default = "data_directory" not in settings.model_fields_set
     if is_default and (OLDER_DATA / "jobs.sqlite3").is_file():
         console.fail(
@@ -88,7 +88,7 @@ def _tell_of_older_data(settings: Settings) -> None:
 
 
 def settings_in_force() -> Settings:
-    """Return the settings in the environment, or report every wrong one and exit."""
+    """Return the settings from the environment; print every invalid one and exit."""
     problems = unknown_variables(os.environ)
     try:
         settings = Settings()
@@ -102,7 +102,7 @@ def settings_in_force() -> Settings:
 
 
 def _check_address(host: str, port: int) -> None:
-    """Listen for a moment, or say in one line why that cannot be and exit."""
+    """Open and close a socket at the address; if that fails, print why and exit."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         socket.create_server((host, port), family=family).close()
@@ -116,7 +116,7 @@ def _check_address(host: str, port: int) -> None:
 
 
 def _check_keys(settings: Settings, host: str) -> None:
-    """Refuse to serve other machines where there is no key."""
+    """Exit if the service would be reachable from other machines and no key exists."""
     from app.web.guard import is_loopback  # with all that serves
 
     if settings.api_key_hashes or is_loopback(host):
@@ -139,7 +139,7 @@ def _check_keys(settings: Settings, host: str) -> None:
 
 
 def _check_directory(directory: Path) -> None:
-    """Write a little into the data directory, or say in one line why not and exit."""
+    """Write a test file into the data directory; if that fails, print why and exit."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as file:
@@ -155,7 +155,7 @@ def _check_directory(directory: Path) -> None:
 
 
 def _check_ledger(settings: Settings, ledger: Ledger) -> None:
-    """Begin a change of the ledger, or say in one line why that cannot be and exit."""
+    """Begin a write transaction in the ledger; if that fails, print why and exit."""
     try:
         with ledger.transaction():
             pass  # what can begin a change can be opened and written
@@ -175,6 +175,7 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
 
 
 def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:
+    """Print why the data directory cannot be used and which setting to change; exit."""
     fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
     console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
     raise typer.Exit(INVALID_INPUT)

@@ -130,14 +130,14 @@ amplitude = { start = "0.1 mm", stop = "0.5 mm", num = 41 }. `vibrafeed plot` dr
 
 
 def scene_of(answers: Mapping[str, str]) -> str:
-    """Return the scene of the part and the track that were named."""
+    """Return the name of the scene for the part and the track in the answers."""
     if answers["question"] == "which-way":
         return LINE
     return ROUND if answers["part"] == "cylinder" else SCENES[answers.get("track", "straight")]
 
 
 def starter_study(answers: Mapping[str, str], file: str) -> str:
-    """Return the TOML of the study that some answers ask for; `file` is what it will be called."""
+    """Return the TOML text of a study made from answers; `file` is the name it will have."""
     starter, scene = STARTERS[answers["question"]], scene_of(answers)
     document = tomlkit.document()
     _say(document, "\n".join(starter.says))
@@ -179,7 +179,7 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
 
 
 def _range(stop: Any, count: int) -> Any:
-    """Return a range of values from 0, in one line."""
+    """Return an inline table of a range from 0 to `stop` with `count` values."""
     table = tomlkit.inline_table()
     table.update({"start": 0, "stop": stop, "num": count})
     return table
@@ -196,7 +196,7 @@ TABLES_SAY: Final = {
 
 
 def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return the tables that answers about the best drive add or change.
+    """Return the TOML tables of an optimisation, from the answers about the best drive.
 
     Under "" stand the questions whose parameters have no place then.
     """
@@ -215,7 +215,7 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return the variables of a drive whose amplitude is the largest that there is."""
+    """Return the variables of an optimisation whose largest amplitude is given."""
     largest = answers.get("amplitude")
     if largest is None:  # a stroke, from end to end
         stroke = typed(answers["peak_to_peak"])
@@ -230,7 +230,7 @@ def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
-    """Return bounds of outputs as an array of tables."""
+    """Return the bounds of outputs as an array of TOML tables."""
     array = tomlkit.aot()
     for row in rows:
         array.append(_table("What an output has to keep.", row))
@@ -238,7 +238,7 @@ def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
 
 
 def example_study(kind: str, file: str) -> str:
-    """Return the TOML of the example of a kind of study; `file` is what it will be called."""
+    """Return the TOML text of the example study of a kind; `file` is the name it will have."""
     record = KINDS[kind]
     said = [f"{record.title}.", *textwrap.wrap(record.description, WIDTH)]
     lines = [*said, "", f"Carry it out: vibrafeed run {file}"]
@@ -247,12 +247,13 @@ def example_study(kind: str, file: str) -> str:
 
 
 def _say(container: Any, text: str) -> None:
+    """Add lines of text as comments to a TOML container."""
     for line in text.split("\n"):
         container.add(tomlkit.comment(line))
 
 
 def _table(says: str, content: Mapping[str, Any]) -> Any:
-    """Return a table that begins with what is said of it."""
+    """Return a TOML table that begins with comment lines."""
     table = tomlkit.table()
     _say(table, says)
     for name, value in content.items():

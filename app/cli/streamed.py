@@ -36,7 +36,7 @@ def run_streamed(
     deadline: float | None,
     units: str | None,
 ) -> tuple[bool, bool, dict[str, Any] | None]:
-    """Compute a sweep into a file or store, tile by tile.
+    """Compute a sweep tile by tile and write it to a file or Zarr group.
 
     If it is stopped, what is done is kept, and the user is told how to go on. Returns whether it is
     whole, whether it is sound, and what came out.
@@ -103,7 +103,7 @@ def run_streamed(
 def _check_disk_space(
     path: Path, sweep: Prepared, target: str, *, compression: bool, resume: bool
 ) -> int:
-    """Print the size of the result, and refuse one that its disk cannot hold; return the bytes."""
+    """Print the size of a result and return its bytes; exit if the disk has too little room."""
     compressed = compression or is_zarr(target)
     size = bytes_in_file(sweep, compressed=compressed)
     about = "about " if compressed else ""
@@ -129,9 +129,11 @@ def _check_disk_space(
 
 
 def _say_how_to_go_on(target: str) -> None:
+    """Print where the finished tiles are kept, and that `--resume` continues."""
     where = target if "://" in target else partial(Path(target))
     console.fail(f"What is done is kept in {where}. To go on, give the same command with --resume.")
 
 
 def _gb(size: int) -> str:
+    """Return a number of bytes in GB."""
     return f"{size / 1e9:,.3g} GB"

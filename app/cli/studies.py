@@ -40,7 +40,7 @@ STANDARD = Path("-")
 def prepare_all(
     files: Sequence[Path], *, cells: int | None = None, bytes_: int | None = None
 ) -> dict[Path, Prepared]:
-    """Return the study of each file, or report every error of every file and exit.
+    """Read and prepare the study of each file; print every error of every file and exit.
 
     What is allowed and hardly meant is asked about on the error stream.
     """
@@ -66,16 +66,17 @@ def prepare_all(
 
 
 def stem_of(path: Path) -> str:
-    """Return the stem of a result's name, after its study."""
+    """Return the stem for the name of a result: that of its study file."""
     return "study" if path == STANDARD else path.stem
 
 
 def _name_of(path: Path) -> str:
+    """Return the path as text, or `standard input`."""
     return "standard input" if path == STANDARD else str(path)
 
 
 def content_of(path: Path) -> object:
-    """Return the content of a file, or of standard input: TOML, or a JSON object.
+    """Return the content of a study file, or of standard input: TOML or a JSON object.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def content_of(path: Path) -> object:
 
 
 def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
-    """Print every problem of every file on the error stream, and exit with code 2."""
+    """Print all problems of all files on the error stream, and exit with code 2."""
     for path, problems in problems_of.items():
         count = len(problems)
         typer.echo(f"{_name_of(path)}: {count} problem{'s' if count > 1 else ''}", err=True)
@@ -103,7 +104,7 @@ def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
 
 
 def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | str] = ()) -> None:
-    """Exit if two studies would go to one place, or one to a place that something else takes."""
+    """Exit if two results would have one path, or if one has a path that is otherwise used."""
     everything = [*targets.values(), *taken]
     message = "{} would be written more than once"
     fix = "Rename a study, or use another folder"
@@ -117,7 +118,7 @@ def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | 
 
 
 def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
-    """Exit if this machine's memory cannot hold the results of a study."""
+    """Exit if the result of a study needs more memory than this machine has."""
     size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if prepared.bytes > size:
         message = f"its {prepared.bytes:,} bytes are held in memory, which has {size:,}"
@@ -129,7 +130,7 @@ def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
 def interruption(
     *, gently: bool = True, has_begun: Callable[[], bool] = lambda: True
 ) -> Iterator[Callable[[], bool]]:
-    """Let Ctrl-C stop a study between cells, not in the middle; yield whether it has.
+    """Let Ctrl-C stop a study between cells; yield a function that tells whether it was pressed.
 
     A second Ctrl-C raises `KeyboardInterrupt`, and the first one too where there is nothing to
     keep: not `gently`, or `has_begun` returns False.
@@ -137,6 +138,7 @@ def interruption(
     asked = threading.Event()
 
     def interrupt(number: int, frame: object) -> None:
+        """Handle Ctrl-C: stop gently at first, at once if pressed again or before the start."""
         if asked.is_set() or not gently or not has_begun():
             raise KeyboardInterrupt
         asked.set()
@@ -150,7 +152,7 @@ def interruption(
 
 @contextmanager
 def interruptible_compiler(last_words: str) -> Iterator[None]:
-    """Let Ctrl-C end the program while it compiles, with these words on the error stream.
+    """Let Ctrl-C end the program while it compiles; print `last_words` on the error stream.
 
     Python handles a signal between two of its own steps, and LLVM takes seconds for one. So a
     thread reads the signals where Python's handler in C writes them, and ends the process if
@@ -160,6 +162,10 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
     os.set_blocking(writer, False)
 
     def read() -> None:
+        """Wait for signals.
+
+        End the program if Ctrl-C comes while compiled code cannot notice it.
+        """
         while number := os.read(reader, 1):
             if number[0] == signal.SIGINT and stopwatch.is_running:
                 time.sleep(PYTHONS_TURN)
@@ -179,7 +185,10 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
 
 
 def refuse_existing(source: str, target: str, *, force: bool) -> None:
-    """Exit if what is made of `source` would replace something; a Zarr group never is."""
+    """Exit if a derived file would replace an existing one.
+
+    `--force` allows it, but for a Zarr group.
+    """
     if not force and "://" not in target and Path(target).is_file():
         problem = Problem("output", f"{target} is there already", REPLACE)
         refuse({Path(source): [problem]})

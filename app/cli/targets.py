@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
-    """Return the target of the result of each study; exit if it cannot be written.
+    """Return the target path of each study's result; exit if a target cannot be written.
 
     A folder is what exists as one, ends in a slash, or has no suffix.
     """
@@ -47,7 +47,7 @@ def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Pat
 
 
 def check_suffix(output: str) -> None:
-    """Exit if no format has the suffix of a place, or what writes it is not installed."""
+    """Exit if the suffix of an output names no format, or its writer is not installed."""
     suffix = suffix_of(output)
     problem = None
     if suffix not in FORMATS:
@@ -66,7 +66,7 @@ def check_suffix(output: str) -> None:
 
 
 def make_folder_of(target: str) -> None:
-    """Make the folder that a file goes to; exit if it cannot be made."""
+    """Create the folder of an output file; exit if it cannot be created."""
     folder = Path(target).parent
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -76,7 +76,7 @@ def make_folder_of(target: str) -> None:
 
 
 def kept_apart(target: str) -> str:
-    """Return the path of a partial result: beside a file that is there, which may be whole."""
+    """Return the path for a partial result: beside an existing file, which may be complete."""
     if not Path(target).exists():
         return target
     suffix = suffix_of(target)
@@ -88,7 +88,7 @@ def kept_apart(target: str) -> str:
 def write_or_exit(
     path: Path, table: Table, target: str, history: str, *, compression: bool = True
 ) -> None:
-    """Write a result; exit, with the reason, if it cannot be written."""
+    """Write a result to a file; exit with the reason if it cannot be written."""
     try:
         write_result(table, target, history=history, compression=compression)
     except LimitError as error:
@@ -101,13 +101,14 @@ def write_or_exit(
 
 
 def _is_folder(output: str) -> bool:
+    """True if an output is a folder for results, not the name of a file or a Zarr group."""
     if "://" in output or output.lower().endswith(".zarr"):
         return False
     return output.endswith("/") or not Path(output).suffix or Path(output).is_dir()
 
 
 def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
-    """Exit if a format cannot hold what is to go there, before anything is computed."""
+    """Exit before computing if the format of a target cannot hold the result of its study."""
     invalid = {}
     for path, prepared in studies.items():
         kept = {dim for dims in prepared.dims.values() for dim in dims}

@@ -13,14 +13,17 @@ from core.errors import Problem
 
 
 def refuse_taken(file: Path, option: str, *, force: bool) -> None:
-    """Exit if a file is there already; `place` is the argument or option that names it."""
+    """Exit if a file exists and `--force` is not given.
+
+    `option` names the argument in the message.
+    """
     if file.exists() and not force:
         fix = "Add --force to replace it, or give another name"
         refuse({file: [Problem(option, "it is there already", fix)]})
 
 
 def write_text(file: Path, text: str) -> None:
-    """Write a text; say why and exit if it cannot be written."""
+    """Write text to a file; print the reason and exit if it cannot be written."""
     try:
         file.write_text(text, encoding="utf-8")
     except OSError as error:

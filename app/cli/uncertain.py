@@ -35,17 +35,17 @@ BESIDE = ("_error", "_distribution")
 
 
 def is_uncertain(result: Table) -> bool:
-    """True if a result is that of a study of uncertain parameters."""
+    """True if a result comes from a sensitivity study, with uncertain parameters."""
     return "uncertain_parameters" in result.attributes
 
 
 def is_short(name: str) -> bool:
-    """True if a variable stands in the short table of many designs."""
+    """True if a variable belongs to the short table of a study with many designs."""
     return not name.endswith(BESIDE)
 
 
 def show_design(result: Table, units: ShownUnits) -> None:
-    """Print what was found of one design: probabilities, and each output by parameters."""
+    """Print a design with uncertain parameters: probabilities, and each output by parameter."""
     for name, one in result.variables.items():
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()
@@ -57,7 +57,7 @@ def show_design(result: Table, units: ShownUnits) -> None:
 
 
 def _demand(attributes: Mapping[str, Any], units: ShownUnits) -> str:
-    """Return a demand in words, its bounds in the units of a person."""
+    """Return a demand in words, its bounds in the shown units."""
     if "regime" in attributes:
         return f"probability of {attributes['regime']}"
     output = str(attributes["output"])
@@ -69,6 +69,7 @@ def _demand(attributes: Mapping[str, Any], units: ShownUnits) -> str:
 
 
 def _show_output(result: Table, output: str, units: ShownUnits) -> None:
+    """Print mean, quantiles and Sobol indices of one output of a design."""
     columns = {
         name.removeprefix(f"{output}_"): column
         for name, column in result.variables.items()
@@ -127,9 +128,11 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
 
 
 def _value(value: Array, shown: Shown, error: Array | None = None) -> str:
+    """Return a value in the shown unit as text, with its error if given."""
     text = number(shown.factor * float(value))
     return text if error is None else f"{text} ± {number(shown.factor * float(error), 2)}"
 
 
 def _percent(share: float) -> str:
+    """Return a share in per cent as text."""
     return f"{number(100 * share, 3)} %"

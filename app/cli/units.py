@@ -25,7 +25,7 @@ PLAIN = (1e-4, 1e7)  # sizes that are written without an exponent
 
 
 def units_asked(text: str | None, otherwise: str = "") -> ShownUnits:
-    """Return the units that `--units` names, or those of a study; exit if there is no such unit."""
+    """Return the units named by `--units`, else those of the study; exit if a unit is unknown."""
     words = [word for word in (otherwise if text is None else text).split(",") if word.strip()]
     try:
         return read_shown(words)
@@ -34,7 +34,7 @@ def units_asked(text: str | None, otherwise: str = "") -> ShownUnits:
 
 
 def number(value: float | None, digits: int = DIGITS) -> str:
-    """Return a number with some digits, a whole one with all; ``-`` if there is none."""
+    """Return a number with `digits` significant digits, whole numbers in full; `-` for NaN."""
     if value is None or not math.isfinite(value):
         return "-"
     if value == round(value) and abs(value) < WHOLE:
@@ -49,7 +49,7 @@ def number(value: float | None, digits: int = DIGITS) -> str:
 def ends(
     unit: str, least: float | None, largest: float | None, units: ShownUnits
 ) -> tuple[str, str, str]:
-    """Return the unit in which values of an output are read, the least and the largest value."""
+    """Return the unit for an output's values, and its smallest and largest value in that unit."""
     if least is None or largest is None:
         return units.of(unit, 0.0).unit, "-", "-"
     size = max(abs(least), abs(largest))

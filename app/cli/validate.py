@@ -81,7 +81,7 @@ def validate(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
 ) -> None:
-    """Answer every problem whose answer is known, and say how far off that is.
+    """Solve all problems with known results, and report the errors.
 
     Anchors from the literature, limits, laws that any drive keeps, a measured set, worked values:
     docs/validation.md. Exit code 1 means that an answer is wrong, 2 that an option or a file is.
@@ -125,11 +125,12 @@ def validate(
 
 
 def _read(path: Path) -> ProgramAnswers:
+    """Return the answers of another program from a file."""
     return read_answers(path)
 
 
 def _own(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
-    """Return this program's outcomes, and its name; exit if it was stopped."""
+    """Return the outcomes of this program and its name; exit if it was stopped."""
     with console.progress("validate") as advance, interruption() as interrupted:
         outcomes = run_cases(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
@@ -139,7 +140,7 @@ def _own(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
 
 
 def _others(program: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
-    """Return the outcomes of another program in some families, and its name."""
+    """Return the outcomes of another program's answers in the asked families, and its name."""
     asked = [problem for problem in program.cases if problem.family in letters]
     if not asked:
         fix = f"Families that it answers: {', '.join(sorted({p.family for p in program.cases}))}"
@@ -148,7 +149,7 @@ def _others(program: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outco
 
 
 def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
-    """Print outcomes: every problem, or a row a family and what is wrong."""
+    """Print outcomes: each problem, or one row per family and the wrong ones."""
     failed = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
         console.table((*COLUMNS,), rows(outcomes))
@@ -164,7 +165,7 @@ def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
 
 
 def _text(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return a row a family, then every problem, as plain lines."""
+    """Return outcomes as plain lines of text: a row per family, then every problem."""
     families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
     lines = [
         *families,
@@ -177,7 +178,7 @@ def _text(outcomes: Sequence[Outcome], program: str) -> str:
 
 
 def _write(content: object, output: Path | None) -> None:
-    """Write a JSON document into a file, or on the output."""
+    """Write a JSON document to a file or to standard output."""
     if output is None:
         console.document(content)
     else:
@@ -185,4 +186,5 @@ def _write(content: object, output: Path | None) -> None:
 
 
 def _refuse(problems: Sequence[Problem], file: Path | None = None) -> NoReturn:
+    """Print problems of the answers file or of the options, and exit."""
     refuse({file or COMMAND: list(problems)})

@@ -22,7 +22,7 @@ def warm(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Compile what follows motion in time, once for this processor; a minute or so.
+    """Compile all kernels of motion for this processor and keep them on disk; takes about a minute.
 
     Without it the first study of each kind waits. Compiled code is kept in NUMBA_CACHE_DIR, or
     among the user's caches.

@@ -24,7 +24,7 @@ PAGE = "accuracy.md"
 
 
 def measure_block(prepared: Prepared, index: int, watch: Watch) -> Computed:
-    """Return a block of the report: one family of measurements."""
+    """Measure one family of an accuracy study and return its results as arrays of a block."""
     facts = machine()
     return keep(measure_family(prepared, families_of(prepared)[index], watch), facts)
 
@@ -32,7 +32,7 @@ def measure_block(prepared: Prepared, index: int, watch: Watch) -> Computed:
 def write_report(
     store: Store, key: str, process: str, prepared: Prepared, cells: int, seconds: float
 ) -> None:
-    """Write the report from its blocks; raise `TornBlockError` if one cannot be read.
+    """Write the accuracy report from its blocks; raise `TornBlockError` if one cannot be read.
 
     Parameters
     ----------
@@ -47,6 +47,7 @@ def write_report(
     part = part_of(prepared, "study.json", [one for one, _ in blocks if one is not None], facts)
 
     def more(dataset: Path, folder: Path) -> list[Path]:
+        """Write the page and pictures of the report into a folder; return their paths."""
         families = [one.family for one in part.measured if one.curves]
         pictures = draw(dataset, folder, "study", families, logger.warning)
         names = {family: path.name for family, path in pictures.items()}
@@ -64,7 +65,10 @@ def write_report(
 def draw(
     file: Path, folder: Path, stem: str, families: Sequence[str], warn: Callable[[str], object]
 ) -> dict[str, Path]:
-    """Draw the families of a written dataset; where matplotlib is not installed, warn instead."""
+    """Draw one picture per family of an accuracy dataset.
+
+    Without matplotlib call `warn` instead.
+    """
     try:
         from core.plots.accuracy import draw_accuracy
         from core.plots.files import save

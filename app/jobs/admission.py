@@ -61,7 +61,7 @@ class Admission:
         self.looks = JobLooks(ledger)
 
     def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
-        """Enter a job for a study; it is on the disk when this returns.
+        """Enter a job for a study into the ledger; the job is stored on disk on return.
 
         One whose result is there, and was asked for with this key before, is successful at once;
         what others have asked for is found when the job's turn comes.
@@ -122,7 +122,7 @@ class Admission:
         return job
 
     def mend(self, job: Job) -> bool:
-        """Have the result of a job that was successful computed again, if it is there no more.
+        """Queue a successful job again whose result has been lost, so that it is computed anew.
 
         Its jobs are accepted again then. Return False if the study itself is gone.
 
@@ -157,13 +157,17 @@ class Admission:
         return True
 
     def _measured(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
-        """Return the cells of a block, the number of blocks, and the bytes that it all takes."""
+        """Return cells of a block, number of blocks, and the largest number of bytes on disk.
+
+        Blocks and the result are on the disk at the same time, for a moment.
+        """
         cells, blocks = work.blocks(prepared, process, self._settings)
         # Blocks and the result are there at the same time, for a moment.
         needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
         return cells, blocks, needed
 
     def _check_jobs(self, who: Key) -> None:
+        """Raise `TooManyJobsError` if a key has as many running or waiting jobs as it may."""
         if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
             raise TooManyJobsError(
                 f"Your key may have {who.jobs:,} jobs that run or wait; dismiss one, or wait "
@@ -171,7 +175,7 @@ class Admission:
             )
 
     def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
-        """Keep a sweep of which nothing is computed yet; return its identifier, and if it is new.
+        """Store a sweep without computing it; return its identifier, and True if it is new.
 
         It is new to whoever has not posted it, though others may have.
 
@@ -194,20 +198,20 @@ class Admission:
         return key, is_new if who.sees_all else is_new_to_them
 
     def job(self, number: str, who: Key) -> Job | None:
-        """Return a job that somebody may read; None if there is none."""
+        """Return a job that the given key may read; None if there is none."""
         job = self.ledger.job(number)
         return job if job is not None and is_readable(job, who) else None
 
     def may_read(self, key: str, who: Key) -> bool:
-        """True if somebody may read a study."""
+        """True if a key may read a study."""
         return who.sees_all or bool(self.ownership.readable(who.name, key))
 
     def knows_result(self, key: str, who: Key) -> bool:
-        """True if somebody may know that the result of a study is there."""
+        """True if a key may learn whether the result of a study exists."""
         return who.sees_all or any(one.result for one in self.ownership.readable(who.name, key))
 
     def take_result(self, key: str, needed: int, who: Key) -> None:
-        """Note that the owner of a study asks for its result; make room for it among theirs.
+        """Record that a key asks for the file of its study, after making room in its quota.
 
         Raises
         ------
@@ -225,7 +229,7 @@ class Admission:
             self.ownership.hold(who.name, key, held.bytes, result=True)
 
     def dismiss(self, number: str, who: Key = NOBODY) -> Job | None:
-        """Stop a job and mark it dismissed; it stays in the list.
+        """Dismiss a job: stop its work and mark it; it stays in the list of jobs.
 
         None if `who` may read no such job.
 
@@ -247,7 +251,7 @@ class Admission:
         return job
 
     def share_job(self, number: str, shared: bool, who: Key) -> Job | None:
-        """Let all keys read a job and its results, or its owner only.
+        """Make a job and its results readable for all keys, or for its owner only.
 
         None if `who` may read no such job.
 
@@ -266,7 +270,7 @@ class Admission:
         return self.ledger.job(number)
 
     def share_sweep(self, key: str, shared: bool, who: Key) -> None:
-        """Let all keys read a sweep, or its owner only; of an admin for all who hold it.
+        """Make a sweep readable for all keys, or its owner only; an admin does so for all owners.
 
         Raises
         ------
@@ -283,16 +287,17 @@ class Admission:
             self._note(who, "share" if shared else "unshare", key)
 
     def _note(self, who: Key, action: audit.Action, object_: str) -> None:
+        """Write an entry about a key's action on an object into the audit log."""
         audit.note(self.ledger.database, who.name, action, object_)
 
     def make_room(self, key: str, needed: int, who: Key = NOBODY) -> None:
-        """Make room for the files of a study; raise `NoRoomError` if they would not fit."""
+        """Free disk space for a study's files; raise `NoRoomError` if they would not fit."""
         self._quota.look(key, needed, who)
         with self.ledger.transaction():
             self._quota.make(key, needed, who)
 
     def tidy(self) -> None:
-        """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""
+        """Remove old jobs, unused studies, and files that killed writers and workers left."""
         before = time.time() - self._settings.retention_days * DAY
         self.ledger.forget(before, MAX_JOBS)
         audit.forget(self.ledger.database)
@@ -310,7 +315,7 @@ class Admission:
                     self.ownership.let_go(key)
 
     def scrub(self, stopped: Callable[[], bool]) -> None:
-        """Compare some results with their digests, those after the ones of the last turn.
+        """Compare some results with their digests, continuing after those of the previous call.
 
         What is broken is taken away; it is computed again when it is asked for.
         """
@@ -326,15 +331,16 @@ class Admission:
         self._scrubbed = ""
 
     def used_bytes(self) -> int:
-        """Return the bytes of all studies on the disk, counted a minute ago at most."""
+        """Return the bytes that all studies take on disk, counted at most a minute ago."""
         return self._quota.used()
 
 
 def is_readable(job: Job, who: Key) -> bool:
-    """True if somebody may read a job."""
+    """True if a key may read a job."""
     return who.sees_all or job.shared or job.owner == who.name
 
 
 def _check_owner(job: Job, who: Key) -> None:
+    """Raise `NotOwnerError` if a key neither owns a job nor is an admin's."""
     if not who.sees_all and job.owner != who.name:
         raise NotOwnerError("It is shared with you; only its owner may change it.")

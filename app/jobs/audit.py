@@ -40,21 +40,24 @@ class AuditEntry:
 
 
 def note(database: Database, name: str, action: Action, object_: str) -> None:
-    """Note what a key has done; inside a transaction it is part of that."""
+    """Write an action of a key into the audit log.
+
+    Part of the transaction in which it is called.
+    """
     entry = {"id": uuid.uuid4().hex, "time": time.time(), "name": name, "action": action}
     with database.transaction() as connection:
         connection.execute(AUDIT.insert().values(**entry, object=object_))
 
 
 def latest(database: Database, most: int) -> list[AuditEntry]:
-    """Return so many entries, the latest first."""
+    """Return the latest entries of the audit log, at most `most`, newest first."""
     found = select(AUDIT.c.time, AUDIT.c.name, AUDIT.c.action, AUDIT.c.object)
     newest = found.order_by(AUDIT.c.time.desc(), AUDIT.c.id).limit(most)
     return [AuditEntry(*row) for row in database.read(newest)]
 
 
 def forget(database: Database, most: int = MAX_ENTRIES) -> None:
-    """Remove all entries but so many, the latest."""
+    """Remove all entries of the audit log but the latest `most`."""
     oldest = select(AUDIT.c.id).order_by(AUDIT.c.time.desc(), AUDIT.c.id).offset(most)
     with database.transaction() as connection:
         connection.execute(AUDIT.delete().where(AUDIT.c.id.in_(oldest)))

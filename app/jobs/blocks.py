@@ -19,7 +19,7 @@ _NOTES = "notes"
 
 
 def pack(computed: Computed) -> tuple[bytes, memoryview]:
-    """Return the arrays of a piece as a digest and the bytes that follow it."""
+    """Return the arrays of a block as bytes, preceded by their digest."""
     notes = np.frombuffer(json.dumps(dict(computed.notes)).encode(), np.uint8)
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
@@ -27,7 +27,7 @@ def pack(computed: Computed) -> tuple[bytes, memoryview]:
 
 
 def unpack(block: bytes) -> Computed | None:
-    """Return the arrays of a piece; None if its digest is another one."""
+    """Return the arrays in the bytes of a block; None if the digest does not match."""
     view = memoryview(block)
     digest, content = view[:DIGEST], view[DIGEST:]
     if hashlib.sha256(content).digest() != digest:
@@ -42,11 +42,11 @@ class Blocks(Studies):
     """Keeps studies, and the blocks that are computed of them, in a folder within each."""
 
     def has_block(self, key: str, cells: int, index: int) -> bool:
-        """True if a block of a study cut into pieces of so many cells is there."""
+        """True if a block of a study is stored; `cells` is the size of a block."""
         return self._block(key, cells, index).exists()
 
     def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
-        """Keep what was computed of a piece."""
+        """Store the computed arrays of a block on disk."""
         path = self._block(key, cells, index)
         digest, content = pack(computed)
         for last in (False, True):
@@ -64,7 +64,10 @@ class Blocks(Studies):
                 return
 
     def read_block(self, key: str, cells: int, index: int) -> Computed:
-        """Return the arrays of a piece; raise `TornBlockError` if it cannot be read."""
+        """Return the arrays of a block.
+
+        Remove it and raise `TornBlockError` if it cannot be read.
+        """
         path = self._block(key, cells, index)
         try:
             block = path.read_bytes()
@@ -77,19 +80,21 @@ class Blocks(Studies):
         return computed
 
     def give_up(self, key: str, claim: str) -> None:
-        """Tell the workers that nobody waits for their blocks of a claim on a study."""
+        """Mark a claim on a study as abandoned, so that workers stop computing its blocks."""
         with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
             self._abandoned_mark(key, claim).parent.mkdir(exist_ok=True)
             self._abandoned_mark(key, claim).touch()
 
     def is_abandoned(self, key: str, claim: str) -> bool:
-        """True if workers have been told so."""
+        """True if a claim on a study is marked as abandoned."""
         return self._abandoned_mark(key, claim).exists()
 
     def _abandoned_mark(self, key: str, claim: str) -> Path:
+        """Return the path of the mark file of an abandoned claim."""
         name = hashlib.sha256(claim.encode()).hexdigest()[:32]
         return self.folder(key) / "blocks" / f"{name}.given-up"
 
     def _block(self, key: str, cells: int, index: int) -> Path:
+        """Return the path of a block of a study."""
         # Blocks of another size, left by a job that was given up, are never taken for these.
         return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"

@@ -49,7 +49,7 @@ class Cluster:
         self.begun: Callable[[str, str, bool], object] = lambda key, worker, is_loaded: None
 
     async def client(self) -> Client:
-        """Return the connection; make it if there is none or it has been lost.
+        """Return the client of the Dask cluster; connect if there is no connection or it is lost.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class Cluster:
         return client
 
     async def workers(self) -> int:
-        """Return the number of tasks that can run at once.
+        """Return the number of tasks that the cluster can run at once, 0 without workers.
 
         That is 0 while no worker is there: ours are started again, or a scheduler elsewhere has
         none.
@@ -72,7 +72,7 @@ class Cluster:
         return sum(threads.values())
 
     async def has_nanny(self, worker: str) -> bool:
-        """True if a worker would be started again if it were killed, or is gone."""
+        """True if a worker would be restarted automatically after a kill, or is already gone."""
         client = await self.client()
         # All of them: by default the scheduler tells of a few.
         scheduler: Any = client.scheduler
@@ -80,13 +80,13 @@ class Cluster:
         return worker not in known or known[worker]["nanny"] is not None
 
     async def restart(self, worker: str) -> None:
-        """End the process of a worker, by force if need be, and wait for the one in its place."""
+        """Restart the process of a worker, by force if need be, and wait for the new process."""
         client = await self.client()
         with contextlib.suppress(KeyError):  # it is gone
             await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
 
     def alive(self) -> int:
-        """Return the number of workers a moment ago; 0 if none has been asked for yet."""
+        """Return the number of workers at the last count; 0 before the cluster is used."""
         if self._start is None or not self._start.done() or _is_lost(self._start):
             return 0
         client, _ = self._start.result()
@@ -94,7 +94,10 @@ class Cluster:
         return int(told.get("n_workers", 0))
 
     async def close(self) -> None:
-        """Close the connection, and our own workers; wait for them if they are being started."""
+        """Close the connection and the workers of this service.
+
+        Wait for workers that are starting.
+        """
         start, self._start = self._start, None
         if start is not None:
             if self._address is not None:
@@ -102,6 +105,7 @@ class Cluster:
             await _end(start)
 
     async def _connect(self, lost: asyncio.Task[_Made] | None) -> _Made:
+        """Connect to the cluster, starting local workers if no address is set."""
         if lost is not None:
             await _end(lost)
         async with AsyncExitStack() as made:
@@ -120,12 +124,13 @@ class Cluster:
             return client, made.pop_all()
 
     def _heard(self, event: tuple[float, dict[str, Any]]) -> None:
+        """Report the event that a worker has begun with a call."""
         told = event[1]
         self.begun(told["key"], told["worker"], told["is_loaded"])
 
 
 def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
-    """Return a callable that finds a function of this program by its name, wherever it is sent.
+    """Return a callable for workers that imports a function by its name and calls it.
 
     It is sent with all it holds, tells that it begins, and finds the rest by the name `vibrafeed`:
     schedulers and workers may have other packages called `app` and `core`. The first call of a
@@ -135,12 +140,14 @@ def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
     name, topic = function.__name__, BEGUN
 
     def tell(is_loaded: bool) -> None:
+        """Tell the cluster's clients which worker has begun with this call."""
         with suppress(ValueError):  # it is called elsewhere than on a worker
             worker = get_worker()
             told = {"key": worker.get_current_task(), "worker": worker.address}
             worker.log_event(topic, {**told, "is_loaded": is_loaded})
 
     def call(*arguments: Any) -> _T:
+        """Import the function and call it; report both the start and the end of the import."""
         tell(is_loaded=False)
         home = import_module("vibrafeed._packages").load(module)
         tell(is_loaded=True)
@@ -152,6 +159,7 @@ def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
 
 
 def _is_lost(start: asyncio.Task[_Made]) -> bool:
+    """True if a connection attempt has failed or its connection is closed."""
     if not start.done():
         return False
     failed = start.cancelled() or start.exception() is not None
@@ -159,24 +167,25 @@ def _is_lost(start: asyncio.Task[_Made]) -> bool:
 
 
 def _polite() -> WorkerPlugin:
-    """Return a plugin that lowers the priority of each worker, those too that replace dead ones."""
+    """Return a Dask plugin that lowers the process priority of every worker, restarted ones too."""
 
     class Polite(WorkerPlugin):
         def setup(self, worker: object) -> None:
+            """Lower the priority of the worker's process."""
             os.nice(POLITE)
 
     return Polite()
 
 
 async def _end(start: asyncio.Task[_Made]) -> None:
-    """Close what comes, or came, of a start."""
+    """Wait for a connection attempt to end, and close the connection that it made."""
     await asyncio.wait([start])
     if not start.cancelled() and start.exception() is None:
         await start.result()[1].aclose()
 
 
 async def _end_workers(cluster: Any) -> None:
-    """End our own workers, what they compute too: it is to be computed again."""
+    """Kill the local workers with whatever they compute; the blocks are computed again later."""
     nannies = list(cluster.workers.values())
     ends = await asyncio.gather(
         *(nanny.close(timeout=PATIENCE) for nanny in nannies), return_exceptions=True
@@ -188,6 +197,7 @@ async def _end_workers(cluster: Any) -> None:
 
 
 def _local(workers: int) -> Any:
+    """Return a local Dask cluster with this number of workers, not started yet."""
     dask.config.set(
         {
             # A worker may be killed for reasons that are not its block's.

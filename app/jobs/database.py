@@ -100,7 +100,7 @@ class Database:
         self._opened: Engine | None = None
 
     def close(self) -> None:
-        """Close all connections; the next use opens new ones."""
+        """Close all connections to the database; the next use opens new ones."""
         with self._lock:
             if self._opened is not None:
                 self._opened.dispose()
@@ -108,7 +108,7 @@ class Database:
 
     @contextmanager
     def transaction(self) -> Iterator[Connection]:
-        """Make all that is done inside one transaction: nobody else changes the ledger meanwhile.
+        """Run the block in one write transaction; no other process changes the ledger meanwhile.
 
         What this thread does inside, in transactions or reads, is part of it.
 
@@ -133,7 +133,7 @@ class Database:
                 self._mine.connection = None
 
     def read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
-        """Return the rows of a query; raises as `transaction` does."""
+        """Return the rows of a query, outside of any transaction; raises as `transaction` does."""
         mine = getattr(self._mine, "connection", None)
         if mine is not None:
             return list(mine.execute(statement))
@@ -141,7 +141,7 @@ class Database:
             return list(connection.execute(statement))
 
     def _engine(self) -> Engine:
-        """Return the way to connections, made when it is first needed."""
+        """Return the SQLAlchemy engine, created on first use."""
         opened = self._opened
         if opened is not None:  # who reads does not wait for a transaction
             return opened
@@ -160,6 +160,7 @@ class Database:
             return self._opened
 
     def _new_engine(self) -> Engine:
+        """Create the SQLAlchemy engine, with the settings of the kind of database."""
         arguments = {k: v for k, v in CONNECT[self.kind].items() if k not in self._url.query}
         # AUTOCOMMIT: who reads has no transaction, who changes something begins one in words.
         engine = create_engine(
@@ -173,6 +174,7 @@ class Database:
 
         @event.listens_for(engine, "connect")
         def _(connection: Any, record: object) -> None:
+            """Set the options of a new connection."""
             cursor = connection.cursor()
             for statement in SET[self.kind]:
                 cursor.execute(statement)
@@ -181,6 +183,7 @@ class Database:
         return engine
 
     def _make_file(self, engine: Engine, file: Path) -> None:
+        """Create the SQLite file in WAL mode and its tables; one process at a time."""
         file.parent.mkdir(parents=True, exist_ok=True)
         # Making a new file one for WAL does not wait for another process that does so.
         with file.with_name(".ledger.lock").open("ab") as making:
@@ -190,7 +193,10 @@ class Database:
             self._upgrade(engine)
 
     def _upgrade(self, engine: Engine) -> None:
-        """Make the tables, or bring them to this version; who comes second finds it done."""
+        """Create the tables or upgrade them to this version.
+
+        Does nothing if another process has.
+        """
         with engine.begin() as connection:
             for statement in BEGIN[self.kind]:
                 connection.exec_driver_sql(statement)
@@ -212,7 +218,7 @@ class Database:
 
 @contextmanager
 def _plain_errors() -> Iterator[None]:
-    """Raise what SQLite raised, and OSError for what a database elsewhere says of its state."""
+    """Turn errors of SQLAlchemy into errors of SQLite, or into OSError for a remote database."""
     try:
         yield
     except exc.TimeoutError as error:

@@ -36,12 +36,12 @@ SQLITE = {
 
 
 def passes(error: OSError | sqlite3.OperationalError) -> bool:
-    """True if what is wrong soon passes by itself."""
+    """True if a storage error is likely to pass by itself, such as a full or busy disk."""
     return why(error) in PASSING
 
 
 def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
-    """Return the parts of the problem document of a file that cannot be written."""
+    """Return the arguments of the problem document for a file that cannot be written."""
     return {
         "status": 507,
         "kind": "storage",
@@ -52,7 +52,7 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
 
 
 def why(error: OSError | sqlite3.Error) -> str:
-    """Return the fault in a few words; none of them names a file."""
+    """Return the cause of a storage error in a few words, without any path."""
     if isinstance(error, LostLedgerError):
         return LOST
     if isinstance(error, LostStoreError):

@@ -47,14 +47,14 @@ class RunningTime:
         self._blocks, self._since = 0, 0.0
 
     def begin(self) -> None:
-        """Note that a worker has begun."""
+        """Count one more working worker; the first one starts the clock of the time limit."""
         self._blocks += 1
         if self._blocks == 1 and not self._limit.expired():
             self._since = asyncio.get_running_loop().time()
             self._limit.reschedule(self._since + self._left)
 
     def end(self) -> None:
-        """Note that it has ended."""
+        """Count one worker less; the last one stops the clock of the time limit."""
         self._blocks -= 1
         if self._blocks == 0 and not self._limit.expired():
             self._left -= asyncio.get_running_loop().time() - self._since
@@ -128,7 +128,7 @@ class Dispatcher:
         self.work_progress = WorkProgress()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
-        """Have the missing blocks of an item computed, then its result written, within its time.
+        """Compute the missing blocks of an item and write its result, within its time limit.
 
         `seconds` is what one of its blocks is expected to take.
         """
@@ -151,7 +151,7 @@ class Dispatcher:
             ) from error
 
     async def is_there(self, item: Work) -> bool:
-        """True if a result is there; blocks that a late worker left go then."""
+        """True if the result of an item exists, which is then uploaded; drops leftover blocks."""
         await self._thread_pool(self._store.drop_blocks, item.key)
         if await self._thread_pool(self._store.manifest, item.key) is None:
             return False
@@ -159,7 +159,7 @@ class Dispatcher:
         return True
 
     async def _send(self, item: Work) -> None:
-        """Send a result to where results are kept besides."""
+        """Upload a result to the object store, if one is configured."""
         try:
             await asyncio.to_thread(self._store.send, item.key)
         except OSError as error:
@@ -168,6 +168,10 @@ class Dispatcher:
         self.trouble = None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
+        """Compute missing blocks and write the result.
+
+        Repeat while blocks turn out to be damaged.
+        """
         item = progress.item
         about = item.key, item.process, item.block_cells
         spent = item.seconds
@@ -191,7 +195,7 @@ class Dispatcher:
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
-        """Have blocks computed, a few at a time; return the seconds that they took."""
+        """Compute missing blocks on the cluster, a few at a time; return the seconds they took."""
         item, total = progress.item, 0.0
         progress.done = max(0, item.blocks - len(missing))
         waiting = iter(missing)
@@ -222,10 +226,11 @@ class Dispatcher:
             await asyncio.gather(*running, *finished, return_exceptions=True)
 
     async def _on_worker(self, progress: _Progress, function: Any, *arguments: Any) -> float:
-        """Run a function of `app.jobs.work` on the cluster."""
+        """Run a function of `app.jobs.work` on the cluster and return its seconds."""
         has_begun = False
 
         async def began() -> None:
+            """Start the clock of the item, and note in the ledger that it has begun."""
             nonlocal has_begun
             if not has_begun:  # it begins again on another worker, if the first dies
                 progress.running.begin()
@@ -245,6 +250,7 @@ class Dispatcher:
                 progress.running.end()
 
     async def _note(self, progress: _Progress, seconds: float) -> None:
+        """Write the progress of an item into the ledger."""
         await self._thread_pool(
             self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
             elapsed=time.monotonic() - progress.began,

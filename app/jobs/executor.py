@@ -85,7 +85,7 @@ class Executor:
         function: Callable[..., float],
         *arguments: Any,
     ) -> float:
-        """Return the result of a function on a worker.
+        """Run a function on a worker and return its result.
 
         Whoever is cancelled need not wait for the worker. What a worker does not end by itself
         within the grace ends with its process.
@@ -136,16 +136,17 @@ class Executor:
                 self._fair_queue.leave(slot)
 
     async def close(self) -> None:
-        """Look after nothing any more."""
+        """Stop waiting for abandoned calls to end."""
         for task in self._ending:
             task.cancel()
         await asyncio.gather(*self._ending, return_exceptions=True)
 
     def waits(self) -> str | None:
-        """Return the reason why new work has to wait, or None."""
+        """Return the reason why new work has to wait, such as busy workers; None if it has not."""
         return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
     async def _submitted(self, function: Callable[..., float], arguments: Any) -> _Call:
+        """Submit a call to the cluster and register it."""
         client = await self._client()
         future = client.submit(by_name(function), *arguments, pure=False)
         loop = asyncio.get_running_loop()
@@ -155,7 +156,7 @@ class Executor:
         return call
 
     def _heard(self, key: str, worker: str, is_loaded: bool) -> None:
-        """Note which worker has begun with which call, or has loaded its code."""
+        """Record that a worker has begun with a call or has loaded its code."""
         call = self._calls.get(key)
         if call is not None:
             call.worker = worker  # another one, if the first has died
@@ -164,6 +165,7 @@ class Executor:
                 event.set_result(None)
 
     async def _followed(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
+        """Wait for the result of a call; raise if the cluster, or the call's worker, is lost."""
         announced = False
         while True:
             events: set[asyncio.Future[Any]] = {call.result}
@@ -186,12 +188,13 @@ class Executor:
                 await self._client()
 
     def _see_off(self, call: _Call, slot: Slot) -> None:
+        """Watch an abandoned call in the background until it ends, then free its slot."""
         task = asyncio.create_task(self._ended(call, slot))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
 
     async def _ended(self, call: _Call, slot: Slot) -> None:
-        """Wait until nobody works on a call that was given up; its place is taken until then."""
+        """Wait until an abandoned call ends, killing its worker if need be; then free the slot."""
         try:
             either: set[asyncio.Future[Any]] = {call.result, call.begun}
             await asyncio.wait(either, timeout=SETTLE, return_when=asyncio.FIRST_COMPLETED)
@@ -210,6 +213,7 @@ class Executor:
             self._fair_queue.leave(slot)
 
     async def _kill(self, call: _Call) -> None:
+        """Kill and restart the worker of an abandoned call; without a nanny wait for its end."""
         about = {"worker": call.worker}
         if not await self._cluster.has_nanny(call.worker):
             logger.error(
@@ -225,7 +229,7 @@ class Executor:
         await self._cluster.restart(call.worker)
 
     async def _client(self) -> Client:
-        """Return the connection; note how many workers there are, or why there are none."""
+        """Return the client of the cluster; record the number of workers, or why there are none."""
         try:
             client = await self._cluster.client()
             self.workers = await self._cluster.workers()
@@ -238,5 +242,6 @@ class Executor:
 
 
 async def _result_of(future: Any) -> float:
+    """Wait for a future of the cluster and return its result."""
     seconds: float = await future
     return seconds

@@ -16,7 +16,7 @@ from app.jobs.ledger import Work
 
 
 def share_of(item: Work) -> str:
-    """Return on whose account an item of work runs: its owner's; each on its own without keys.
+    """Return the account that an item of work is charged to: its owner, or itself without keys.
 
     Work of one share takes turns in the order of asking.
     """
@@ -68,12 +68,12 @@ class FairQueue:
         return bool(self._waiting)
 
     def resize(self, slots: int) -> None:
-        """Note how many places there are; the first is there before any worker is."""
+        """Set the number of slots; there is one before any worker is known."""
         self._slots = max(1, slots)
         self._hand_out()
 
     async def take(self, share: str, seconds: float) -> Slot:
-        """Wait for a place, which is expected to be taken for so many seconds."""
+        """Wait for a slot, which is expected to be used for `seconds`."""
         if share not in self._had:
             self._had[share] = max(self._due, min(self._had.values(), default=0.0))
         got: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
@@ -91,7 +91,7 @@ class FairQueue:
             raise
 
     def leave(self, slot: Slot) -> None:
-        """Give a place back."""
+        """Free a slot and give it to the next in the queue."""
         self._taken.remove(slot)
         used = time.monotonic() - slot.since
         self._had[slot.share] += used - slot.seconds  # it was charged for what was expected
@@ -100,6 +100,7 @@ class FairQueue:
         self._hand_out()
 
     def _hand_out(self) -> None:
+        """Give free slots to waiting accounts, the one with the least use first."""
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         while self._waiting and len(self._taken) < self._slots:
@@ -117,13 +118,15 @@ class FairQueue:
             got.set_result(slot)
 
     def _lasts(self, seconds: float, slot: Slot | None = None) -> bool:
+        """True if work counts as long, by its expected time or the time it has run."""
         run = 0.0 if slot is None else time.monotonic() - slot.since
         return max(seconds, run) > self._longest
 
     def _held(self, share: str) -> int:
+        """Return the number of slots that an account uses."""
         return sum(place.share == share for place in self._taken)
 
     def _forget(self, share: str) -> None:
-        """Forget a share that neither has a place nor waits for one."""
+        """Remove the record of an account that neither uses a slot nor waits."""
         if not self._held(share) and all(one[1] != share for one in self._waiting):
             self._had.pop(share, None)

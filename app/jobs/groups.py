@@ -16,14 +16,14 @@ KEPT = 8  # lists; one of 100,000 shards takes some 20 MB
 
 
 def write_list(folder: Path, digests: Mapping[str, str]) -> None:
-    """Write the list of a study's group."""
+    """Write the file that lists the digests of a study's Zarr group."""
     lines = (f"{digest}  {ZARR}/{key}\n" for key, digest in sorted(digests.items()))
     with kept(folder / LIST) as temporary:
         temporary.write_text("".join(lines), encoding="ascii")
 
 
 def complete_list(folder: Path) -> None:
-    """Add what is in a group and not in its list: documents, coordinates, all of an older one."""
+    """Add files that are in a Zarr group and missing in its list of digests, such as documents."""
     digests = dict(read_list(folder))
     for key, path in files_of(folder / ZARR):
         if key not in digests and key != UNFINISHED:
@@ -33,7 +33,7 @@ def complete_list(folder: Path) -> None:
 
 
 def read_list(folder: Path) -> Mapping[str, str]:
-    """Return the SHA-256 of each file of a study's group, by key; none if there is no list."""
+    """Return the SHA-256 of each file in a study's Zarr group, by key; empty without a list."""
     path = folder / LIST
     try:
         found = path.stat()
@@ -44,14 +44,14 @@ def read_list(folder: Path) -> Mapping[str, str]:
 
 @lru_cache(maxsize=KEPT)
 def _read(path: Path, *changes: int) -> Mapping[str, str]:
-    """Return a list; what `changes` with the file keeps lists apart."""
+    """Return the SHA-256 of each key from a list file; `changes` are cache keys only."""
     lines = path.read_text(encoding="ascii", errors="replace").splitlines()
     pairs = (line.split("  ", 1) for line in lines)
     return {pair[1].removeprefix(f"{ZARR}/"): pair[0] for pair in pairs if len(pair) > 1}
 
 
 def files_of(group: Path) -> Iterator[tuple[str, Path]]:
-    """Yield the keys and the places of all files of a group."""
+    """Yield key and path of every file in a Zarr group."""
     for path in sorted(group.rglob("*")):
         if path.is_file():
             yield path.relative_to(group).as_posix(), path

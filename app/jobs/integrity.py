@@ -30,12 +30,15 @@ class Integrity:
         self._large = ThreadPoolExecutor(1, thread_name_prefix="large-digests")
 
     def close(self) -> None:
-        """Look at no more."""
+        """Stop checking files and end the threads."""
         for lane in (self._small, self._large):
             lane.shutdown(wait=False, cancel_futures=True)
 
     async def is_intact(self, file: FileIO, digest: str) -> bool:
-        """True if an open file has a SHA-256; the event loop does not wait for the disk."""
+        """True if an open file has the given SHA-256.
+
+        Runs in a thread, without blocking the loop.
+        """
         status = os.fstat(file.fileno())
         if self._knows(_mark(status, digest)):
             return True
@@ -47,7 +50,10 @@ class Integrity:
         return await asyncio.wrap_future(looking)
 
     def look(self, file: FileIO, digest: str) -> bool:
-        """True if an open file has a SHA-256; read it unless it is known to."""
+        """True if an open file has the given SHA-256.
+
+        Files that are known to agree are not read.
+        """
         mark = _mark(os.fstat(file.fileno()), digest)
         if self._knows(mark):
             return True
@@ -62,6 +68,7 @@ class Integrity:
         return True
 
     def _knows(self, mark: tuple[int | str, ...]) -> bool:
+        """True if this version of a file has been read and agreed with its digest."""
         with self._lock:
             if mark not in self._known:
                 return False
@@ -70,7 +77,7 @@ class Integrity:
 
 
 def has_digest(path: Path, digest: str) -> bool:
-    """True if a file is there and has a SHA-256; it is read, whatever is known of it.
+    """True if a file exists and has the given SHA-256; always reads the whole file.
 
     One that the disk does not give back is none; what else is wrong raises `OSError`.
     """
@@ -86,7 +93,7 @@ def has_digest(path: Path, digest: str) -> bool:
 
 
 def _digest(file: FileIO) -> str:
-    """Return the SHA-256 of an open file; nobody's position in it moves."""
+    """Return the SHA-256 of an open file, leaving its read position unchanged."""
     found, start = hashlib.sha256(), 0
     while piece := os.pread(file.fileno(), PIECE, start):
         found.update(piece)
@@ -95,4 +102,5 @@ def _digest(file: FileIO) -> str:
 
 
 def _mark(status: os.stat_result, digest: str) -> tuple[int | str, ...]:
+    """Return what identifies a version of a file: device, inode, size, time of change, digest."""
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, digest

@@ -29,7 +29,10 @@ class JobLooks:
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def job(self, number: str) -> Job | None:
-        """Return a job, None if there is no such job; raises as the ledger does."""
+        """Return the current state of a job, None if there is no such job.
+
+        Raises as the ledger does.
+        """
         loop = asyncio.get_running_loop()
         future: asyncio.Future[Job | None] = loop.create_future()
         if loop not in self._asked:
@@ -41,6 +44,7 @@ class JobLooks:
         return await future
 
     async def _look(self) -> None:
+        """Read all jobs that were asked for within a moment with one query, and hand them out."""
         await asyncio.sleep(TOGETHER)
         asked = self._asked.pop(asyncio.get_running_loop())
         jobs: dict[str, Job] = {}

@@ -68,12 +68,12 @@ class Key:
     hash: str = ""
 
     def stands(self, now: float) -> bool:
-        """True if it is in force."""
+        """True if the key is in force at a time."""
         return self.withdrawn is None and (self.ends is None or now < self.ends)
 
     @property
     def sees_all(self) -> bool:
-        """True if it is also shown what belongs to others."""
+        """True if the key may also read what belongs to others."""
         return self.role == "admin"
 
 
@@ -93,13 +93,13 @@ class NoSuchKeyError(VibrafeedError):
 
 
 def new_key() -> tuple[str, str]:
-    """Return a new key and its hash, as the setting `api_key_hashes` takes it."""
+    """Return a new random key and its hash, in the form of the setting `api_key_hashes`."""
     key = f"vf_{secrets.token_urlsafe(32)}"
     return key, hash_of(key)
 
 
 def hash_of(key: str) -> str:
-    """Return the SHA-256 of a key; 256 random bits need no slower hash."""
+    """Return the SHA-256 of a key; no slow hash is needed for 256 random bits."""
     return hashlib.sha256(key.encode("utf-8", "replace")).hexdigest()
 
 
@@ -122,7 +122,7 @@ class Keys:
         self._looked = 0.0
 
     def add(self, key: Key, days: float | None = None) -> tuple[str, Key]:
-        """Make a key like this; return it as it is to be sent, and as it is kept.
+        """Store a new key with these properties; return its secret text and its record.
 
         Raises
         ------
@@ -145,7 +145,10 @@ class Keys:
         return made, kept
 
     def withdraw(self, name: str) -> Key:
-        """Withdraw the key of a name and return it; raise `NoSuchKeyError` if none is in force."""
+        """Withdraw the key with a name and return it.
+
+        Raise `NoSuchKeyError` if none is in force.
+        """
         now = time.time()
         with self._database.transaction() as connection:
             standing = {one.name: one for one in self.all() if one.stands(now)}
@@ -158,33 +161,33 @@ class Keys:
         return key
 
     def all(self) -> list[Key]:
-        """Return the keys of the ledger, those too that are over, the oldest first."""
+        """Return all keys in the ledger, including expired and withdrawn ones, oldest first."""
         found = select(KEYS).order_by(KEYS.c.created, KEYS.c.id)
         return [_key(row) for row in self._database.read(found)]
 
     def note_refused(self, address: str, name: str) -> None:
-        """Note that a key was refused: from where, and its name if it was in force once."""
+        """Write into the audit log that a key was refused: its address, and its name if known."""
         audit.note(self._database, name, "refuse key", address)
 
     # --- what the guard asks
 
     @property
     def is_due(self) -> bool:
-        """True if the ledger has to be looked at again."""
+        """True if the keys have to be read from the ledger again."""
         return self._known is None or time.monotonic() - self._looked > LOOK
 
     @property
     def is_known(self) -> bool:
-        """True if the ledger has been looked at."""
+        """True if the keys have been read from the ledger."""
         return self._known is not None
 
     @property
     def is_fresh(self) -> bool:
-        """True if the ledger has been looked at some moments ago at most."""
+        """True if the keys were read from the ledger within the last moments."""
         return self._known is not None and time.monotonic() - self._looked < 2 * LOOK
 
     def look(self) -> None:
-        """Look at the ledger; what was known stays if it cannot be read."""
+        """Read the keys from the ledger; keep the known ones if the ledger cannot be read."""
         with self._lock:
             if not self.is_due:
                 return
@@ -198,11 +201,11 @@ class Keys:
 
     @property
     def are_needed(self) -> bool:
-        """True if there is a key, or ever was one: withdrawing the last opens nothing."""
+        """True if requests need a key: one exists or has ever existed."""
         return bool(self._set or self._known)
 
     def of_hash(self, digest: str) -> Key | None:
-        """Return the key of a hash, in force or not; None if there is none."""
+        """Return the key with a hash, in force or not; None if there is none."""
         match = None
         # Every hash is compared, so that the time taken tells nothing of which one came near.
         for key in (*(self._known or ()), *self._set):
@@ -212,12 +215,14 @@ class Keys:
 
 
 def _key(row: Row[*tuple[Any, ...]]) -> Key:
+    """Return the key in a row of the ledger."""
     fields = dict(row._mapping)
     del fields["id"]
     return Key(**fields)
 
 
 def _problems_of(key: Key, days: float | None) -> list[Problem]:
+    """Return all problems of the properties of a new key."""
     problems = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"

@@ -66,7 +66,7 @@ class Ledger:
         self.database.close()
 
     def transaction(self) -> AbstractContextManager[Connection]:
-        """Make all that is done inside one transaction: nobody else changes the ledger meanwhile.
+        """Run the block in one write transaction; no other process changes the ledger meanwhile.
 
         Its methods may be called inside, from this thread.
         """
@@ -81,12 +81,13 @@ class Ledger:
         return None
 
     def _read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
+        """Return the rows of a query."""
         return self.database.read(statement)
 
     # --- what clients do
 
     def check_queue(self, most: int, owner: str = "") -> None:
-        """Raise `QueueFullError` if there are so many items of work, or an owner has his share.
+        """Raise `QueueFullError` if the queue is full, or holds an owner's share of items already.
 
         Of n owners who have work, the asking one among them, each has most/(n + 1) places, one at
         least: who comes next finds room.
@@ -122,7 +123,7 @@ class Ledger:
         known_seconds: float = 0.0,
         owner: str = "",
     ) -> Job:
-        """Enter a job; one whose result is there already is successful at once.
+        """Enter a job; it is successful at once if its result exists.
 
         Parameters
         ----------
@@ -167,7 +168,7 @@ class Ledger:
     def reenter(
         self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int
     ) -> None:
-        """Enter work again whose result is lost; its successful jobs wait for it as at first."""
+        """Enter work again whose result is lost; its successful jobs become accepted again."""
         new = _new_work(
             key=key, process=process, cells=cells, block_cells=block_cells, blocks=blocks,
             bytes=bytes_,
@@ -184,23 +185,23 @@ class Ledger:
                 database.execute(new)
 
     def job(self, number: str) -> Job | None:
-        """Return a job, or None if there is no such job."""
+        """Return a job; None if there is no such job."""
         rows = self._read(JOB.where(JOBS.c.id == number))
         return job_of(rows[0]) if rows else None
 
     def by_number(self, numbers: Sequence[str]) -> dict[str, Job]:
-        """Return the jobs of some numbers, by these; what there is not is left out."""
+        """Return the existing ones of some jobs, by number."""
         rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
         return {row.id: job_of(row) for row in rows}
 
     def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
-        """Return jobs, the latest first."""
+        """Return the jobs that match a filter, newest first."""
         chosen = JOB.where(*conditions(wanted or Wanted()))
         latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
         return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
 
     def dismiss(self, number: str) -> Job | None:
-        """Dismiss a job; work that no other job waits for is given up. None if there is none."""
+        """Mark a job as dismissed; drop its work if no other job waits for it. None if unknown."""
         with self.transaction() as database:
             about = select(JOBS.c.key, JOBS.c.state).where(JOBS.c.id == number)
             row = database.execute(about).one_or_none()
@@ -225,12 +226,12 @@ class Ledger:
         return self.job(number)
 
     def share(self, number: str, shared: bool) -> None:
-        """Let all keys read a job, or its owner only."""
+        """Make a job readable for all keys, or for its owner only."""
         with self.transaction() as database:
             database.execute(JOBS.update().where(JOBS.c.id == number).values(shared=int(shared)))
 
     def active(self, owner: str) -> int:
-        """Return the number of jobs of an owner that run or wait."""
+        """Return the number of an owner's jobs that run or wait."""
         found = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
         [(count,)] = self._read(found)
         return int(count)
@@ -243,12 +244,12 @@ class Ledger:
     # --- what servers do
 
     def waiting(self) -> list[Work]:
-        """Return the items of work that are free to be claimed, what has waited longest first."""
+        """Return the items of work that nobody holds a lease of, longest waiting first."""
         rows = self._read(_WORK.where(_is_free(time.time())).order_by(WORK.c.created))
         return [_work(row, "") for row in rows]
 
     def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
-        """Take the lease of an item of work; None if it is not free.
+        """Take the lease of an item of work; return None if another server has it.
 
         Without a key it is the one that has waited longest. Its jobs run from the first `advance`.
         """
@@ -268,11 +269,11 @@ class Ledger:
         return _work(row, owner)
 
     def holds(self, work: Work) -> bool:
-        """True if a claim still stands: not lost, and the work is still wanted."""
+        """True if this server still has the lease of an item, and a job still waits for it."""
         return bool(self._read(select(WORK.c.key).where(_claimed(work))))
 
     def renew(self, work: Work, lease_seconds: float) -> bool:
-        """Renew a lease; False if it has been lost, or the work is wanted no more."""
+        """Extend the lease of an item; False if the lease is lost, or no job waits any more."""
         with self.transaction() as database:
             changed = database.execute(
                 WORK.update().where(_claimed(work)).values(lease=time.time() + lease_seconds)
@@ -280,7 +281,7 @@ class Ledger:
             return changed.rowcount == 1
 
     def advance(self, work: Work, *, done: int, seconds: float, elapsed: float = 0.0) -> None:
-        """Note how many blocks are done, and time spent since the last note.
+        """Record how many blocks of an item are done, and the time spent since the last record.
 
         The first note of a claim tells what is there already; its jobs run from then. `elapsed` is
         the time since, by a clock that nobody sets.
@@ -305,14 +306,15 @@ class Ledger:
                 )
 
     def succeed(self, work: Work) -> None:
-        """Note that an item of work is done; its result is on the disk."""
+        """Record that the result of an item is on disk: its jobs are successful."""
         self._end(work, "successful", None)
 
     def fail(self, work: Work, problem: Mapping[str, Any]) -> None:
-        """Note that an item of work cannot be done, and why."""
+        """Record that an item failed, with the problem: its jobs have failed."""
         self._end(work, "failed", json.dumps(dict(problem)))
 
     def _end(self, work: Work, state: str, problem: str | None) -> None:
+        """Remove an item of work, and set the final state of its jobs."""
         now = time.time()
         with self.transaction() as database:
             ended = database.execute(
@@ -334,7 +336,7 @@ class Ledger:
                 )
 
     def release(self, owner: str = "") -> None:
-        """Give up the lease of a claim, of all of a server, or of all: another goes on."""
+        """Release the leases whose owner begins with `owner`: of a claim, of a server, or all."""
         with self.transaction() as database:
             database.execute(
                 WORK.update()
@@ -343,11 +345,11 @@ class Ledger:
             )
 
     def promised(self) -> dict[str, int]:
-        """Return the keys of all items of work, and the bytes that each may take on the disk."""
+        """Return the bytes that each unfinished item may take on disk, by study."""
         return {row[0]: row[1] for row in self._read(select(WORK.c.key, WORK.c.bytes))}
 
     def forget(self, before: float, most: int) -> None:
-        """Remove the jobs that were finished before a time, and of each owner all but so many."""
+        """Remove jobs that ended before a time, and all but the latest `most` of each owner."""
         latest = func.row_number().over(partition_by=JOBS.c.owner, order_by=JOBS.c.finished.desc())
         over = select(JOBS.c.id, latest.label("place")).where(JOBS.c.finished.is_not(None))
         numbered = over.subquery()
@@ -357,7 +359,7 @@ class Ledger:
             database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))
 
     def queue(self) -> Queue:
-        """Return the amount of work that waits and runs, and the time that it has waited."""
+        """Return how many items wait and run, and for how long the oldest one has waited."""
         now = time.time()
         every, first = (
             self._read(select(func.count(), func.min(WORK.c.created)).where(which))[0]
@@ -368,20 +370,23 @@ class Ledger:
 
 
 def _is_free(now: float) -> ColumnElement[bool]:
+    """Return the SQL condition of items without a valid lease."""
     return WORK.c.owner.is_(None) | (WORK.c.lease < now)
 
 
 def _new_work(**values: str | float) -> Insert:
-    """Return the statement that enters an item of work that nobody has begun."""
+    """Return the SQL statement that enters an item of work."""
     fresh = {"created": time.time(), "done": 0, "seconds": 0.0, "lease": 0.0}
     return WORK.insert().values(fresh | values)
 
 
 def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
+    """Return the item of work in a row of the ledger."""
     return Work(
         row.key, row.process, row.block_cells, row.blocks, row.seconds, owner, row.asker or ""
     )
 
 
 def _claimed(work: Work) -> ColumnElement[bool]:
+    """Return the SQL condition of the item that a lease belongs to."""
     return (WORK.c.key == work.key) & (WORK.c.owner == work.owner)

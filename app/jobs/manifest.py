@@ -49,7 +49,7 @@ class Manifest:
 
 
 def fingerprint(path: Path) -> dict[str, Any]:
-    """Return the size of a file in bytes and its SHA-256, as a manifest holds them."""
+    """Return the size [bytes] and SHA-256 of a file, as entries of a manifest."""
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     return {"bytes": path.stat().st_size, "sha256": digest}

@@ -48,7 +48,7 @@ class RemoteResults:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="fetch")
 
     def send(self, key: str, folder: Path) -> None:
-        """Send the result in the folder of a study, unless it is there; raise `OSError`."""
+        """Upload the result in a study's folder, unless it is in the store; raise `OSError`."""
         manifest = (folder / MANIFEST).read_bytes()
         with _plainly():
             store = self._store(key)
@@ -62,7 +62,7 @@ class RemoteResults:
             store.put(MANIFEST, manifest)
 
     def fetch(self, key: str, folder: Path) -> bool | None:
-        """Fetch a result into the folder of a study; None if that takes longer than a moment.
+        """Download a result into a study's folder; None if it continues in the background.
 
         Return False if there is none, or if it is not what was sent: it is no result any more
         then. A failing store raises `OSError`.
@@ -78,14 +78,16 @@ class RemoteResults:
         return fetching.result() if wait([fetching], WAIT).done else None
 
     def close(self) -> None:
-        """Fetch no more."""
+        """Stop downloading."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def _forget(self, key: str) -> None:
+        """Forget a download that has ended."""
         with self._lock:
             self._fetching.pop(key, None)
 
     def _fetch(self, key: str, folder: Path) -> bool:
+        """Download all files of a result and its manifest; False if it is not stored or damaged."""
         with _plainly():
             store = self._store(key)
             packed = _get(store, MANIFEST)
@@ -111,11 +113,12 @@ class RemoteResults:
         return True
 
     def _store(self, key: str) -> ObjectStore:
+        """Return the part of the object store that holds a study."""
         return open_store(f"{self._url}/{key}")
 
 
 def _names(folder: Path, manifest: Manifest) -> Iterator[str]:
-    """Yield the names of all files of a result in a folder."""
+    """Yield the names of all files of a result in a folder, those of its Zarr group included."""
     for name in manifest.files:
         if name == ZARR:
             yield LIST
@@ -125,7 +128,7 @@ def _names(folder: Path, manifest: Manifest) -> Iterator[str]:
 
 
 def _download(store: ObjectStore, folder: Path, manifest: Manifest) -> bool:
-    """Write all files of a result to a folder; return whether they have their digests."""
+    """Download all files of a result; return True if all have their digests."""
     if not _write(store, STUDY, folder):
         return False
     for name, known in manifest.files.items():
@@ -141,7 +144,7 @@ def _download(store: ObjectStore, folder: Path, manifest: Manifest) -> bool:
 
 
 def _write(store: ObjectStore, name: str, folder: Path) -> bool:
-    """Write a file to a folder; return whether the store has it."""
+    """Download one file; return True if the store has it."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
@@ -157,7 +160,7 @@ def _write(store: ObjectStore, name: str, folder: Path) -> bool:
 
 @contextlib.contextmanager
 def _plainly() -> Iterator[None]:
-    """Raise `LostStoreError` for whatever a store says of itself; the log has its words."""
+    """Turn all errors of the object store into `LostStoreError`; the log gets the original."""
     try:
         with plain_errors():
             yield
@@ -166,6 +169,7 @@ def _plainly() -> Iterator[None]:
 
 
 def _get(store: ObjectStore, name: str) -> bytes | None:
+    """Return the bytes of a stored file; None if there is none."""
     try:
         return bytes(store.get(name).bytes())
     except FileNotFoundError:

@@ -51,7 +51,7 @@ class Ownership:
         self._database = database
 
     def hold(self, owner: str, key: str, bytes_: int, *, result: bool) -> bool:
-        """Note that an owner has posted a study; return whether that is new."""
+        """Record that an owner has posted a study; return True if that is new."""
         with self._database.transaction() as connection:
             known = self.of(owner, key)
             if known is None:
@@ -67,12 +67,12 @@ class Ownership:
         return known is None
 
     def of(self, owner: str, key: str) -> OwnedStudy | None:
-        """Return the holding of an owner in a study; None for nothing."""
+        """Return the record of an owner's study; None if the owner has not posted it."""
         rows = self._database.read(select(OWNED_STUDIES).where(_held_by(owner, key)))
         return _holding(rows[0]) if rows else None
 
     def readable(self, owner: str, key: str) -> list[OwnedStudy]:
-        """Return by which holdings somebody may read a study; note its use."""
+        """Return the records of a study that a key may read, its own or shared; note the use."""
         is_seen = (OWNED_STUDIES.c.owner == owner) | (OWNED_STUDIES.c.shared == 1)
         rows = self._database.read(select(OWNED_STUDIES).where(OWNED_STUDIES.c.key == key, is_seen))
         owned = [_holding(row) for row in rows]
@@ -87,7 +87,10 @@ class Ownership:
         return owned
 
     def share(self, owner: str | None, key: str, shared: bool) -> None:
-        """Let all keys read a study, or owners only; of None it is all holdings."""
+        """Make an owner's study readable for all keys, or for owners only.
+
+        `None` means all owners.
+        """
         is_meant = OWNED_STUDIES.c.key == key
         if owner is not None:
             is_meant &= OWNED_STUDIES.c.owner == owner
@@ -95,25 +98,25 @@ class Ownership:
             connection.execute(OWNED_STUDIES.update().where(is_meant).values(shared=int(shared)))
 
     def is_shared(self, owner: str | None, key: str) -> bool:
-        """True if an owner, or anybody where it is None, shares a study."""
+        """True if an owner, or any owner if None, shares a study with all keys."""
         is_meant = (OWNED_STUDIES.c.key == key) & (OWNED_STUDIES.c.shared == 1)
         if owner is not None:
             is_meant &= OWNED_STUDIES.c.owner == owner
         return bool(self._database.read(select(OWNED_STUDIES.c.key).where(is_meant).limit(1)))
 
     def of_owner(self, owner: str) -> list[OwnedStudy]:
-        """Return all that an owner holds, what was used longest ago first."""
+        """Return all studies of an owner, least recently used first."""
         found = select(OWNED_STUDIES).where(OWNED_STUDIES.c.owner == owner)
         rows = self._database.read(found.order_by(OWNED_STUDIES.c.used, OWNED_STUDIES.c.key))
         return [_holding(row) for row in rows]
 
     def of_others(self, owner: str) -> set[str]:
-        """Return the studies that others than an owner hold."""
+        """Return the studies of all other owners."""
         found = select(OWNED_STUDIES.c.key).where(OWNED_STUDIES.c.owner != owner).distinct()
         return {row[0] for row in self._database.read(found)}
 
     def let_go(self, key: str, owner: str | None = None) -> None:
-        """Note that an owner holds a study no more, nobody where it is None; their jobs say so."""
+        """Remove an owner's record of a study, or all owners'; their jobs are marked as gone."""
         is_held, is_asked = OWNED_STUDIES.c.key == key, JOBS.c.key == key
         if owner is not None:
             is_held &= OWNED_STUDIES.c.owner == owner
@@ -125,13 +128,15 @@ class Ownership:
             )
 
     def studies(self) -> set[str]:
-        """Return all studies that are held."""
+        """Return all studies that have an owner."""
         return {row[0] for row in self._database.read(select(OWNED_STUDIES.c.key).distinct())}
 
 
 def _held_by(owner: str, key: str) -> ColumnElement[bool]:
+    """Return the SQL condition of one owner's record of a study."""
     return (OWNED_STUDIES.c.owner == owner) & (OWNED_STUDIES.c.key == key)
 
 
 def _holding(row: Row[*tuple[Any, ...]]) -> OwnedStudy:
+    """Return the record in a row of the table."""
     return OwnedStudy(row.owner, row.key, row.bytes, bool(row.result), bool(row.shared), row.used)

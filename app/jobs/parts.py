@@ -23,7 +23,7 @@ MAX_TASKS = 10_000
 
 
 def compute_part(study: str, where: str, count: int, part: int) -> bytes:
-    """Compute a part of a study, given as JSON; return its record.
+    """Compute one part of a study, given as JSON, and return its record.
 
     Shards are written to `where`, which all workers and their client have to see: an object store,
     or a folder that they share. A reduced study needs neither.
@@ -32,7 +32,7 @@ def compute_part(study: str, where: str, count: int, part: int) -> bytes:
 
 
 def sensible_count(prepared: Prepared) -> int:
-    """Return the number of parts of which each takes a core some ten seconds or more."""
+    """Return a number of parts such that each takes a core ten seconds or more."""
     seconds = prepared.seconds_in_parts()
     return int(max(1, min(MAX_TASKS, prepared.boxes, seconds / FEWEST_SECONDS)))
 
@@ -41,7 +41,7 @@ def sensible_count(prepared: Prepared) -> int:
 
 
 def is_in_parts(prepared: Prepared, settings: Settings) -> bool:
-    """True if a job is carried out in parts: what is reduced, or too large for memory."""
+    """True if a job is computed in parts: a reduction, or a result too large for memory."""
     if prepared.part_of == ARRAYS:
         return True
     large = prepared.cells > settings.max_cells or prepared.bytes > settings.max_bytes
@@ -49,7 +49,7 @@ def is_in_parts(prepared: Prepared, settings: Settings) -> bool:
 
 
 def check_length(prepared: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if a study in parts gives too much, or takes longer than a job may.
+    """Raise `LimitError` if the result of a study in parts is too large or takes too long.
 
     How large a group may be, the quota of the disk says.
     """
@@ -65,13 +65,13 @@ def check_length(prepared: Prepared, settings: Settings) -> None:
 
 
 def parts_of_job(store: Store, key: str, prepared: Prepared) -> Parts:
-    """Return the parts of a job; their number follows from the study alone."""
+    """Return the parts of a job; their number depends on the study alone."""
     name = ZARR if prepared.part_of == SHARDS else NETCDF
     return prepared.parts(str(store.folder(key) / name), count_of(prepared))
 
 
 def count_of(prepared: Prepared) -> int:
-    """Return the number of parts of a job: tiles, or what takes a second or two to reduce."""
+    """Return the number of parts of a job: tiles, or pieces of a second or two of reducing."""
     most = min(prepared.boxes, MAX_PARTS)
     if prepared.part_of == SHARDS:
         return most
@@ -79,7 +79,7 @@ def count_of(prepared: Prepared) -> int:
 
 
 def write_result(store: Store, key: str, process: str, parts: Parts, seconds: float) -> None:
-    """Join the parts of a job, and write its manifest.
+    """Join the parts of a job into its result, and write the manifest.
 
     Raises
     ------

@@ -36,7 +36,7 @@ class PriorityClasses:
         self._prices: OrderedDict[str, float] = OrderedDict()
 
     def next(self, waiting: Sequence[Work], active: Collection[str]) -> Work | None:
-        """Return the next item of the work that waits, in order; None if there is none.
+        """Return the item of work to begin next, out of those that wait; None if none may begin.
 
         `active` are the keys of what this server has taken up.
         """
@@ -62,10 +62,11 @@ class PriorityClasses:
         return self._prices[item.key]
 
     def block_price(self, item: Work) -> float:
-        """Return the expected time of a block of it [s]."""
+        """Return the expected time of one block of an item on one core [s]."""
         return self.price(item) / max(1, item.blocks)
 
     def _priced(self, item: Work) -> float:
+        """Return the expected time of an item [s], from its stored study."""
         if item.process not in KINDS:
             return item.blocks * SECONDS
         try:

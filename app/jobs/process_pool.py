@@ -61,13 +61,13 @@ class ProcessPool:
         self._is_closed = False
 
     def open(self) -> None:
-        """Start the server that processes are forked from, before others who fork from it do."""
+        """Start the server that later forks the processes of the pool."""
         for name, value in ENVIRONMENT.items():
             os.environ.setdefault(name, value)
         forkserver.ensure_running()
 
     async def start(self) -> None:
-        """Have a process ready before the first call."""
+        """Start a process before the first call needs it."""
         self._keep(await self._new())
 
     async def __call__(
@@ -77,7 +77,7 @@ class ProcessPool:
         seconds: float,
         look: Callable[[], Awaitable[None]] | None = None,
     ) -> _T:
-        """Return the result of a function in a process, which ends with the call if need be.
+        """Run a function in a process and return its result; kill the process on timeout.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ class ProcessPool:
                 process.close()
 
     def close(self) -> None:
-        """End all processes."""
+        """Kill all processes of the pool."""
         self._is_closed = True
         while self._idle:
             process = self._idle.pop()
@@ -130,12 +130,13 @@ class ProcessPool:
         self._threads.shutdown(cancel_futures=True)
 
     async def _new(self) -> _Process:
+        """Start a new process, in a thread."""
         return await asyncio.get_running_loop().run_in_executor(
             self._threads, _Process, self._context
         )
 
     def _ready(self) -> _Process | None:
-        """Return a process that waits for a call; None if there is none."""
+        """Return an idle process that is alive; None if there is none."""
         while self._idle:
             process = self._idle.pop()
             if process.is_alive():
@@ -144,6 +145,7 @@ class ProcessPool:
         return None
 
     def _keep(self, process: _Process) -> None:
+        """Keep a process for the next call; kill it if the pool is closed."""
         if self._is_closed:
             process.kill()
             process.close()
@@ -162,11 +164,11 @@ class _Process:
         self.calls = 0
 
     def is_alive(self) -> bool:
-        """True if it can take another call."""
+        """True if the process can take another call."""
         return self._process.is_alive()
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Return the result of a function in the process; raise its error."""
+        """Run a function in the process; return its result or raise its error."""
         self.calls += 1
         try:
             self._pipe.send((function, arguments))
@@ -179,16 +181,16 @@ class _Process:
         raise result
 
     def kill(self) -> None:
-        """End it, whatever it is doing."""
+        """Kill the process at once."""
         self._process.kill()
 
     def close(self) -> None:
-        """Forget it; to be called once it is ended and no call waits for it."""
+        """Free the resources of an ended process that no call uses."""
         self._pipe.close()
 
 
 def _carry_out(pipe: Connection) -> None:
-    """Carry out calls until the other end is closed, also by its death."""
+    """Run calls that arrive through a pipe until its other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
     os.nice(POLITE)
     while True:
@@ -205,7 +207,7 @@ def _carry_out(pipe: Connection) -> None:
 
 
 def _portable(error: Exception) -> Exception:
-    """Return an error that can be raised elsewhere, with where it came from if it is unforeseen."""
+    """Return an error that can be pickled, with its traceback if it was unexpected."""
     if not isinstance(error, VibrafeedError):
         error.add_note(traceback.format_exc())
     try:

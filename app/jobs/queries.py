@@ -21,7 +21,7 @@ JOB = select(
 
 
 def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
-    """Return the SQL conditions of the wanted jobs."""
+    """Return the SQL conditions of a filter of jobs."""
     # Times are compared as they are told, to the millisecond. What has not begun has no duration.
     created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
@@ -45,7 +45,7 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
 
 
 def job_of(row: Row[*tuple[Any, ...]]) -> Job:
-    """Return the job of a row of `JOB`."""
+    """Return the job in a row of the ledger."""
     over = row.state not in ACTIVE
     return Job(
         id=row.id,
@@ -70,7 +70,7 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
 
 
 def _done(row: Row[*tuple[Any, ...]]) -> int:
-    """Return the number of blocks of a job that are done; of one that is over, when it ended."""
+    """Return the number of finished blocks of a job; of an ended job, that at its end."""
     if row.state == "successful":
         return int(row.blocks)
     if row.state in ACTIVE:

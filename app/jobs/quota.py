@@ -41,7 +41,7 @@ class Quota:
         self._since: Mapping[str, int] = {}  # most bytes of what was let in since
 
     def look(self, key: str, needed: int, who: Key = NOBODY) -> None:
-        """Count anew where it matters; it takes long, and is done before a transaction for that."""
+        """Count used bytes again if room may be short; slow, so done before a transaction."""
         self._count(COUNTED_EVERY)
         promised = self._promised(key, needed)
         if who.bytes is not None:
@@ -50,7 +50,7 @@ class Quota:
             self._count(RIGHT_FOR)
 
     def make(self, key: str, needed: int, who: Key = NOBODY, *, is_there: bool = False) -> None:
-        """Remove what was used longest ago until a study fits; what is worked on stays.
+        """Remove the least recently used studies until a new one fits; those in work stay.
 
         What a key may keep is kept by letting go what its owner used longest ago, the quota by
         removing what nobody else holds. To be called inside a transaction of the ledger, after
@@ -92,7 +92,10 @@ class Quota:
     def _leaving(
         self, promised: Mapping[str, int], needed: int, pinned: set[str], own: set[str]
     ) -> list[str]:
-        """Return the studies that leave for one, besides those of its owner that leave anyway."""
+        """Return the studies to remove for a new one; raise `NoRoomError` if they are too few.
+
+        Studies that the owner gives up in any case (`own`) are not among them.
+        """
         quota = self._settings.disk_quota_bytes
         promises = sum(promised.values())
         if promises > quota:
@@ -123,7 +126,7 @@ class Quota:
         return leaving
 
     def _own_leaving(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
-        """Return the holdings that an owner gives up, so that a study fits their quota."""
+        """Return the studies that an owner gives up so that a new one fits; else raise."""
         if self._beyond(promised, key, who) <= 0:
             return []
         self._count(RIGHT_FOR)
@@ -142,13 +145,13 @@ class Quota:
         return leaving
 
     def remove(self, key: str) -> None:
-        """Remove a study for all who hold it; one that is kept elsewhere too is theirs still."""
+        """Remove a study from the disk; owners keep their records if an object store has it."""
         if self._store.object_store is None:
             self.ownership.let_go(key)
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
-        """Return the bytes beyond the quota of a key that its owner would have with a study."""
+        """Return by how many bytes a key's quota would be exceeded with a new study."""
         if who.bytes is None:
             return 0
         held = self.ownership.of_owner(who.name)
@@ -156,7 +159,7 @@ class Quota:
         return others + promised[key] - who.bytes
 
     def _measure(self, promised: Mapping[str, int], who: Key) -> None:
-        """Look how large the results of an owner have become since the last count."""
+        """Measure the sizes of an owner's results that have grown since the last count."""
         held = {one.key for one in self.ownership.of_owner(who.name)}
         made = [key for key in self._since if key in held and key not in promised]
         sizes = {key: self._store.bytes(key) for key in made}
@@ -164,17 +167,17 @@ class Quota:
             self._since = {**self._since, **sizes}
 
     def _size(self, key: str) -> int:
-        """Return the bytes of a study, as far as they are known."""
+        """Return the bytes of a study, from its record or the disk."""
         return self._since.get(key) or self._sizes.get(key, 0)
 
     def _charged(self, held: OwnedStudy, promised: Mapping[str, int]) -> int:
-        """Return the bytes of a study that count as its owner's."""
+        """Return the bytes of a study that are charged to its owner."""
         if not held.result:
             return held.bytes
         return promised.get(held.key) or self._size(held.key) or held.bytes
 
     def used(self) -> int:
-        """Return the bytes of all studies, counted a minute ago at most.
+        """Return the bytes of all studies, counted at most a minute ago.
 
         What was let in since counts with the most that it may take.
         """
@@ -182,10 +185,11 @@ class Quota:
         return sum({**self._sizes, **self._since}.values())
 
     def _promised(self, key: str, needed: int) -> dict[str, int]:
+        """Return the bytes promised to unfinished work, with those of a new study."""
         return self._ledger.promised() | {key: needed}
 
     def _lacking(self, promised: Mapping[str, int]) -> tuple[int, int]:
-        """Return the bytes that are lacking in the quota and on the disk; negative are left."""
+        """Return the bytes that are short of quota and disk; negative if there is room."""
         taken = {**self._sizes, **self._since}
         others = sum(size for key, size in taken.items() if key not in promised)
         in_quota = others + sum(promised.values()) - self._settings.disk_quota_bytes
@@ -196,7 +200,7 @@ class Quota:
         return in_quota, 0
 
     def _count(self, age: float) -> None:
-        """Count the bytes of all studies, if that was longer ago."""
+        """Count the bytes of all studies if the last count is older than `age`."""
         with self._counting:
             if time.monotonic() - self._counted > age:
                 self._sizes = {key: self._store.bytes(key) for key in self._store.studies()}

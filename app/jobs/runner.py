@@ -65,13 +65,13 @@ class Runner:
         self._alone: IO[bytes] | None = None
 
     async def start(self) -> None:
-        """Clear up what a killed server has left, and begin to work."""
+        """Release work that a killed server has left, and begin to claim work."""
         self._loop = asyncio.get_running_loop()
         await self._thread_pool(self._clear_up)
         self._main = asyncio.create_task(self._run(), name="jobs")
 
     async def stop(self) -> None:
-        """Stop; what is under way goes on with the next server, where it was."""
+        """Stop claiming and computing; another server continues the work under way."""
         keeping = [task for _, task in self._active.values()]
         tasks = [task for task in (self._main, *keeping) if task is not None]
         for task in tasks:
@@ -91,22 +91,22 @@ class Runner:
             self._alone.close()
 
     def wake(self) -> None:
-        """Tell, from any thread, that there is new work or less of it."""
+        """Wake the runner, from any thread: work has been added or dropped."""
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._wake.set)
 
     def fault(self) -> str | None:
-        """Return the reason why jobs cannot be carried out, or None."""
+        """Return the reason why jobs cannot be carried out; None if they can."""
         if self._main is None or self._main.done():
             return "no work is looked for"
         return self._dispatcher.executor.trouble or self._dispatcher.trouble
 
     def waits(self) -> str | None:
-        """Return the reason why work that has not begun waits, besides its turn."""
+        """Return the reason why unstarted work waits, other than its place in the queue."""
         return self._dispatcher.executor.waits()
 
     def _clear_up(self) -> None:
-        """Take over at once, if no other server uses the directory; leases say nothing then."""
+        """Release all leases if no other server uses the data directory."""
         path = Path(self._directory)
         path.mkdir(parents=True, exist_ok=True)
         self._alone = (path / ".lock").open("ab")
@@ -122,6 +122,7 @@ class Runner:
         fcntl.flock(self._alone, fcntl.LOCK_SH)
 
     async def _run(self) -> None:
+        """Claim work until stopped: whenever woken, and at intervals."""
         is_read = True
         while True:
             try:
@@ -141,6 +142,7 @@ class Runner:
                     await self._wake.wait()
 
     async def _claim_some(self) -> None:
+        """Claim items of work as long as one may begin, and carry each out in a task."""
         while True:
             candidate = await self._thread_pool(self._next)
             if candidate is None:
@@ -154,12 +156,12 @@ class Runner:
                 self._active[item.owner] = item, keeping
 
     def _next(self) -> Work | None:
-        """Return the next item to claim; this takes long where studies have to be read."""
+        """Return the next item to claim; slow, as it may have to read studies."""
         active = {item.key for item, _ in self._active.copy().values()}
         return self._priority_classes.next(self._ledger.waiting(), active)
 
     async def _keep(self, item: Work) -> None:
-        """Carry out an item for as long as its lease is ours."""
+        """Carry out an item while this server has its lease; record how it ended."""
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         carrying = asyncio.create_task(self._carry_out(item))
         try:
@@ -193,11 +195,15 @@ class Runner:
             self._wake.set()
 
     async def _carry_out(self, item: Work) -> None:
+        """Carry out an item of work on the cluster, with the expected time of its blocks."""
         seconds = await self._thread_pool(self._priority_classes.block_price, item)
         await self._dispatcher.carry_out(item, seconds)
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
-        """Keep the lease until work ends; return before that if it is lost or not wanted."""
+        """Renew the lease until work ends.
+
+        Return early if the lease is lost or the work dropped.
+        """
         lease = self._settings.lease_seconds
         renewed = time.monotonic()
         while not carrying.done():
@@ -217,7 +223,10 @@ class Runner:
                     raise
 
     async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
-        """Return the parts of a problem document for work that failed; None if it did not."""
+        """Return the problem document's fields for failed work, None for success.
+
+        Errors that pass by themselves are raised, and the work is tried again.
+        """
         try:
             await carrying
         except (LostError, sqlite3.OperationalError):  # it is tried again
@@ -249,4 +258,5 @@ class Runner:
 
 
 def _problem(status: int, kind: str, title: str, detail: object) -> dict[str, Any]:
+    """Return the fields of a problem document."""
     return {"status": status, "kind": kind, "title": title, "detail": str(detail)}

@@ -41,7 +41,7 @@ class Damage:
 
 
 def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
-    """Yield the damages in each folder, by name from the first after `after`; change nothing."""
+    """Yield the damage found in each study's folder, in order after a name; change nothing."""
     if not store.directory.exists():
         return
     for folder in sorted(store.directory.iterdir()):
@@ -52,6 +52,7 @@ def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -
 
 
 def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
+    """Return the damage of one folder: orphaned, incomplete or broken files."""
     key = folder.name
     if not IDENTIFIER.fullmatch(key) or not (folder / "study.json").is_file():
         return Damage(key, ORPHANED, files=(".",))
@@ -85,7 +86,7 @@ def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
 def _files(
     store: Store, folder: Path, manifest: Manifest
 ) -> Iterator[tuple[str, Path, str | None]]:
-    """Yield the name, the place and the digest of each file of a result."""
+    """Yield name, path and expected digest of each file of a result."""
     for name, known in manifest.files.items():
         if name != ZARR:
             yield name, folder / name, known.get("sha256")

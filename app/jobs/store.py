@@ -71,24 +71,27 @@ class Store(Blocks):
         self.object_store = RemoteResults(results_url) if results_url else None
 
     def send(self, key: str) -> None:
-        """Send a result to where results are kept besides; raise `OSError` if that fails."""
+        """Upload a result to the object store, if one is set; raise `OSError` if that fails."""
         if self.object_store is not None:
             self.object_store.send(key, self.folder(key))
 
     def fetch(self, key: str) -> bool | None:
-        """True if a result was there and is now here, False if not; None while it is on its way."""
+        """Fetch a result from the object store.
+
+        True if here, False if absent, None if under way.
+        """
         return (
             False if self.object_store is None else self.object_store.fetch(key, self.folder(key))
         )
 
     def close(self) -> None:
-        """Look at files no more, and fetch none."""
+        """Stop checking and fetching files."""
         self.integrity.close()
         if self.object_store is not None:
             self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
-        """Return the manifest of a result; None while there is none.
+        """Return the manifest of a complete result; None if there is none.
 
         One of which a file is missing, or has another size, is none.
         """
@@ -98,6 +101,7 @@ class Store(Blocks):
         return manifest
 
     def _manifest(self, key: str) -> Manifest | None:
+        """Return the manifest of a result if all its files have their sizes; else None."""
         manifest = self.manifest_as_it_is(key)
         if manifest is None:
             return None
@@ -108,7 +112,7 @@ class Store(Blocks):
         return None if broken else manifest
 
     def manifest_as_it_is(self, key: str) -> Manifest | None:
-        """Return the manifest, be its files there or not; None if it cannot be read."""
+        """Return the manifest of a result without checking the files; None if it is unreadable."""
         path = self.folder(key) / MANIFEST
         try:
             manifest = Manifest(**json.loads(path.read_bytes()))
@@ -122,7 +126,7 @@ class Store(Blocks):
         return None
 
     def digest(self, key: str, name: str, manifest: Manifest) -> str | None:
-        """Return the SHA-256 of a file of a result, or of a key of its group; None if unknown.
+        """Return the SHA-256 of a file of a result, or of a key of its Zarr group; None if unknown.
 
         Groups of earlier versions have none.
         """
@@ -131,7 +135,7 @@ class Store(Blocks):
         return read_list(self.folder(key)).get(name)
 
     def remove_file(self, key: str, path: Path, status: os.stat_result | None = None) -> None:
-        """Remove a result of which a file is broken, the manifest first: it is computed again.
+        """Remove a result with a damaged file, its manifest first, so that it is computed again.
 
         Parameters
         ----------
@@ -165,13 +169,14 @@ class Store(Blocks):
         seconds: float,
         more: Callable[[Path, Path], Iterable[Path]] | None = None,
     ) -> Manifest:
-        """Write a result and, last, its manifest; its blocks are needed no more.
+        """Write a result, then its manifest; remove its blocks.
 
         What somebody else has finished meanwhile stands. `more` takes the NetCDF file and a
         folder, and returns further files that it wrote there.
         """
 
         def write(folder: Path) -> list[str]:
+            """Write the NetCDF file, the JSON document and further files; return their names."""
             write_netcdf(table, folder / NETCDF)
             names = [NETCDF]
             values = sum(variable.values.size for variable in table.variables.values())
@@ -197,12 +202,13 @@ class Store(Blocks):
         digests: Callable[[], Mapping[str, str]],
         making: Making,
     ) -> Manifest:
-        """Have the parts of a Zarr group joined, and write its manifest, as `finish` does.
+        """Join the parts of a Zarr group, then write the manifest of the group.
 
         `digests` returns those of all shards; joining takes them away.
         """
 
         def write(folder: Path) -> list[str]:
+            """Write the list of digests and join the group; return its name."""
             if not (folder / ZARR).exists():
                 write_list(folder, digests())
                 join()
@@ -212,21 +218,21 @@ class Store(Blocks):
         return self._finish(key, write, making)
 
     def has_group(self, key: str) -> bool:
-        """True if the Zarr group of a study has been joined; a torn one is taken away."""
+        """True if the Zarr group of a study has been joined; an incomplete one is removed."""
         group = self.folder(key) / ZARR
         if group.exists() and not (group / GROUP).is_file():
             self.remove_file(key, group)
         return group.exists()
 
     def in_group(self, key: str, path: str = GROUP) -> Path:
-        """Return the path of a key of the Zarr group of a study, be the group whole or growing."""
+        """Return the path of a key in the Zarr group of a study, complete or still growing."""
         folder = self.folder(key) / ZARR
         if folder.exists():
             return folder / path
         return partial(folder) / (GROWING if path == GROUP else path)
 
     def _finish(self, key: str, write: Callable[[Path], list[str]], making: Making) -> Manifest:
-        """Have the files of a result written, unless it is there, and then its manifest."""
+        """Call `write` for the files of a result, unless it exists; then write its manifest."""
         with self._locked(key) as folder:
             known = self.manifest(key)
             if known is not None:
@@ -242,7 +248,7 @@ class Store(Blocks):
 
     @contextlib.contextmanager
     def _locked(self, key: str) -> Iterator[Path]:
-        """Yield the folder of a study, which nobody else finishes meanwhile."""
+        """Yield the folder of a study, locked against other processes that finish it."""
         folder = self.folder(key)
         while True:
             descriptor = os.open(folder, os.O_RDONLY)
@@ -258,7 +264,7 @@ class Store(Blocks):
     # --- housekeeping
 
     def drop_blocks(self, key: str) -> None:
-        """Remove the blocks of a study whose result is there; a late worker may have left one."""
+        """Remove blocks that a late worker has left beside a finished result."""
         if self._manifest(key) is not None:
             folder = self.folder(key)
             shutil.rmtree(folder / "blocks", ignore_errors=True)
@@ -267,17 +273,17 @@ class Store(Blocks):
                 shutil.rmtree(folder / f"{result}{ENDING}", ignore_errors=True)
 
     def bytes(self, key: str) -> int:
-        """Return the bytes that the files of a study take."""
+        """Return the bytes of all files of a study."""
         return sum(_sizes(self.folder(key)))
 
     def remove(self, key: str) -> None:
-        """Remove a study and everything made from it; the manifest goes first."""
+        """Remove a study and all its files, the manifest first."""
         folder = self.folder(key)
         (folder / MANIFEST).unlink(missing_ok=True)
         shutil.rmtree(folder, ignore_errors=True)
 
     def remove_leftovers(self, age: float = PARTS_KEPT) -> int:
-        """Remove what killed writers have left; return how many files and folders.
+        """Remove temporary files of killed writers; return the number of files and folders.
 
         Parameters
         ----------
@@ -299,7 +305,7 @@ class Store(Blocks):
 
 
 def _known(folder: Path, name: str) -> dict[str, Any]:
-    """Return the entry of a file, or of a group, in a manifest."""
+    """Return the manifest's entry of a file or Zarr group."""
     if name != ZARR:
         return fingerprint(folder / name)
     size = sum(path.stat().st_size for _, path in files_of(folder / ZARR))
@@ -307,7 +313,7 @@ def _known(folder: Path, name: str) -> dict[str, Any]:
 
 
 def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
-    """True if a file of a result is there, with its size; of a group, its documents are."""
+    """True if a file of a result exists with its size, or a group with its documents."""
     if name == ZARR:
         listed = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
         return listed and (folder / ZARR / GROUP).is_file()
@@ -318,6 +324,7 @@ def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
 
 
 def _sizes(folder: Path) -> Iterator[int]:
+    """Yield the sizes of all files below a folder [bytes]."""
     for parent, _, names in os.walk(folder):
         for name in names:
             with contextlib.suppress(FileNotFoundError):

@@ -28,7 +28,7 @@ LONG = 20_000  # bytes of a text; long studies do not push out short ones
 
 
 def identifier(study: Study, process: str | None = None) -> str:
-    """Return the SHA-256 of a study, the version, and the process if it is not the study's own."""
+    """Return the SHA-256 of a study, the program's version, and any process other than its own."""
     words = [core.__version__, study.canonical()]
     if process not in (None, study.kind):
         words.insert(0, str(process))
@@ -50,7 +50,7 @@ class Studies:
         self._sizes: dict[str, int] = {}  # bytes of the text of each
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
-        """Keep a study; return its identifier, and whether it is new."""
+        """Store a study; return its identifier, and True if it is new."""
         key = identifier(study, process)
         path = self.directory / key / "study.json"
         if path.exists():
@@ -62,11 +62,11 @@ class Studies:
         return key, True
 
     def get(self, key: str) -> Prepared:
-        """Return the study of an identifier; raise `NotFoundError` if there is none."""
+        """Return the study with an identifier; raise `NotFoundError` if there is none."""
         return self._get(key)[0]
 
     def sweep(self, key: str) -> Prepared:
-        """Return the sweep of an identifier.
+        """Return the sweep with an identifier.
 
         Raises
         ------
@@ -84,6 +84,7 @@ class Studies:
         raise _not_own(key, prepared)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
+        """Return a study, and True if its identifier is that of this version; cached in memory."""
         path = self.folder(key) / "study.json"
         with self._lock:
             for recent in (self._known, self._known_long):
@@ -110,14 +111,14 @@ class Studies:
         return entry
 
     def folder(self, key: str) -> Path:
-        """Return the folder of a study; raise `NotFoundError` for what is no identifier."""
+        """Return the folder of a study; raise `NotFoundError` if the identifier is malformed."""
         # Only what looks like an identifier reaches the file system.
         if not IDENTIFIER.fullmatch(key):
             raise unknown(key)
         return self.directory / key
 
     def studies(self) -> list[str]:
-        """Return the identifiers of all studies, those that were used longest ago first."""
+        """Return the identifiers of all studies, least recently used first."""
         uses = []
         with contextlib.suppress(FileNotFoundError):
             for folder in self.directory.iterdir():
@@ -135,7 +136,7 @@ class Studies:
         return 0.0
 
     def note_use(self, key: str) -> None:
-        """Note that a study is used, so that it stays."""
+        """Set the time of last use of a study to now, so that it is not removed soon."""
         path = self.folder(key) / "study.json"
         with contextlib.suppress(OSError):  # a directory that is read-only can be read
             if time.time() - path.stat().st_mtime > USED_EVERY:
@@ -144,7 +145,7 @@ class Studies:
 
 @contextlib.contextmanager
 def kept(path: Path) -> Iterator[Path]:
-    """As `whole`, and the name is on the disk too: a loss of power takes back nothing told."""
+    """Yield a temporary name; the finished file takes its name and both are flushed to disk."""
     with whole(path) as temporary:
         yield temporary
     folder = os.open(path.parent, os.O_RDONLY)
@@ -155,7 +156,7 @@ def kept(path: Path) -> Iterator[Path]:
 
 
 def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
-    """Return the reason why a study that is there is no sweep of this version."""
+    """Return the error for a stored study that is no sweep of this version."""
     if prepared is not None:
         of_another_process = identifier(prepared.study, "accuracy") == key
         if prepared.not_lazy is not None or of_another_process:
@@ -167,5 +168,5 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
 
 
 def unknown(key: str) -> NotFoundError:
-    """Return the error that there is no such study."""
+    """Return the error for an unknown study."""
     return NotFoundError(f"There is no study '{key[:80]}'. POST it first.")

@@ -20,10 +20,10 @@ class ThreadPool:
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="jobs")
 
     async def __call__(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> _T:
-        """Return the result of a function, once a thread has run it."""
+        """Run a function in a thread and return its result."""
         call = functools.partial(function, *arguments, **options)
         return await asyncio.get_running_loop().run_in_executor(self._threads, call)
 
     def close(self) -> None:
-        """Finish what is under way, and take no more."""
+        """Wait for running functions and accept no more."""
         self._threads.shutdown()

@@ -32,7 +32,7 @@ _netcdf = threading.Lock()  # the library crashes if two threads of a worker use
 
 
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
-    """Return the cells of a block of a job, or `IN_PARTS`, and how many blocks it has."""
+    """Return the cells of a block, or `IN_PARTS`, and the number of blocks of a job."""
     cells = cells_of_piece(prepared, settings.block_seconds)
     if process not in KINDS:
         return cells, len(families_of(prepared))  # one each
@@ -42,7 +42,10 @@ def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, i
 
 
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
-    """Return the blocks of a study that are not there; readers may follow its parts from then."""
+    """Return the numbers of a study's blocks that are not stored.
+
+    A study in parts is made readable for clients that follow its growing Zarr group.
+    """
     store = Store(Path(directory))
     if process not in KINDS:  # their number follows from the study
         count = len(families_of(_study(directory, key, process)))
@@ -58,7 +61,7 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
 def compute_block(
     directory: str, key: str, process: str, cells: int, index: int, claim: str = ""
 ) -> float:
-    """Compute a block of a study and keep it; return the seconds that it took.
+    """Compute a block of a study and store it; return the seconds it took.
 
     `cells` is the size of the pieces that the study is cut into, or `IN_PARTS`. A block whose
     claim has been given up meanwhile is not kept.
@@ -98,7 +101,7 @@ def compute_block(
 
 
 def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:
-    """Join the blocks of a study and write its result; return the seconds that it took.
+    """Join the blocks of a study and write its result; return the seconds it took.
 
     Raises
     ------
@@ -135,7 +138,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 
 @lru_cache(maxsize=16)
 def _study(directory: str, key: str, process: str) -> Prepared:
-    """Return a study; a worker computes many blocks of one."""
+    """Return a study from the store, cached for the next block of it."""
     try:
         prepared = Store(Path(directory)).get(key)
     except NotFoundError:

@@ -17,13 +17,13 @@ class Witness(Protocol):
     """Is told how work goes on; its methods return at once."""
 
     def began(self, item: Work) -> Mapping[str, str]:
-        """Take note that an item has been taken up; return what its log lines are to tell too."""
+        """Notice that an item was begun; return fields to add to its log lines."""
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Take note of blocks that are done, and of what each took."""
+        """Notice that blocks are done, with the seconds of each."""
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """Take note of how an item ended here, and how long after it was taken up."""
+        """Notice that an item ended here, with its outcome and duration."""
 
 
 @dataclass
@@ -49,7 +49,7 @@ class WorkProgress:
         self._courses: dict[str, _Started] = {}  # by claim
 
     def began(self, item: Work) -> None:
-        """Tell that an item has been taken up."""
+        """Report that an item was begun, to the log and all witnesses."""
         about: dict[str, object] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         for witness in self.witnesses:
             about |= witness.began(item)
@@ -57,14 +57,14 @@ class WorkProgress:
         logger.info("work started", extra=about)
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Tell of blocks that are done, and what each took [s]."""
+        """Report finished blocks and the seconds of each."""
         if item.owner in self._courses:
             self._courses[item.owner].computed += len(seconds)
         for witness in self.witnesses:
             witness.computed(item, seconds)
 
     def ended(self, item: Work, outcome: str, title: str | None = None) -> None:
-        """Report the end of an item here: ``done``, ``failed`` or ``given up``, once."""
+        """Report the end of an item once: ``done``, ``failed`` or ``given up``."""
         work_progress = self._courses.pop(item.owner, None)
         if work_progress is None:
             return

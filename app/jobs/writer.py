@@ -49,7 +49,7 @@ class Writer:
     async def write(
         self, key: str, sweep: Prepared, who: Key, look: Callable[[], Awaitable[None]]
     ) -> Manifest:
-        """Compute a sweep and write its file, unless it is there; return its manifest.
+        """Compute a sweep and write its file, unless it exists; return its manifest.
 
         `look` is awaited now and then; if it raises, the work is ended.
 
@@ -78,7 +78,7 @@ class Writer:
         return manifest
 
     async def known(self, key: str) -> Manifest | None:
-        """Return the manifest of the result of a sweep; None if it is not made yet, or broken.
+        """Return the manifest of a sweep's file; None if it is not written yet or is damaged.
 
         What is broken is taken away.
         """
@@ -98,7 +98,7 @@ class Writer:
         return None
 
     def check(self, sweep: Prepared) -> None:
-        """Raise `LimitError` if a sweep is too large, or takes too long, for one reply."""
+        """Raise `LimitError` if a sweep is too large, or takes too long, for one request."""
         settings = self._settings
         sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
         seconds = sweep.cells * sweep.seconds_a_cell + sweep.seconds_to_verify
@@ -109,7 +109,7 @@ class Writer:
 
 
 def written(directory: str, key: str) -> None:
-    """Compute a sweep of a data directory, and write its file."""
+    """Compute a stored sweep and write its file; runs in a process of the pool."""
     store = Store(Path(directory))
     if store.manifest(key) is not None:  # somebody else asked for it, too
         return

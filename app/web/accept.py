@@ -10,7 +10,7 @@ from app.web.problems import NotAcceptableError
 
 
 def form_for(request: Request, forms: Mapping[str, str], *, missing: str = "") -> str:
-    """Return the name of the form that a client likes best; of equals the first.
+    """Return the offered format that a client prefers by its Accept header; ties go to the first.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def form_for(request: Request, forms: Mapping[str, str], *, missing: str = "") -
 
 
 def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
-    """Return the media type that a header likes best, None if it takes none; of equals the first.
+    """Return the preferred media type of an Accept header, None if none fits; ties go to the first.
 
     The weight of a type is that of the range that names it most closely. What is not understood
     does not count; no header takes everything.
@@ -48,6 +48,7 @@ def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
 
 
 def _weight(name: str, ranges: Mapping[str, float]) -> float:
+    """Return the weight that an Accept header gives to a media type; 0 if it is not accepted."""
     for wanted in (name, f"{name.partition('/')[0]}/*", "*/*"):
         if wanted in ranges:
             return ranges[wanted]
@@ -70,6 +71,6 @@ def _ranges(header: str) -> dict[str, float]:
 
 
 def takes_gzip(accept_encoding: str) -> bool:
-    """True if a client takes gzip."""
+    """True if a client accepts gzip."""
     ranges = _ranges(accept_encoding)
     return ranges.get("gzip", ranges.get("x-gzip", ranges.get("*", 0.0))) > 0

@@ -24,14 +24,14 @@ from core.watch import Watch
 
 
 def converted(body: bytes, to: str, base: str) -> str:
-    """Return a study in another form; curl asks the service at an address."""
+    """Return a study converted to another format; `base` is the service's address for curl."""
     content = cast(dict[str, Any], read_json(body))
     prepare_content(content)
     return to_curl(content, base) if to == "curl" else FORMS[to](content)
 
 
 def executed(name: str, body: bytes, settings: Settings, most_cells: int | None) -> bytes | None:
-    """Return the reply to a short study, as JSON; None if it is to become a job.
+    """Return the JSON reply to a short study; None if the study is to become a job.
 
     That is what is thought to take long, and what has not ended within `max_execution_seconds`.
 
@@ -68,12 +68,12 @@ def executed(name: str, body: bytes, settings: Settings, most_cells: int | None)
 
 
 def check_study(name: str, body: bytes, settings: Settings) -> None:
-    """Raise if what a body asks for cannot be carried out."""
+    """Raise `StudyError` or `LimitError` if the study in a request body cannot be carried out."""
     read_study(name, body, settings)
 
 
 def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
-    """Return the prepared study of a body, and the study; raise if it cannot be carried out."""
+    """Return the execute request in a body, and its prepared study; raise if it is invalid."""
     asked = read_execution(read_json(body), name)
     prepared = prepare_content(asked.study)
     if name == ACCURACY:  # it takes some cells of a grid
@@ -86,7 +86,7 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
 
 
 def _is_short(prepared: Prepared, settings: Settings) -> bool:
-    """True if a study is replied to at once: it is short, and so is its result."""
+    """True if a study is short enough, and its result small enough, for an immediate reply."""
     return (
         prepared.seconds <= settings.max_synchronous_seconds
         and prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES

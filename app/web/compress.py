@@ -33,7 +33,7 @@ class Compress:
         self.app = GZipMiddleware(app, SMALL, LEVEL, exclude_content_types=PLAIN)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on."""
+        """Handle a request; compress its reply with gzip if the client accepts it."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -48,7 +48,9 @@ class Compress:
 
 
 def _weakened(send: Send) -> Send:
+    """Return a `send` that adapts the headers of a compressed reply: weak ETag, no ranges."""
     async def weakened(message: Message) -> None:
+        """Send a message, adapting the headers of a compressed reply."""
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)
             if headers.get("content-encoding") == "gzip":

@@ -36,14 +36,14 @@ _END_OF_HEAD = re.compile(rb"\n\r?\n")
 
 
 def raise_open_files() -> int:
-    """Let this process open as many files as it may; return how many that is."""
+    """Raise this process's limit of open files to the allowed maximum; return the limit."""
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
     return hard
 
 
 def most_requests(open_files: int) -> int:
-    """Return the number of requests that so many files allow: each has a connection and a file."""
+    """Return how many requests a limit of open files allows: each needs a connection and a file."""
     if open_files == resource.RLIM_INFINITY:
         return 10**9
     return max(1, (open_files - OTHER_FILES - SPARE) // 2)
@@ -62,13 +62,13 @@ class ThriftyParser(h11.Connection):
         self._is_padded = False
 
     def receive_data(self, data: bytes) -> None:
-        """Take bytes of the client."""
+        """Add received bytes to the parser's buffer."""
         self._is_padded = self._raw > FREE_BYTES + 2 * self._body  # all of it has been read
         self._raw += len(data)
         super().receive_data(data)
 
     def next_event(self) -> Any:
-        """Return the next event in the bytes of a connection.
+        """Return the next event parsed from the bytes of a connection.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class ThriftyParser(h11.Connection):
         return event
 
     def _check_head(self) -> None:
-        """Raise if the head of the next request is too long, or has too many lines."""
+        """Raise if the head of the request exceeds the limits of length or lines."""
         waiting, _ = self.trailing_data
         end = _END_OF_HEAD.search(waiting, 0, MAX_HEAD)
         head = waiting[: end.start() if end else MAX_HEAD]
@@ -108,13 +108,13 @@ class Connection(H11Protocol):
         self._was_answered = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Take part, if need be in another's place."""
+        """Accept a new connection; if there are too many, close the longest idle ones first."""
         if len(self.connections) >= self._most:
             self._cut_others()
         super().connection_made(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget the client, also one that has reset its connection.
+        """Remove the connection from the list, also if the client has reset it.
 
         uvicorn keeps that one, with its request, until the timer of its next request is over.
         """
@@ -122,22 +122,22 @@ class Connection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Take what the client sends."""
+        """Handle bytes from the client, and note the time."""
         self._received += len(data)
         super().data_received(data)
 
     def resume_writing(self) -> None:
-        """Note that a piece has left."""
+        """Note the time at which the client has taken enough to go on writing."""
         self._sent = self.loop.time()
         super().resume_writing()
 
     def on_response_complete(self) -> None:
-        """Wait for the next request."""
+        """Note the time from which the client may send its next request."""
         self._since, self._received, self._was_answered = self.loop.time(), 0, True
         super().on_response_complete()
 
     def look(self) -> None:
-        """Cut the connection if its client is late; to be called about once a second."""
+        """Close the connection if its client is too slow; called about once a second."""
         now = self.loop.time()
         if self.transport.get_write_buffer_size() == 0:
             self._sent = now
@@ -147,12 +147,12 @@ class Connection(H11Protocol):
 
     @property
     def _is_idle(self) -> bool:
-        """True if no whole request is under way."""
+        """True if no request is under way."""
         is_whole = self.conn.their_state not in (h11.IDLE, h11.SEND_BODY)
         return not is_whole or self.cycle is None or self.cycle.response_complete
 
     def _due(self) -> float:
-        """Return the deadline of the whole request [s on the loop's clock]."""
+        """Return the deadline for the rest of the request [s on the loop's clock]; else inf."""
         if not self.transport.is_closing() and self.transport.get_write_buffer_size() == 0:
             if self.conn.their_state is h11.IDLE:
                 return self._since + HEAD_SECONDS
@@ -161,7 +161,7 @@ class Connection(H11Protocol):
         return float("inf")
 
     def _cut_others(self) -> None:
-        """Cut those that have waited longest for their clients; first those never heard of."""
+        """Close the connections that have waited longest, first those that sent nothing."""
         idle = [one for one in self.connections if isinstance(one, Connection) and one._is_idle]
         for one in heapq.nsmallest(CUT_AT_ONCE, idle, lambda one: (one._was_answered, one._since)):
             self.connections.discard(one)

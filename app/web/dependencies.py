@@ -23,44 +23,45 @@ from app.web.zarr_views import ZarrViews
 
 
 async def settings_of(request: Request) -> Settings:
-    """Return the settings that the app was made with."""
+    """Return the settings of the application."""
     return cast(Settings, request.app.state.settings)
 
 
 async def store_of(request: Request) -> Store:
-    """Return the app's store."""
+    """Return the store of the application."""
     return cast(Store, request.app.state.store)
 
 
 async def writer_of(request: Request) -> Writer:
-    """Return the writer of the app's files."""
+    """Return the writer of the application's result files."""
     return cast(Writer, request.app.state.writer)
 
 
 async def admission_of(request: Request) -> Admission:
-    """Return the admission of the app's jobs."""
+    """Return the object that admits and manages jobs."""
     return cast(Admission, request.app.state.admission)
 
 
 async def who_of(request: Request) -> keys.Key:
-    """Return the key that the request came with."""
+    """Return the key that the request was sent with."""
     return cast(keys.Key, request.state.key)
 
 
 async def views_of(request: Request) -> ZarrViews:
-    """Return the app's views of sweeps as Zarr groups."""
+    """Return the application's views of sweeps as Zarr groups."""
     return cast(ZarrViews, request.app.state.views)
 
 
 async def base_of(request: Request) -> str:
-    """Return the address of the service as the client calls it, without a slash at its end."""
+    """Return the address of the service as the client sees it, without a trailing slash."""
     return str(request.base_url).rstrip("/")
 
 
 def once(*several: str) -> params.Depends:
-    """Return a check that each parameter of a query stands once, but for those named."""
+    """Return a dependency that refuses repeated query parameters, except the named ones."""
 
     async def check(request: Request) -> None:
+        """Raise a validation error if a query parameter is repeated."""
         names = [name for name in _names(request) if name not in several]
         repeated = {name for name in names if names.count(name) > 1}
         if repeated:
@@ -73,11 +74,12 @@ def once(*several: str) -> params.Depends:
 
 
 def _names(request: Request) -> list[str]:
+    """Return the names of all query parameters, repeated ones as often as they occur."""
     return [name for name, _ in request.query_params.multi_items()]
 
 
 async def body_of(request: Request) -> bytes:
-    """Return the body; raise `TooLargeError` as soon as it outgrows the limit."""
+    """Return the request body; raise `TooLargeError` as soon as it exceeds the limit."""
     limit = (await settings_of(request)).max_body_bytes
     pieces, size = [], 0
     async for piece in request.stream():
@@ -100,7 +102,7 @@ async def readable_sweep(
     admission: AdmissionOf,
     who: WhoOf,
 ) -> str:
-    """Return the identifier of a sweep that the client may read; others are as if not there."""
+    """Return the identifier of a sweep that the client may read; raise not found otherwise."""
     if not who.sees_all and not await run_in_threadpool(admission.may_read, key, who):
         raise unknown(key)
     return key
@@ -111,7 +113,7 @@ async def readable_job(
     admission: AdmissionOf,
     who: WhoOf,
 ) -> str:
-    """Return the identifier of a job that the client may read; others are as if not there."""
+    """Return the identifier of a job that the client may read; raise not found otherwise."""
     if not who.sees_all and await run_in_threadpool(admission.job, number, who) is None:
         raise no_such_job(number)
     return number

@@ -134,7 +134,7 @@ class Results(BaseModel):
 
 
 def summary(name: str, process: Process, base: str) -> dict[str, Any]:
-    """Return a process as the list shows it."""
+    """Return the summary of a process for the list of processes."""
     return {
         "id": name,
         "version": core.__version__,
@@ -150,7 +150,7 @@ def summary(name: str, process: Process, base: str) -> dict[str, Any]:
 
 
 def process_list(base: str) -> dict[str, Any]:
-    """Return all processes."""
+    """Return the document that lists all processes."""
     return {
         "processes": [summary(name, process, base) for name, process in PROCESSES.items()],
         "links": [_link(f"{base}/processes", "self", "The processes")],
@@ -158,7 +158,7 @@ def process_list(base: str) -> dict[str, Any]:
 
 
 def description(name: str, process: Process, base: str, schema: bytes) -> dict[str, Any]:
-    """Return a process with the schemas of what it takes, which is JSON already, and gives."""
+    """Return the description of a process, with the schemas of its inputs and outputs."""
     return {
         **summary(name, process, base),
         "inputs": {
@@ -186,7 +186,7 @@ def description(name: str, process: Process, base: str, schema: bytes) -> dict[s
 def status_info(
     job: Job, base: str, *, is_group: bool = False, waits: str | None = None
 ) -> dict[str, Any]:
-    """Return the status of a job.
+    """Return the status document of a job.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def status_info(
 
 
 def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
-    """Return the results of a job: its files, and their cost."""
+    """Return the document of a job's results: links to its files, and their cost."""
     here = f"{base}/jobs/{job.id}/results"
     others = [name for name in manifest.files if name not in (NETCDF, ZARR, JSON)]
     is_group = ZARR in manifest.files
@@ -268,13 +268,14 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
 
 
 def media_type_of(name: str) -> str:
-    """Return the media type of a file of a result."""
+    """Return the media type of a result file, by its suffix."""
     return {".md": "text/markdown", ".png": "image/png", ".nc": NETCDF_TYPE}.get(
         PurePath(name).suffix, "application/octet-stream"
     )
 
 
 def _message(job: Job, waits: str | None) -> str:
+    """Return a sentence about the state of a job."""
     if job.gone:
         return "Its result was removed to make room. Post the study again."
     if job.problem is not None:
@@ -290,10 +291,12 @@ def _message(job: Job, waits: str | None) -> str:
 
 
 def _time(seconds: float | None) -> str | None:
+    """Return a time [s since the epoch] in ISO 8601; None stays None."""
     if seconds is None:
         return None
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
 
 
 def _link(href: str, rel: str, title: str, type_: str = "application/json") -> dict[str, str]:
+    """Return a link of a document."""
     return {"href": href, "rel": rel, "type": type_, "title": title}

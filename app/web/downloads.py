@@ -34,26 +34,26 @@ _RANGE = re.compile(r"bytes=([0-9]{0,19})-([0-9]{0,19})", re.IGNORECASE)
 
 
 def etag_of(*parts: str) -> str:
-    """Return a strong ETag of content that these words determine."""
+    """Return a strong ETag for content that is determined by these words."""
     return f'"{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()}"'
 
 
 def not_modified(request: Request, etag: str, cache: str) -> Response | None:
-    """Return the reply to a client that has this content already, by its If-None-Match."""
+    """Return 304 if the client has this content already, by its If-None-Match header; else None."""
     if not _names(request.headers.getlist("if-none-match"), etag):
         return None
     return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})
 
 
 def document_reply(request: Request, content: bytes, etag: str) -> Response:
-    """Return a document in JSON that may change with the version, or 304 if the client has it."""
+    """Return a JSON document with its ETag, or 304 if the client has it already."""
     there = not_modified(request, etag, ASK_AGAIN)
     headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
     return there or Response(content, media_type="application/json", headers=headers)
 
 
 def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
-    """Return content that its address determines, for a client to keep."""
+    """Return content that never changes at its address, with headers for long caching."""
     headers = {"ETag": etag, "Cache-Control": FOR_EVER}
     return Response(content, headers=headers, media_type=media_type)
 
@@ -68,7 +68,7 @@ def file_reply(
     etag: str | None = None,
     check: Check | None = None,
 ) -> Response:
-    """Return a file, or what is left of it after an interrupted download; not on the event loop.
+    """Return a file, or the requested byte range of it, in pieces read by a thread.
 
     The ETag is the SHA-256 of the content, `digest`, so that a part may be joined to one from
     another server or from before a restart; or `etag` where the content is known by its place.
@@ -134,7 +134,7 @@ class Check:
     broken: Callable[[os.stat_result], Exception]
 
     def look(self, path: Path, digest: str) -> None:
-        """Raise what the client is told, unless a file is what was written; may take long."""
+        """Raise the error for the client if a file is damaged; may take long, as it is read."""
         with _there():
             file = path.open("rb", buffering=0)
         with file:
@@ -162,6 +162,7 @@ class _FileResponse(StreamingResponse):
         self._path, self._start, self._stop, self._checked = path, start, stop, checked
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Open the file, then send headers and content; close it in any case."""
         with _there():
             file = await asyncio.to_thread(self._path.open, "rb", buffering=0)
         with file:
@@ -174,7 +175,7 @@ class _FileResponse(StreamingResponse):
 
 
 async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
-    """Yield the bytes from `start` to `stop`."""
+    """Yield the bytes of a file from `start` to `stop`, in pieces."""
     while start < stop:
         # By its place: a read that outlives its cancelled reply moves nobody's position.
         piece = await asyncio.to_thread(os.pread, file.fileno(), min(PIECE, stop - start), start)
@@ -186,7 +187,7 @@ async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
 
 @contextmanager
 def _there() -> Iterator[None]:
-    """Tell of a file that has been removed to make room as of any that is not there."""
+    """Turn the error of a file that was just removed into the one of an unknown file."""
     try:
         yield
     except FileNotFoundError:
@@ -194,7 +195,7 @@ def _there() -> Iterator[None]:
 
 
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
-    """True if lists of ETags, or ``*``, name one; weak ones do not count as `strong`."""
+    """True if ETag headers name this ETag or ``*``; with `strong`, weak ETags do not match."""
     if any(header.strip() == "*" for header in headers):
         return True
     found = _TAGS.findall(",".join(headers))
@@ -202,7 +203,7 @@ def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
 
 
 def _part(request: Request, etag: str, size: int) -> tuple[int, int] | None:
-    """Return start and stop of the range asked for; None for the whole file.
+    """Return start and stop of the requested byte range; None for the whole file.
 
     A range that is malformed, or several of them, are answered by the whole, as the standard
     allows. A range without a byte of the file gives stop <= start.

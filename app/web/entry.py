@@ -26,13 +26,13 @@ SOON = 0.01  # s between looks at whether another request has read the keys
 
 
 def path_of(scope: Scope) -> str:
-    """Return the path as the routes see it, without that under which a proxy shows the service."""
+    """Return the request's path without the prefix that a proxy adds."""
     path: str = scope.get("path", "")
     return path.removeprefix(scope.get("root_path", ""))
 
 
 def owner_of(scope: Scope) -> str:
-    """Return on whose account a request goes: its key's, and without keys its address's."""
+    """Return the account of a request: the name of its key, or its address without keys."""
     name = getattr(scope.get("state", {}).get("key"), "name", "")
     return f"{OF_KEY}{name}" if name else str((scope.get("client") or ("",))[0])
 
@@ -54,7 +54,7 @@ class Entry:
         self._rates = MovingWindowRateLimiter(MemoryStorage())
 
     async def look(self) -> None:
-        """Read the keys if that is due; who comes meanwhile goes by what was read just before.
+        """Read the keys again if due; requests meanwhile use the keys read before.
 
         Raises
         ------
@@ -74,7 +74,7 @@ class Entry:
                 await asyncio.sleep(SOON)
 
     async def refusal(self, scope: Scope, headers: Headers) -> Response | None:
-        """Return the refusal of a request; None, and its key in the request's state, if none."""
+        """Return the error reply to a request without a valid key; None if its key is accepted."""
         if not self.keys.are_needed:
             _enter(scope, NOBODY)
             return None
@@ -101,6 +101,7 @@ class Entry:
         return self._beyond_role(scope, key) or self._too_often(key)
 
     def _beyond_role(self, scope: Scope, key: Key) -> Response | None:
+        """Return the error reply if the role of a key does not allow the request; else None."""
         if key.role == "read" and scope["method"] not in SAFE_METHODS:
             detail = "The role of this key is `read`: it may post, change and dismiss nothing."
         elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
@@ -110,6 +111,10 @@ class Entry:
         return problem_document(403, "role", "The role of the key does not allow it", detail)
 
     def _too_often(self, key: Key) -> Response | None:
+        """Return the error reply if a key sends more requests per second than allowed.
+
+        Else None.
+        """
         if key.requests is None:
             return None
         if self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
@@ -121,16 +126,19 @@ class Entry:
 
 
 def _enter(scope: Scope, key: Key) -> None:
+    """Store the key of a request in its state."""
     scope.setdefault("state", {})["key"] = key
 
 
 def _without(detail: str) -> Response:
+    """Return the reply 401 for a request without a valid key."""
     return problem_document(
         401, "key", "A key is needed", detail, headers={"WWW-Authenticate": "Bearer"}
     )
 
 
 def _sent_keys(headers: Headers) -> list[str]:
+    """Return the keys in the headers X-API-Key and Authorization."""
     keys = headers.getlist("x-api-key")
     for value in headers.getlist("authorization"):
         scheme, _, key = value.partition(" ")

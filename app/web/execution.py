@@ -17,7 +17,7 @@ ACCURACY = "accuracy"
 
 
 def _any_of(kinds: Iterable[Kind]) -> Any:
-    """Return the type of a study of some kinds, which its key `kind` tells apart."""
+    """Return the union type of the studies of some kinds, discriminated by `kind`."""
     models = tuple(kind.model for kind in kinds)
     return Annotated[Union[models], Field(discriminator="kind")]  # noqa: UP007 - made as it runs
 
@@ -95,7 +95,7 @@ class Execution:
 
 
 def read_execution(content: object, kind: str) -> Execution:
-    """Return the request in the body of an execute request.
+    """Return the study and the requested form of reply in the body of an execute request.
 
     The body is the study itself, or an execute request with the study under ``inputs.study``. It
     is of the kind of the process whether it says so or not.
@@ -130,7 +130,7 @@ def read_execution(content: object, kind: str) -> Execution:
 
 
 def _read_wishes(content: Mapping[str, Any]) -> bool:
-    """True if the reply is to be a document; raise `StudyError` for other outputs."""
+    """True if the reply is to be a document; raise `StudyError` for unsupported outputs."""
     problems = []
     response = content.get("response", "raw")
     if response not in ("raw", "document"):

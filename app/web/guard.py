@@ -56,7 +56,7 @@ PAGE_POLICY = (
 
 
 def is_loopback(host: str) -> bool:
-    """True if only this machine reaches an address; of names, only localhost counts."""
+    """True if an address can only be reached from this machine; of names only localhost."""
     try:
         address = ipaddress.ip_address(host)
     except ValueError:
@@ -66,22 +66,22 @@ def is_loopback(host: str) -> bool:
 
 
 def is_open(path: str) -> bool:
-    """True if a path is answered without a key."""
+    """True if a path may be requested without a key."""
     return path in OPEN or is_docs(path) or is_page(path)
 
 
 def is_docs(path: str) -> bool:
-    """True if a path belongs to the documentation's page."""
+    """True if a path belongs to the page of the API documentation."""
     return path in DOCS or path.startswith(tuple(f"{start}/" for start in DOCS))
 
 
 def is_page(path: str) -> bool:
-    """True if a path belongs to the page for browsers."""
+    """True if a path belongs to the web page."""
     return path == "/" or path.startswith("/page/")
 
 
 def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
-    """Put the layers of this module around the routes; the last one added is the outermost."""
+    """Add the middleware of this module to the application; the last one added runs first."""
     app.add_middleware(Limits, settings=settings)
     app.add_middleware(Guard, settings=settings, keys=keys)
     if settings.cors_origins:
@@ -109,11 +109,12 @@ class SafeHeaders:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on; add the headers to its reply."""
+        """Handle a request; add security headers to its reply."""
         path = path_of(scope)
         policy = PAGE_POLICY if is_docs(path) or is_page(path) else API_POLICY
 
         async def with_headers(message: Message) -> None:
+            """Send a message, with security headers at the start of a reply."""
             if message["type"] == "http.response.start":
                 message["headers"] = [
                     *message["headers"], *SAFE, (b"content-security-policy", policy)
@@ -132,7 +133,7 @@ class Guard:
         self.origins = frozenset(settings.cors_origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, or refuse it without reading its body."""
+        """Handle a request, or refuse it before its body is read."""
         if scope["type"] == "websocket":  # the service has none; none slips past
             await send({"type": "websocket.close", "code": 1008})
             return
@@ -140,6 +141,7 @@ class Guard:
         await (refusal or self.app)(scope, receive, send)
 
     async def _refusal(self, scope: Scope) -> Response | None:
+        """Return the error reply to a request that may not pass; None if it may."""
         path = path_of(scope)
         if _CONTROL.search(path):  # routes do not tell a path from one with a line's end after it
             detail = "The path holds characters that no resource has in its name."
@@ -174,7 +176,7 @@ class Guard:
         return refusal
 
     def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
-        """Refuse what did not come from this machine, or from a page that pretends to be on it."""
+        """Refuse requests from other machines, or from web pages that pretend to be local."""
         local = (scope.get("server") or ("",))[0] or ""
         if _is_address(local) and not is_loopback(local):
             why = "No keys are set, so that the service answers on loopback addresses only."
@@ -187,7 +189,7 @@ class Guard:
         return problem_document(403, "no-keys", "The service has no keys", f"{why} {fix}")
 
     def _from_another_page(self, method: str, headers: Headers, host: str) -> Response | None:
-        """Refuse changes that a browser sends for a page of another origin."""
+        """Refuse changes that a browser sends on behalf of a page of another origin."""
         origin = headers.get("origin")
         if origin is None or method in SAFE_METHODS or origin in self.origins:
             return None
@@ -208,7 +210,7 @@ class Limits:
         self.of_owners: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, or refuse it without reading its body."""
+        """Handle a request, or refuse it before its body is read."""
         if scope["type"] != "http" or path_of(scope) in HEALTH:
             await self.app(scope, receive, send)
             return
@@ -228,6 +230,7 @@ class Limits:
                 del self.of_owners[owner]
 
     def _refusal(self, scope: Scope, owner: str) -> Response | None:
+        """Return the error reply if too many requests are under way or the body is too large."""
         part = self.most // SHARE
         share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
         if share <= self.of_owners[owner] and self.under_way < self.most:
@@ -250,6 +253,7 @@ class Limits:
 
 
 def _is_address(text: str) -> bool:
+    """True if a text is an IP address."""
     try:
         ipaddress.ip_address(text)
     except ValueError:
@@ -258,11 +262,12 @@ def _is_address(text: str) -> bool:
 
 
 def _describe(app: FastAPI, keys: Keys) -> None:
-    """Tell of the keys in the OpenAPI document: needed where there are some, else not."""
+    """Describe the keys in the OpenAPI document: required if there are any, else optional."""
     plain = app.openapi
     ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
 
     def openapi() -> dict[str, Any]:
+        """Return the OpenAPI document with the security schemes and the replies of refusals."""
         is_new = app.openapi_schema is None
         document = plain()
         document.setdefault("components", {})["securitySchemes"] = {
@@ -284,6 +289,7 @@ def _describe(app: FastAPI, keys: Keys) -> None:
 
 
 def _tell_refusals(responses: dict[str, Any]) -> None:
+    """Add the replies of refused requests to those of a route."""
     header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
     told = problems(s401="No key, or a wrong one, where keys are needed")
     responses["401"] = {**told[401], "headers": header}

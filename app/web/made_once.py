@@ -26,7 +26,7 @@ class MadeOnce:
         self._lock = asyncio.Lock()
 
     async def __call__(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
-        """Return a document by its name, and its ETag; what could not be made is made anew.
+        """Return a cached document and its ETag by name; if missing, make it in a thread.
 
         Raises
         ------
@@ -42,6 +42,7 @@ class MadeOnce:
         return await asyncio.shield(making)  # another may wait for it when this client has left
 
     async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
+        """Make a document in a thread, one at a time, and cache it with its ETag."""
         try:
             async with self._lock:
                 content = await asyncio.to_thread(make)
@@ -52,13 +53,13 @@ class MadeOnce:
 
 
 def _seen(making: asyncio.Task[tuple[bytes, str]]) -> None:
-    """Look at how it ended, even if all who asked have left."""
+    """Retrieve a task's exception, so that asyncio does not warn if nobody awaited it."""
     if not making.cancelled():
         making.exception()
 
 
 async def made_once(request: Request, name: Hashable, make: Callable[[], bytes]) -> Response:
-    """Return a document in JSON, by its name; `make` makes it if nobody has asked before.
+    """Return a cached JSON document as a reply; `make` is called if it is missing.
 
     Names have to be few: what a client may choose freely is none.
     """

@@ -83,38 +83,39 @@ class Metrics:
     def gauges(
         self, name: str, description: str, label: str, values: Callable[[], Mapping[str, float]]
     ) -> None:
-        """Add a gauge with a label, whose values are asked for when the figures are read."""
+        """Add a labelled gauge whose values are computed when the metrics are read."""
         self.registry.register(_Gauges(name, description, label, values))
 
     def gauge(self, name: str, description: str, value: Callable[[], float]) -> None:
-        """Add a gauge whose value is asked for when the figures are read."""
+        """Add a gauge whose value is computed when the metrics are read."""
         Gauge(name, description, registry=self.registry).set_function(value)
 
     def began(self, item: Work) -> Mapping[str, str]:
-        """Take note that an item of work has been taken up: the ledger counts it."""
+        """Do nothing: the ledger counts the items that are begun."""
         return {}
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Take note of blocks that are done."""
+        """Count finished blocks and their seconds."""
         for one in seconds:
             self._blocks.labels(item.process).observe(one)
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """Take note of how an item of work ended."""
+        """Count an ended item of work by outcome."""
         self._work.labels(item.process, outcome).observe(seconds)
 
     def count(self, method: str, route: str, status: int, seconds: float) -> None:
-        """Count one request; `route` is a template such as ``/sweeps/{key}``, never a path."""
+        """Count one request; `route` is a template such as ``/sweeps/{key}``, never a real path."""
         method = method if method in METHODS else "other"
         self._requests.labels(method, route, str(status)).inc()
         self._seconds.labels(method, route).observe(seconds)
 
     def text(self) -> bytes:
-        """Return every figure in the text format of Prometheus."""
+        """Return all metrics in the text format of Prometheus."""
         return generate_latest(self.registry)
 
 
 def _free(directory: Path) -> float:
+    """Return the free bytes of a directory's disk; NaN if it does not exist."""
     try:
         return shutil.disk_usage(directory).free
     except OSError:  # not made yet, or gone
@@ -124,9 +125,10 @@ def _free(directory: Path) -> float:
 def watch_jobs(
     metrics: Metrics, admission: Admission, cluster: Cluster, settings: Settings
 ) -> None:
-    """Add the figures of jobs, of workers and of the disk."""
+    """Add the metrics of jobs, workers and disk."""
 
     def work() -> dict[str, float]:
+        """Return the number of items of work that wait and run."""
         queue = admission.ledger.queue()
         return {"waiting": queue.waiting, "running": queue.running}
 
@@ -155,9 +157,11 @@ class _Gauges(Collector):
         self._label = label
 
     def describe(self) -> Iterable[Metric]:
+        """Return the metric without values, for registration."""
         return [GaugeMetricFamily(*self._words, labels=[self._label])]
 
     def collect(self) -> Iterable[Metric]:
+        """Return the metric with its current values."""
         family = GaugeMetricFamily(*self._words, labels=[self._label])
         for word, value in self._values().items():
             family.add_metric([word], value)

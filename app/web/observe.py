@@ -40,7 +40,7 @@ class Observe:
         )
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on; write its line when its reply has ended."""
+        """Handle a request; write its log line, metrics and span when the reply has ended."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -50,6 +50,7 @@ class Observe:
         status, sent, ended = 0, 0, False
 
         async def watched(message: Message) -> None:
+            """Send a message; record status and size, and add the request's identifier."""
             nonlocal status, sent, ended
             if message["type"] == "http.response.start":
                 status = message["status"]
@@ -95,7 +96,7 @@ class Observe:
 
 
 def route_of(scope: Scope) -> str:
-    """Return the template of the route of a request: a path may hold anything, and be secret."""
+    """Return the route template of a request; real paths may be secret and are not recorded."""
     route = scope.get("route")
     template = getattr(route, "path_format", None) or getattr(route, "path", None)
     if template is None and scope.get("endpoint") is not None:

@@ -21,12 +21,12 @@ PATH = "/openapi.json"
 
 
 def operation_id(route: APIRoute) -> str:
-    """Return the name of a route's function: short, and stable while its path may change."""
+    """Return the operation identifier of a route: the name of its function."""
     return route.name
 
 
 def install(app: FastAPI) -> None:
-    """Add to the document the models that routes refer to; serve it from memory.
+    """Add shared schemas to the OpenAPI document, and serve it from memory.
 
     FastAPI would make it in the event loop, and write its megabyte anew for everybody who asks.
     """
@@ -36,15 +36,18 @@ def install(app: FastAPI) -> None:
 
     @app.api_route(PATH, methods=["GET", "HEAD"], include_in_schema=False)
     async def document(request: Request) -> Response:
+        """Return the OpenAPI document, made once per address and need of keys."""
         root, needs_key = request.scope.get("root_path", ""), request.app.state.keys.are_needed
 
         def make() -> bytes:
+            """Return the bytes of the OpenAPI document for one address."""
             servers = {"servers": [{"url": root}]} if root else {}
             return orjson.dumps(app.openapi() | servers)
 
         return await made_once(request, (PATH, root, needs_key), make)
 
     def openapi() -> dict[str, Any]:
+        """Return the OpenAPI document with the shared schemas."""
         is_new = app.openapi_schema is None
         document = plain()
         if is_new:
@@ -56,7 +59,10 @@ def install(app: FastAPI) -> None:
 
 @cache
 def _components() -> dict[str, Any]:
-    """Return the schemas of problem documents, studies, and execute requests; to be read only."""
+    """Return the shared schemas: problem documents, studies, execute requests.
+
+    Not to be changed.
+    """
     models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
     models += [process.study for process in PROCESSES.values()]
     _, schemas = models_json_schema(

@@ -26,12 +26,12 @@ def find_job(admission: Admission, number: str) -> Job:
 
 
 def no_such_job(number: str) -> NoSuchJobError:
-    """Return the error that tells so."""
+    """Return the error for an unknown job."""
     return NoSuchJobError(f"There is no job '{number[:80]}'. GET /jobs lists them.")
 
 
 def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
-    """Return the manifest of a job's result, or the problem document if it failed."""
+    """Return the manifest of a job's result, or the problem document if the job failed."""
     if job.problem is not None:
         return problem_document(**job.problem)
     if job.gone:
@@ -52,9 +52,10 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
 
 
 def check_of(admission: Admission, job: Job, path: Path) -> Check:
-    """Return the check of a file of a job's result before it is served."""
+    """Return the integrity check that a file of a job's result must pass to be served."""
 
     def broken(status: os.stat_result) -> Exception:
+        """Remove the damaged result, queue its job again, and return the error for the client."""
         admission.store.remove_file(job.key, path, status)
         return _mended(admission, job)
 
@@ -62,13 +63,13 @@ def check_of(admission: Admission, job: Job, path: Path) -> Check:
 
 
 def lost(admission: Admission, job: Job, path: Path) -> Exception:
-    """Return the error for a file that a result should have and has not."""
+    """Return the error for a file that is missing from a result, and have it computed again."""
     admission.store.remove_file(job.key, path)
     return _mended(admission, job)
 
 
 def _mended(admission: Admission, job: Job) -> Exception:
-    """Have a result that is not there computed again; return what the client is told."""
+    """Queue a job again whose result is missing; return the error for the client."""
     if job.state == "successful" and admission.mend(job):
         return NotReadyError(
             f"The results of the job {job.id} were damaged on the disk; they are computed again."
@@ -77,7 +78,7 @@ def _mended(admission: Admission, job: Job) -> Exception:
 
 
 def results_reply(admission: Admission, job: Job, base: str) -> Response:
-    """Return the results of a job, or why there are none."""
+    """Return the reply with the results of a job, or with the reason why there are none."""
     manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):
         return manifest

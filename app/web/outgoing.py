@@ -22,11 +22,11 @@ class Tide:
         self._highest = 0
 
     def rise(self, now: int) -> None:
-        """Note what the number is."""
+        """Record the current value; the largest one is kept."""
         self._highest = max(self._highest, now)
 
     def has_fallen(self, now: int, by: int) -> bool:
-        """True if it is so much less than once, since this was last true."""
+        """True if the value is `by` or more below its largest since this was last true."""
         self.rise(now)
         if self._highest - now < by:
             return False
@@ -51,7 +51,7 @@ class Unsent:
         self._tide = Tide()
 
     def take(self, size: int) -> None:
-        """Count so many bytes; raise `BusyError` if they are too many."""
+        """Add bytes to the count; raise `BusyError` if they exceed the limit."""
         with self._lock:
             if self._bytes and self._bytes + size > self._most:
                 raise BusyError("Too many replies wait for their readers; ask again.")
@@ -59,12 +59,12 @@ class Unsent:
             self._tide.rise(self._bytes)
 
     def give_back(self, size: int) -> None:
-        """Count so many bytes no longer."""
+        """Subtract bytes from the count."""
         with self._lock:
             self._bytes -= size
 
     def has_fallen(self, by: int) -> bool:
-        """True if so much less is counted than once, since this was last true."""
+        """True if the count is `by` or more below its largest since this was last true."""
         with self._lock:
             return self._tide.has_fallen(self._bytes, by)
 
@@ -76,16 +76,18 @@ class _Share:
         self._unsent, self.size = unsent, 0
 
     def enlarge(self, size: int) -> None:
+        """Reserve more of the output buffer for this request, if `size` exceeds its share."""
         if size > max(self.size, SMALL):
             self._unsent.take(size - self.size)
             self.size = size
 
     def close(self) -> None:
+        """Free the share of this request."""
         self._unsent.give_back(self.size)
 
 
 def expect(request: Request, size: int) -> None:
-    """Count the bytes of a reply before it is made; raise `BusyError` if they are too many."""
+    """Reserve the bytes of a reply before making it; raise `BusyError` if there are too many."""
     enlarge: Callable[[int], None] = request.state.enlarge
     enlarge(size)
 
@@ -97,7 +99,7 @@ class Outgoing:
         self.app, self.unsent = app, unsent
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on."""
+        """Handle a request, sending its reply in pieces and limiting unsent bytes."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -110,11 +112,12 @@ class Outgoing:
 
 
 def _bounded(scope: Scope, receive: Receive, send: Send, share: _Share) -> Send:
-    """Return a `send` that waits with the head of a reply until its body is counted."""
+    """Return a `send` that holds back the head of a reply until its body is counted."""
     head: Message | None = None
     is_refused = False
 
     async def bounded(message: Message) -> None:
+        """Send a message; refuse the reply if the output buffer is full."""
         nonlocal head, is_refused
         if is_refused:
             return
@@ -145,6 +148,6 @@ def _bounded(scope: Scope, receive: Receive, send: Send, share: _Share) -> Send:
 
 
 async def _busy(scope: Scope, receive: Receive, send: Send, error: BusyError) -> None:
-    """Send the refusal."""
+    """Send the reply 503 instead of a reply that does not fit the output buffer."""
     reply = problem_document(*STATUS[BusyError], str(error), headers={"Retry-After": "1"})
     await reply(scope, receive, send)

@@ -34,7 +34,7 @@ class Preferences:
 
 
 def preferences(headers: Iterable[str]) -> Preferences:
-    """Return the preferences in a request's Prefer headers; unknown ones do not count.
+    """Return the preferences in a request's Prefer headers; unknown ones are ignored.
 
     Of a preference that is given more than once the first counts, as the standard asks. Nor does
     what stands past the first 2,000 characters, or is cut off there.

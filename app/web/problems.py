@@ -92,7 +92,7 @@ RETRY_AFTER = {429: "5", 503: "1"}
 
 
 def install(app: FastAPI) -> None:
-    """Give the app its error handlers; `app.web.observe` answers what none of them knows."""
+    """Register the error handlers of the application."""
     for error in STATUS:
         app.add_exception_handler(error, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
@@ -102,6 +102,7 @@ def install(app: FastAPI) -> None:
 
 
 def _known(request: Request, error: Exception) -> Response:
+    """Return the problem document of an error that the service raises on purpose."""
     status, kind, title = STATUS[type(error)]
     if isinstance(error, StudyError):
         count = len(error.problems)
@@ -114,6 +115,7 @@ def _known(request: Request, error: Exception) -> Response:
 
 
 def _storage(request: Request, error: Exception) -> Response:
+    """Return the problem document of a storage error; 503 if it is likely to pass."""
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
     if disk.passes(error):
@@ -124,6 +126,7 @@ def _storage(request: Request, error: Exception) -> Response:
 
 
 def _invalid(request: Request, error: Exception) -> Response:
+    """Return the problem document of a request that FastAPI found invalid."""
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [
@@ -136,6 +139,7 @@ def _invalid(request: Request, error: Exception) -> Response:
 
 
 def _http(request: Request, error: Exception) -> Response:
+    """Return the problem document of an HTTP error, such as 404 or 405."""
     assert isinstance(error, HTTPException)
     phrase = http.HTTPStatus(error.status_code).phrase
     response = problem_document(error.status_code, "http", phrase, str(error.detail))
@@ -146,7 +150,7 @@ def _http(request: Request, error: Exception) -> Response:
 
 
 def _methods(request: Request) -> list[str]:
-    """Return the methods that a path answers; the router names those of one of its routes only."""
+    """Return all methods that a path supports; the router reports only those of one route."""
     allowed: set[str] = set()
     for route in request.app.router.routes:
         if route.matches(request.scope)[0] is not Match.NONE:
@@ -155,7 +159,7 @@ def _methods(request: Request) -> list[str]:
 
 
 def unforeseen(request_id: str) -> Response:
-    """Return the reply to an unforeseen error of the service.
+    """Return the reply to an unexpected error of the service.
 
     The text of the error stays in the log, under the identifier: it may speak of files and memory.
     """

@@ -36,7 +36,10 @@ class RefusedKeys:
         self._noted: deque[float] = deque(maxlen=MAX_NOTED)
 
     async def slowed(self, address: str, name: str) -> bool:
-        """Wait as long as a wrong key has to; return False at once if too many wait already."""
+        """Delay the reply to a wrong key.
+
+        Return False at once if too many requests wait already.
+        """
         count = self._count(address)
         if count == 1:
             await self._write_down(address, name)
@@ -52,7 +55,7 @@ class RefusedKeys:
         return True
 
     def _count(self, address: str) -> int:
-        """Count one more; return how many came in the last minute."""
+        """Count one more wrong key of an address; return the number in the last minute."""
         now = time.monotonic()
         times = self._times.setdefault(address, deque(maxlen=MAX_COUNTED))
         self._times.move_to_end(address)
@@ -64,7 +67,7 @@ class RefusedKeys:
         return len(times)
 
     async def _write_down(self, address: str, name: str) -> None:
-        """Note the first of an address; no more than some a minute in all."""
+        """Write the first wrong key of an address into the audit log; few a minute in total."""
         now = time.monotonic()
         if len(self._noted) == MAX_NOTED and now - self._noted[0] < REMEMBERED:
             return

@@ -34,12 +34,12 @@ class ProblemDocument(BaseModel):
 
 
 def component(name: str) -> dict[str, Any]:
-    """Return a reference to a schema that `app.web.openapi` adds to the document."""
+    """Return a JSON reference to a schema that `app.web.openapi` adds to the document."""
     return {"$ref": f"#/components/schemas/{name}"}
 
 
 def execution_name(study: type[BaseModel]) -> str:
-    """Return the name of the schema of an execute request with a study."""
+    """Return the schema name of an execute request with a kind of study."""
     return f"{study.__name__}Execution"
 
 
@@ -51,7 +51,7 @@ ETAG = {"ETag": {"schema": {"type": "string"}}}
 def kept(
     description: str, content: Mapping[str, Mapping[str, Any]], *, in_ranges: bool = False
 ) -> dict[int | str, dict[str, Any]]:
-    """Return documented replies that have an ETag; `content` are schemas by media types.
+    """Return OpenAPI replies with an ETag, including 304; `content` has schemas by media type.
 
     With `in_ranges` so are ranges of bytes, which JSON is not sent in, and what is wrong with them.
     """
@@ -79,12 +79,12 @@ PROBLEM: dict[str, Any] = {
 
 
 def problems(**why: str) -> dict[int | str, dict[str, Any]]:
-    """Return documented error replies, as in ``problems(s404="No such sweep")``."""
+    """Return OpenAPI descriptions of error replies, as in ``problems(s404="No such sweep")``."""
     return {int(status[1:]): {"description": text, **PROBLEM} for status, text in why.items()}
 
 
 def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None = None) -> Response:
-    """Return JSON with numpy arrays written as lists, and NaN and infinity as null."""
+    """Return a JSON reply; numpy arrays become lists, NaN and infinity null."""
     return Response(
         orjson.dumps(content, option=orjson.OPT_SERIALIZE_NUMPY),
         status,
@@ -94,7 +94,7 @@ def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None =
 
 
 def without_length(media_type: str, headers: Mapping[str, str] | None = None) -> Response:
-    """Return a reply to HEAD of what is not made yet: it tells no size."""
+    """Return a reply to HEAD for content that is not made yet, so without a length."""
     reply = Response(headers=headers, media_type=media_type)
     del reply.headers["Content-Length"]  # 0, which it will not be
     return reply
@@ -110,7 +110,7 @@ def problem_document(
     instance: str | None = None,
     headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return a problem document; `kind` is a word of ours, or a whole address.
+    """Return a problem document as a reply; `kind` is a short word, or a whole URL.
 
     Of many problems it names the first, and says how many there are besides.
     """

@@ -53,7 +53,7 @@ class Server(uvicorn.Server):
         self._crowd = Tide()  # of connections
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Take note of the signal; a second one, or Ctrl-C, cuts the draining short."""
+        """Record a signal to stop; a second one, or Ctrl-C, ends the waiting for open requests."""
         state = self.config.app.state  # type: ignore[union-attr]
         is_first = not state.stopping.is_set()
         state.stopping.set()
@@ -67,7 +67,7 @@ class Server(uvicorn.Server):
             timer.start()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start to listen; let many wait, of whom few are taken in at a time."""
+        """Listen for connections with a long queue, of which few are accepted at a time."""
         prepare_routes(self.config.app)  # type: ignore[arg-type]
         await super().startup(sockets)
         for listener in (one for server in self.servers for one in server.sockets):
@@ -78,7 +78,7 @@ class Server(uvicorn.Server):
             self._first = asyncio.create_task(self.config.app.state.process_pool.start())  # type: ignore[union-attr]
 
     async def on_tick(self, counter: int) -> bool:
-        """Look after connections and memory, ten times a second and once."""
+        """Check connections once a second, free memory after a crowd, and look at the deadline."""
         if counter % 10 == 0:
             connections = list(self.server_state.connections)
             for connection in connections:
@@ -90,7 +90,7 @@ class Server(uvicorn.Server):
         return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Finish, or cut short, what is under way."""
+        """Stop compiling, finish or abort open requests, and wait a second for their log lines."""
         await self.config.app.state.warmth.stop()  # type: ignore[union-attr]
         await super().shutdown(sockets)
         if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
@@ -98,7 +98,7 @@ class Server(uvicorn.Server):
 
 
 def prepare_routes(app: FastAPI) -> None:
-    """Have FastAPI look at the signatures of all routes now.
+    """Let FastAPI analyse all routes now instead of at their first request.
 
     It would when a request first comes by them, in the event loop, and that takes a second.
     """
@@ -108,7 +108,7 @@ def prepare_routes(app: FastAPI) -> None:
 
 
 def _end() -> None:
-    """End the process as it is: what counts is on the disk, as it is for one that is killed."""
+    """End the process at once without cleaning up; everything of value is on disk."""
     logger.warning("stopping takes too long and is cut short")
     os._exit(1)
 
@@ -129,7 +129,7 @@ MALLOPT = {
 
 
 def keep_memory() -> None:
-    """Let the C library keep memory that was freed; nothing where it is another one."""
+    """Let the C library keep freed memory for reuse; does nothing with other C libraries."""
     library = ctypes.CDLL(None)
     if hasattr(library, "mallopt"):
         for name, value in MALLOPT.items():
@@ -137,14 +137,14 @@ def keep_memory() -> None:
 
 
 def give_memory_back() -> None:
-    """Give back what is free between what is used, of which the C library thinks only when told."""
+    """Return free memory between used blocks to the system."""
     library = ctypes.CDLL(None)
     if hasattr(library, "malloc_trim"):
         library.malloc_trim(0)
 
 
 def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) -> None:
-    """Serve an app until a signal ends it; the log is `app.logs.configure`'s."""
+    """Serve an application until a signal ends it."""
     sys.setswitchinterval(TURN)
     keep_memory()
     config = uvicorn.Config(

@@ -51,7 +51,10 @@ class Shares:
 
     @asynccontextmanager
     async def slot(self, owner: str, price: int = 0) -> AsyncIterator[None]:
-        """Have a place; as many later requests of its owner as its price may pass this one."""
+        """Wait for a computing slot and hold it during the block.
+
+        As many later requests of the same owner as `price` may be served first.
+        """
         asked = next(self._asked)
         got: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._waiting.append((asked + price, asked, owner, got))
@@ -65,7 +68,7 @@ class Shares:
             self._hand_out()
 
     def _hand_out(self) -> None:
-        """Give free places to those who wait, in the order of `_rank`."""
+        """Give free slots to waiting requests, in the order of `_rank`."""
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         self._taken = +self._taken
@@ -85,7 +88,7 @@ class Shares:
     def _rank(
         self, waiter: tuple[int, int, str, asyncio.Future[None]]
     ) -> tuple[int, int, int, int]:
-        """Return the sort key of the waiting: the next to be served has the least.
+        """Return the sort key of a waiting request: the smallest is served next.
 
         The places of its owner, then the turn in which that was served last, then what is due.
         """
@@ -95,7 +98,9 @@ class Shares:
 
 @asynccontextmanager
 async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
-    """Have a place for a request whose body has a size [bytes]; without keys its address owns it.
+    """Wait for a computing slot for a request; a larger body [bytes] lets more others pass.
+
+    Its address owns it without keys.
 
     Raises
     ------
@@ -111,7 +116,7 @@ async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
 async def calculated(
     request: Request, function: Callable[..., _T], *arguments: Any, seconds: float
 ) -> _T:
-    """Return the result of a function in a process; it ends with the time, or with the client.
+    """Run a function in a process; end it at the time limit, or when the client leaves.
 
     Whoever calls has a place.
     """
@@ -120,9 +125,10 @@ async def calculated(
 
 
 def look_at(request: Request) -> Callable[[], Awaitable[None]]:
-    """Return a function that raises `ClientDisconnect` once the client of a request has left."""
+    """Return a function that raises `ClientDisconnect` if the client has left."""
 
     async def look() -> None:
+        """Raise `ClientDisconnect` if the client has left."""
         if await request.is_disconnected():
             raise ClientDisconnect
 
@@ -130,10 +136,11 @@ def look_at(request: Request) -> Callable[[], Awaitable[None]]:
 
 
 async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
+    """Hold a place for a request, from its whole body to its reply."""
     async with slot_of(request, len(body)):
         yield
 
 
 def placed() -> params.Depends:
-    """Return a wrapper that runs a route in a slot, from its whole body until its reply."""
+    """Return a dependency that holds a place for a route, from its body to its reply."""
     return cast(params.Depends, Depends(_placed, scope="function"))

@@ -37,7 +37,7 @@ NO_SHARING = problems(s413="The body is too large", s422="The body or the identi
 
 
 def read_sharing(body: bytes) -> bool:
-    """Return the sharing in a body; raise `RequestValidationError` with all its problems."""
+    """Return the sharing state in a request body; raise with all its problems."""
     try:
         content = read_json(body)
     except StudyError as error:
@@ -55,4 +55,5 @@ def read_sharing(body: bytes) -> bool:
 
 
 def _error(parameter: str, message: str) -> dict[str, Any]:
+    """Return one validation error, in FastAPI's form."""
     return {"loc": (parameter,), "msg": message}

@@ -19,7 +19,7 @@ class Stopping:
         self.stopping = stopping
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, or refuse it without reading its body."""
+        """Handle a request, or refuse it if it asks for new work while the service stops."""
         if scope["type"] == "http" and scope["method"] == "POST" and self.stopping.is_set():
             detail = "It takes no new work. What it has taken goes on with the next server."
             headers = {"Retry-After": RETRY, "Connection": "close"}

@@ -46,7 +46,7 @@ class SweepDescription(BaseModel):
 
 
 def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
-    """Return the description of a sweep."""
+    """Return the JSON description of a sweep: study, size, axes, outputs."""
     equations = {equation.gives: equation for equation in sweep.plan.equations}
     return {
         "id": key,

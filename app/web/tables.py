@@ -31,22 +31,23 @@ IN_WORK: Final = 16_000_000  # bytes of the pieces that are written while others
 
 
 def tables_there() -> dict[str, str]:
-    """Return the media types of the forms that this service can write."""
+    """Return the media types of the table formats that this installation can write."""
     return {form: kind for form, kind in TABLES.items() if form not in _missing()}
 
 
 def missing() -> str:
-    """Return the reply for forms that this service cannot write."""
+    """Return sentences that say how to install the packages of unavailable table formats."""
     lacking = [f"{form}: {installing(*PACKAGES[form])}." for form in _missing()]
     return " ".join(lacking)
 
 
 def _missing() -> list[str]:
+    """Return the formats whose package is not installed."""
     return [form for form, (package, _) in PACKAGES.items() if find_spec(package) is None]
 
 
 def written_by(form: str) -> str:
-    """Return the further facts that the bytes of a table follow from, for its ETag."""
+    """Return the format and the version of the package that writes it, for the ETag."""
     if form not in PACKAGES:
         return form
     FORMATS[f".{form}"].needs()
@@ -54,14 +55,14 @@ def written_by(form: str) -> str:
 
 
 def most_rows(settings: Settings, form: str, most: int) -> int:
-    """Return the largest number of rows of a table in a form, of those that may have `most`."""
+    """Return the largest number of rows of a table in a format; sheets have a lower limit."""
     return min(most, settings.max_sheet_rows) if form == "xlsx" else most
 
 
 async def table_reply(
     request: Request, frame: Frame, form: str, *, lane: CapacityLimiter | None
 ) -> Response:
-    """Return a table in a form, in pieces; each is written in a thread of a lane."""
+    """Return a table as a reply in pieces, each written in a thread."""
     values = [one.values for one in frame.table.variables.values()]
     expect(request, sum(array.nbytes for array in values) + min(IN_WORK, 500 * frame.rows))
     write = FORMATS[f".{form}"].pieces
@@ -75,6 +76,7 @@ async def table_reply(
 
 
 async def _written(pieces: Iterator[bytes], lane: CapacityLimiter | None) -> AsyncIterator[bytes]:
+    """Yield the pieces of a table, each made in a thread."""
     while (piece := await to_thread.run_sync(next, pieces, None, limiter=lane)) is not None:
         if piece:  # none comes while rows are added to a workbook
             yield piece

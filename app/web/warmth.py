@@ -29,16 +29,17 @@ class Warmth:
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
-        """Begin, on the running event loop."""
+        """Start compiling, as a task of the running event loop."""
         self._task = asyncio.create_task(self._run(), name="warm")
 
     async def stop(self) -> None:
-        """End it, if it still runs."""
+        """Stop compiling, if it is still under way."""
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
 
     async def _run(self) -> None:
+        """Run `vibrafeed warm` in a process and log its errors."""
         try:
             process = await asyncio.create_subprocess_exec(
                 sys.executable, "-m", "vibrafeed", "warm", "--processes", "1",

@@ -26,7 +26,7 @@ class ZarrViews:
         self._bytes = 0
 
     def view(self, key: str, chunks: str = "") -> ZarrView:
-        """Return the view of a sweep, with chunks as a reader wishes them.
+        """Return the Zarr view of a sweep, with the chunk shapes that a reader asks for.
 
         Raises
         ------
@@ -50,7 +50,10 @@ class ZarrViews:
         return view
 
     def read(self, key: str, path: str, chunks: str = "") -> bytes:
-        """Return the bytes of a path in the group of a sweep; raise `KeyError` if it has none."""
+        """Return the bytes at a path of a sweep's Zarr group.
+
+        Raise `KeyError` if there are none.
+        """
         entry = (key, chunks, path)
         self._store.note_use(key)
         with self._lock:

@@ -37,6 +37,7 @@ def list_figures() -> Response:
 
 @functools.cache
 def _figures() -> list[dict[str, Any]]:
+    """Return name, title, notes and study of each figure of the thesis."""
     figures = []
     for path in sorted(FOLDER.glob("fig-*.toml"), key=_figure_number):
         content = load_study(path).content()
@@ -46,4 +47,5 @@ def _figures() -> list[dict[str, Any]]:
 
 
 def _figure_number(path: Path) -> tuple[int, ...]:
+    """Return the number of a figure, from the name of its file, as a sort key."""
     return tuple(int(part) for part in path.stem.split("-")[1:])

@@ -89,7 +89,7 @@ def metrics(request: Request) -> Response:
 
 
 def _written(directory: Path) -> str | None:
-    """Return None if a file can be written in a directory, else what is wrong."""
+    """Return None if a file can be written in a directory, else the reason why not."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as file:

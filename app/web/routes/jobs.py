@@ -41,7 +41,7 @@ NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
 
 
 def interval(text: str | None) -> tuple[float | None, float | None]:
-    """Return start and end [s since the epoch] of a time or an interval; None for an open one.
+    """Return start and end [s since the epoch] of a time or an interval; None for an open end.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def interval(text: str | None) -> tuple[float | None, float | None]:
 
 
 def checked(text: str | None) -> str | None:
-    """Return a time or an interval as it is; raise `ValueError` if it is neither."""
+    """Return the text unchanged if it is a time or an interval; else raise `ValueError`."""
     interval(text)
     return text
 
@@ -190,7 +190,7 @@ async def follow_job(
     keys: Keys = request.app.state.keys
 
     async def over() -> bool:
-        """True if the service stops, or the key is in force no more."""
+        """True if the service stops or the key is no longer in force."""
         if request.app.state.stopping.is_set():
             return True
         if who == NOBODY:
@@ -208,6 +208,7 @@ async def follow_job(
 async def _events(
     admission: Admission, number: str, who: Key, base: str, over: Callable[[], Awaitable[bool]]
 ) -> AsyncIterator[bytes]:
+    """Yield a server-sent event whenever a job's state or progress changes, until it ends."""
     sent, at = None, time.monotonic()
     while not await over():
         job = await admission.looks.job(number)

@@ -23,10 +23,11 @@ def docs() -> Response:
 
 
 def _page(name: str) -> Response:
+    """Return a file of the page, which browsers check for changes at each visit."""
     return FileResponse(FILES / name, headers={"Cache-Control": "no-cache"})
 
 
 def install(app: FastAPI) -> None:
-    """Serve the documentation's page, and the files that both pages ask for."""
+    """Add the routes of the documentation page and the files of both pages."""
     app.add_api_route("/docs", docs, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount(f"/{NAME}", StaticFiles(directory=FILES), name=NAME)

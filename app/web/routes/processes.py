@@ -163,7 +163,7 @@ async def _reply_or_job(
 async def _dataset_in_time(
     request: Request, name: str, body: bytes, settings: Settings, who: Key
 ) -> bytes | None:
-    """Return the dataset of a study as JSON; None if it takes longer than one request may."""
+    """Return the dataset of a study as JSON; None if it takes too long for one request."""
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
         return await calculated(request, executed, name, body, settings, who.cells, seconds=seconds)
@@ -173,6 +173,7 @@ async def _dataset_in_time(
 
 
 def _post(name: str, body: bytes, settings: Settings, admission: Admission, who: Key) -> Job:
+    """Post a study as a job and return the job."""
     _, prepared = read_study(name, body, settings)
     prepared.check_limits(cells=who.cells, bytes_=None)
     return admission.post(prepared, name, who)
@@ -181,7 +182,7 @@ def _post(name: str, body: bytes, settings: Settings, admission: Admission, who:
 async def _waited(
     admission: Admission, job: Job, seconds: float, stopping: Callable[[], bool]
 ) -> Job:
-    """Return a job when it is over, after a time, or when the service stops."""
+    """Wait until a job ends, a time has passed, or the service stops; return the job."""
     until, look = time.monotonic() + seconds, LOOK
     while job.state in ACTIVE and time.monotonic() < until and not stopping():
         await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
@@ -194,6 +195,7 @@ async def _waited(
 
 
 def _applied(wishes: Preferences) -> str:
+    """Return the Preference-Applied header of the preferences that were honoured."""
     words = ["respond-async"] if wishes.respond_async else []
     if wishes.wait is not None:
         words.append(f"wait={wishes.wait}")
@@ -201,7 +203,7 @@ def _applied(wishes: Preferences) -> str:
 
 
 def _body(process: Process) -> dict[str, Any]:
-    """Return the body of a process in OpenAPI: the study, or an execute request with it."""
+    """Return the OpenAPI request body of a process: its study, or an execute request."""
     schemas = [component(process.study.__name__), component(execution_name(process.study))]
     content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
     prefer = {
@@ -216,9 +218,11 @@ def _body(process: Process) -> dict[str, Any]:
 
 
 def _route(name: str) -> Callable[..., Awaitable[Response]]:
+    """Return the function of the route that executes a process."""
     async def execution(
         request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
     ) -> Response:
+        """Execute the process on the study in the body."""
         return await execute(request, name, body, settings, admission, who)
 
     return execution
@@ -262,5 +266,6 @@ def execute_unknown(process: str) -> Response:
 
 
 def _missing(process: str) -> NoSuchProcessError:
+    """Return the error for an unknown process."""
     known = ", ".join(PROCESSES)
     return NoSuchProcessError(f"There is no process '{process[:80]}'; there are {known}.")

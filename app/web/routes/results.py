@@ -120,7 +120,7 @@ async def get_dataset(
 def _stored_table(
     request: Request, admission: Admission, number: str, form: str
 ) -> Response | tuple[Path, str]:
-    """Return the reply; or, of a table that is to be made, the NetCDF file and the table's ETag."""
+    """Return the stored table as a reply; if it must be made, the NetCDF file and its ETag."""
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):

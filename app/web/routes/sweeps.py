@@ -157,7 +157,7 @@ def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -
 
 
 def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
-    """Return the description of a sweep; who has posted it also sees their own sharing."""
+    """Return the description of a sweep; its owner also sees how it is shared."""
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
     shared = admission.ownership.is_shared(who.name if is_own else None, key)
     return description(key, sweep, shared=shared)
@@ -220,9 +220,11 @@ async def get_slice(
         turn = nullcontext() if lane is None else slot_of(request)
 
         def prepare() -> SliceCut:
+            """Return the requested slice, not computed yet."""
             return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
 
         def content() -> bytes:
+            """Compute the slice and return it in the chosen format."""
             piece = carried_out(prepare())
             return binary(piece) if chosen == "binary" else orjson.dumps(piece, option=NUMPY)
 
@@ -304,22 +306,24 @@ async def get_netcdf(
 
 
 def _filename(key: str) -> str:
+    """Return the name of a sweep's file for downloads."""
     return f"vibrafeed-{key[:12]}.nc"
 
 
 def _not_made(key: str) -> Response:
-    """Return the reply to HEAD for a file that GET would make."""
+    """Return the reply to HEAD for a file that only GET would compute: no length, no ETag."""
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
     return without_length(NETCDF_TYPE, headers)
 
 
 def binary(piece: dict[str, Any]) -> bytes:
-    """Return a slice as a header in JSON and raw values after it (docs/api-reference.md)."""
+    """Return a slice in binary form: a JSON header, then raw values (docs/api-reference.md)."""
     values: list[bytes] = []
     offset = 0
 
     def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
+        """Append an array's bytes; return its type, offset and shape for the header."""
         nonlocal offset
         place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
         raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
@@ -337,7 +341,7 @@ def binary(piece: dict[str, Any]) -> bytes:
 
 
 def _check_size(sweep: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if a sweep is too large to be kept."""
+    """Raise `LimitError` if a sweep is too large to be stored."""
     sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
     for name, size in sweep.grid.shape.items():
         if size > settings.max_axis_values:
