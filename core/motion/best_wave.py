@@ -26,7 +26,7 @@ from core.motion.groups import Contacts, Groups, in_plane
 def fastest_velocity(
     *, groups: Groups, largest_acceleration_along: Array, frequency: Array, gravity: Array
 ) -> Array:
-    """Return the largest mean velocity under any drive of that largest acceleration [m s-1].
+    """Return the largest mean velocity that any drive with this largest acceleration gives [m s-1].
 
     0 where no such drive frees the part forward. NaN where the bound does not hold: something
     drives the part off the floor or across, the track falls, or it is too steep for the part to lie
@@ -47,5 +47,5 @@ def fastest_velocity(
 
 
 def share_of_fastest(*, conveying_velocity: Array, fastest_velocity: Array) -> Array:
-    """Return the conveying velocity over the largest that such an acceleration allows [1]."""
+    """Return the conveying velocity over the largest that the same acceleration can give [1]."""
     return ratio(conveying_velocity, fastest_velocity, np.nan)

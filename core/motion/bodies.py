@@ -27,7 +27,7 @@ class TumblingRectangle(NamedTuple):
     height: ArrayLike
 
     def body(self) -> Body:
-        """Return half diagonal, inertia ratio and corner angle in the plane (theory 2.1)."""
+        """Return half diagonal, inertia ratio and corner angle of the rectangle (theory 2.1)."""
         h, b = (np.asarray(side, dtype=float) for side in self)
         return Body(
             rectangle_isolated.half_diagonal(height=b, length=h),
@@ -47,7 +47,7 @@ class TumblingCylinder(NamedTuple):
     diameter: ArrayLike
 
     def body(self) -> Body:
-        """Return half diagonal, inertia ratio and corner angle in the plane (theory 6)."""
+        """Return half diagonal, inertia ratio and corner angle of the part's outline (theory 6)."""
         h, d = (np.asarray(side, dtype=float) for side in self)
         direction = cylinder_isolated.corner_direction(diameter=d, length=h)
         return Body(

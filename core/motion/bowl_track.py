@@ -65,14 +65,14 @@ class Track:
     own: Mapping[str, tuple[int, ...]]
 
     def names(self, stem: str) -> tuple[str, ...]:
-        """Return the parameter of each stretch: its own, or that of one before."""
+        """Return the parameter of a quantity on each stretch: its own, or an earlier one's."""
         return tuple(
             f"{stem}_{max(k for k in self.own[stem] if k <= n)}" for n in range(1, self.count + 1)
         )
 
 
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
-    """Return the track that the names of a study's parameters give, None if they give none.
+    """Return the track that a study's parameter names define; None if they define none.
 
     The second is what is wrong with them.
     """
@@ -91,7 +91,7 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
 
 
 def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
-    """Yield the numbers that stretches lack."""
+    """Yield a problem for each number that a stretch lacks."""
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
             if n not in own[stem]:
@@ -104,7 +104,7 @@ def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
 
 
 def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator[Problem]:
-    """Yield the parameters that follow from stretches."""
+    """Yield a problem for each parameter that stretches already determine."""
     for stem, others in GIVES_WAY.items():
         for name in others:
             if own[stem] and name in names:
@@ -113,6 +113,7 @@ def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator
 
 
 def _without_bowl(name: str) -> Problem:
+    """Return the problem of stretches in a study whose track is not on a bowl drive unit."""
     message = "stretches belong to the track of a bowl on its drive unit"
     return Problem(f"parameters.{name}", message, "Add spring_radius, moving_inertia, base_inertia")
 
@@ -131,7 +132,7 @@ class AllStretches:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that it needs."""
+        """Names of the quantities that the equation needs."""
         track = self.track
         stems = ("stretch_radius", "stretch_turns")
         return ("start_radius", *(n for stem in stems for n in track.names(stem)), *self.climbs)
@@ -147,7 +148,7 @@ class AllStretches:
         return keywords(self.inputs)
 
     def __call__(self, **inputs: Any) -> Stretches:
-        """Return the stretches."""
+        """Return the stretches of the track from radii, turns and climbs."""
         radii, turns = (
             [inputs[name] for name in self.track.names(stem)]
             for stem in ("stretch_radius", "stretch_turns")
@@ -171,23 +172,23 @@ class AtFraction:
         return keywords(("track_fraction", "stretches", *self.track.names(self.stem)))
 
     def __call__(self, **inputs: Any) -> Array:
-        """Return the value of the stretch."""
+        """Return the value that a quantity has on the stretch at a share of the track's length."""
         values = [inputs[name] for name in self.track.names(self.stem)]
         return picked(inputs["track_fraction"], inputs["stretches"], values)
 
 
 def track_radius(*, track_fraction: Array, stretches: Stretches) -> Array:
-    """Return the radius at a share of the track's length, r^2 linear in a stretch [m]."""
+    """Return the radius at a share of the track's length, r^2 linear within a stretch [m]."""
     return radius_at(track_fraction, stretches)
 
 
 def radius(*, track_radius: Array) -> Array:
-    """Return the radius of the track at its place [m]."""
+    """Return the radius of the track where the part is [m]."""
     return track_radius
 
 
 def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
-    """Return the radius at which all that the track carries is taken to be [m]."""
+    """Return the radius at which the load on the whole track is taken to act [m]."""
     return radius_at(load_fraction, stretches)
 
 
@@ -197,12 +198,12 @@ def track_length(*, stretches: Stretches) -> Array:
 
 
 def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
-    """Return the parts a minute that the bottleneck passes, 60 v occupancy/length [min-1]."""
+    """Return the number of parts per minute at the bottleneck, 60 v occupancy/length [min-1]."""
     return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
 
 
 def stalls(*, passage: Passage) -> Mask:
-    """True where parts do not get along somewhere on the track."""
+    """True where parts stop or travel backwards somewhere on the track."""
     return np.logical_not(passage.slowest > 0.0)
 
 
@@ -226,7 +227,7 @@ class Passage(NamedTuple):
 
 
 def slowness(first: Array, last: Array) -> Array:
-    """Return the mean of 1/v between two places, v linear: ln(v_2/v_1)/(v_2 - v_1) [s m-1].
+    """Return the mean of 1/v between two points, v linear between: ln(v_2/v_1)/(v_2 - v_1) [s m-1].
 
     Infinite where one of both is not above 0, NaN where one has no value.
     """
@@ -263,7 +264,7 @@ class AlongTrack:
 
     @property
     def nodes(self) -> int:
-        """The number of motions that it follows in each cell."""
+        """The number of motions that are followed in each cell, at points along the track."""
         return self.stretches.track.count * (PARTS + 1)
 
     @property
@@ -272,7 +273,7 @@ class AlongTrack:
         return keywords(self.needs)
 
     def __call__(self, **inputs: Any) -> Passage:
-        """Return the passage of each cell."""
+        """Return the passage of parts along the whole track, for every cell."""
         settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
         names = [name for name in self.needs if name not in settings]
         columns = np.broadcast_arrays(*(np.asarray(inputs[name], dtype=float) for name in names))
@@ -290,7 +291,7 @@ class AlongTrack:
         )
 
     def _of_cells(self, known: dict[str, Any]) -> Passage:
-        """Return the passage of cells, arrays of the shape (cells, 1)."""
+        """Return the passage along the track for cells whose inputs have the shape (cells, 1)."""
         stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
         ends = bounds(stretches)
@@ -331,7 +332,7 @@ STALLS = Condition(
 
 
 def along_track(track: Track) -> tuple[Equation, ...]:
-    """Return the equations of radius, climb and friction at a share of the track's length."""
+    """Return the equations for radius, climb and friction at a share of the track's length."""
     own = {
         "stretch_climb": ("gamma",),
         "stretch_friction": ("friction_static", "friction_kinetic"),
@@ -350,7 +351,7 @@ def along_track(track: Track) -> tuple[Equation, ...]:
 
 
 def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:
-    """Return the equations of what passes a whole track; `equations` are all those of a place."""
+    """Return the equations for the passage along a whole track, from the equations at one point."""
     stretches = AllStretches(track)
     way = between(equations, ("track_fraction",), ("conveying_velocity",))
     given = {*stretches.inputs, *(name for one in way for name in one.inputs)}
@@ -368,10 +369,10 @@ class AtLoad:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The share of the length, and what gives the stretches."""
+        """The names of the inputs: share of the length, and those that give the stretches."""
         return ("load_fraction", *self.stretches.inputs)
 
     def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the share of the length, and the stretches."""
+        """Return the share of the length at which the load acts, and the stretches of the track."""
         stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
         return {"track_fraction": known["load_fraction"], "stretches": stretches}

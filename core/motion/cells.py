@@ -25,7 +25,7 @@ def run_cells(
     piece: int = 256,
     watch: Watch | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-    """Run a kernel over the different cells, in pieces shared out among threads, one a core.
+    """Run a kernel once for each distinct cell, in pieces distributed over threads.
 
     Parameters
     ----------
@@ -61,6 +61,10 @@ def run_cells(
     with watch.flag() as flag:
 
         def run(start: int) -> int:
+            """Run the kernel on the piece that begins at a cell.
+
+            Return the number of cells done.
+            """
             if watch.stopped():
                 return 0
             end = min(start + piece, cells)
@@ -80,7 +84,7 @@ def run_cells(
 def _different(
     groups: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.intp] | None]:
-    """Return the different rows, and the place of each row among them; None if all differ."""
+    """Return the distinct rows and, for each row, its index among them; None if all rows differ."""
     rows = np.ascontiguousarray(groups + 0.0)  # -0.0 is 0.0
     # One number a row, by a sum of products of its bits: 64 bits sort faster than whole rows.
     factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) * 2 + 1

@@ -48,19 +48,19 @@ class TrajectoryRequest(NamedTuple):
 
     @property
     def groups(self) -> Groups:
-        """The groups of the one part."""
+        """The dimensionless numbers of the part that is followed."""
         return self.arguments["groups"].single()
 
     def setting(self, name: str) -> float:
-        """Return a setting of the method."""
+        """Return a setting of the method, such as the tolerance."""
         return np.asarray(self.arguments[name]).item()
 
     def scale(self, name: str) -> float:
-        """Return a scale of the drive, SI units."""
+        """Return a scale of the drive in SI units, such as the velocity scale."""
         return self.known[name].item()
 
     def times(self) -> tuple[Array, Array]:
-        """Return times [s] and phases of the drive over a cycle, or as asked."""
+        """Return the times [s] and drive phases of a trajectory: over a cycle, or as asked."""
         # Circular frequency.
         pace = self.scale("velocity_scale") / self.scale("length_scale")
         if isinstance(self.samples, int):
@@ -90,7 +90,7 @@ class TrajectoryRequest(NamedTuple):
         wall: bool,
         start: float = 0.0,
     ) -> TrajectoryValues:
-        """Return the trajectory of a part from positions and velocities, in scales of the drive.
+        """Return the trajectory in SI units from positions and velocities in scales of the drive.
 
         Positions along are measured from `start`; `wall` says whether there is one, to be far from.
         """

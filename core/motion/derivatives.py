@@ -83,11 +83,11 @@ class PlanarRules:
 
     @property
     def rules(self) -> dict[str, Rule]:
-        """The rules, by what the equations give."""
+        """The derivative rules of the equations, by the quantity that each equation gives."""
         return {"motion": self.motion, "energy": self.spent}
 
     def motion(self, inputs: Mapping[str, Any]) -> Ruled:
-        """Return the motion with its derivative, and how that was found."""
+        """Return the motion with its derivative, and the status of the derivative."""
         groups: Groups = inputs["groups"]
         table, status = self._followed(groups, inputs["tolerance"], inputs["max_periods"])
         motion = motion_of(table[:, :COLUMNS], status, (len(status),))
@@ -102,7 +102,7 @@ class PlanarRules:
         return Motion(**fields), self._status(groups, motion, np.where(jump, 0.0, table[:, -1]))
 
     def spent(self, inputs: Mapping[str, Any]) -> Ruled:
-        """Return the energies with their derivative; the motion tells how they were found."""
+        """Return the energies with their derivatives; the status is that of the motion."""
         groups: Groups = inputs["groups"]
         settings = (inputs["tolerance"], inputs["max_periods"])
         table, _ = self._followed(groups, *settings)
@@ -121,9 +121,14 @@ class PlanarRules:
 
     @property
     def _silent(self) -> Watch | None:
+        """Return the watch without its progress, which would be counted twice; None without one."""
         return None if self.watch is None else replace(self.watch, progress=None)
 
     def _cells(self, groups: Groups, tolerance: Any, max_periods: Any) -> NDArray[np.float64]:
+        """Return kernel rows of the cells.
+
+        Restitution is set to 0 where the part never lifts off.
+        """
         plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
         plain = plain._replace(restitution=np.where(lifts, plain.restitution, 0.0))
@@ -133,11 +138,12 @@ class PlanarRules:
     def _followed(
         self, groups: Groups, tolerance: Any, max_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-        """Return table and status as `derive_cells` fills them."""
+        """Return result table and statuses of the cells, computed by the kernel `derive_cells`."""
         cells = self._cells(groups, tolerance, max_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):
 
             def derive(piece: Any, rows: Any, status: Any, stop: Any) -> None:
+                """Run the kernel on a piece of the cells."""
                 planar.derive_cells(self.energy, piece, rows, status, stop)
 
             found = run_cells(
@@ -147,7 +153,7 @@ class PlanarRules:
         return self._known[1:]
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
-        """Return the status of the derivative of each cell."""
+        """Return the derivative status of each cell, from the motion's status and its margin."""
         status = np.where(
             margin > compiled.derive.KINK, DERIVATIVE_STATUS["exact"], DERIVATIVE_STATUS["kink"]
         )
@@ -163,13 +169,13 @@ class PlanarRules:
 
 
 def _chained(slopes: Array, by: list[Array]) -> Array:
-    """Return the derivative of a field, from its derivatives by the groups and theirs."""
+    """Return the derivative of a result by a parameter, by the chain rule over all groups."""
     terms = (np.where(slope == 0, 0.0, slopes[:, place] * slope) for place, slope in enumerate(by))
     return sum(terms, start=np.zeros(len(slopes)))
 
 
 def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
-    """Return a mask of the cells of a plan of motion with exact derivatives, by their groups."""
+    """Return a mask of the cells whose motion has exact derivatives in closed form."""
     contacts = CONTACTS.get(plan.scene.name)
     by_differences = any(equation.gives in BY_DIFFERENCES for equation in plan.equations)
     if contacts is None or plan.variant != "events" or groups.wave is not None or by_differences:
@@ -178,7 +184,10 @@ def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
 
 
 def groups_at(plan: Plan, values: Mapping[str, Any]) -> Groups | None:
-    """Return the groups of cells, parameters in SI units; None of a part that tumbles."""
+    """Return the dimensionless groups of cells from parameters in SI units; None if tumbling.
+
+    None for tumbling parts.
+    """
     before = []
     for equation in plan.equations:
         if equation.takes_long:
@@ -195,7 +204,7 @@ def derivatives_at(
     parameters: Collection[str],
     watch: Watch | None = None,
 ) -> Derivatives:
-    """Return the derivatives of the outputs of any plan at some cells.
+    """Return the derivatives of a plan's outputs at some cells, whatever their equations.
 
     Of closed forms they are exact, and of motion where the part moves in the plane under a sine;
     elsewhere they are extrapolated from differences, which follow the part 25 times for each
@@ -245,6 +254,7 @@ def derivatives_at(
 
 
 def _nothing(shape: tuple[int, ...]) -> Derived:
+    """Return derivatives of a shape with no value and the status `not_computed`."""
     value, slope, error, below, above = (np.full(shape, np.nan) for _ in range(5))
     status = np.full(shape, DERIVATIVE_STATUS["not_computed"], dtype=np.int8)
     return Derived(value, slope, error, status, below, above, np.zeros(shape, dtype=bool))
@@ -256,7 +266,7 @@ def _nothing(shape: tuple[int, ...]) -> Derived:
 def _by_differences(
     plan: Plan, values: Mapping[str, Array], parameters: Collection[str]
 ) -> Derivatives:
-    """Return the derivatives of simulated motion at one cell, from differences in its regime.
+    """Return derivatives of simulated outputs at one cell, by finite differences within its regime.
 
     Central differences over steps that halve from 2 % down are extrapolated (Ridders); the pair of
     least error stands. Steps across which regime, period multiple or the impacts of a period change
@@ -292,7 +302,7 @@ def _by_differences(
 
 
 def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) -> Any:
-    """Return a mask of motions of the kind of the first; None if that does not repeat."""
+    """Return a mask of motions with the regime of the first one; None if that does not repeat."""
     kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in counts)))
     kinds = kinds.reshape(1 + len(counts), -1)
     if not kinds[1, 0] >= 1:
@@ -301,7 +311,7 @@ def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) 
 
 
 def _extrapolated(value: float, differences: Array) -> Derived:
-    """Return Ridders' limit of central differences over halving steps, the largest first."""
+    """Return the limit of central differences over halving steps, by Ridders' extrapolation."""
     if not math.isfinite(value):
         return _lost(value, "no_value")
     best, error = math.nan, math.inf
@@ -320,10 +330,12 @@ def _extrapolated(value: float, differences: Array) -> Derived:
 
 
 def _lost(value: float, status: str) -> Derived:
+    """Return the record of a derivative that could not be found, with its status."""
     return _single_cell(value, math.nan, math.nan, status)
 
 
 def _single_cell(value: float, slope: float, error: float, status: str) -> Derived:
+    """Return the record of a derivative at a single cell."""
     single = _nothing((1,))
     single.value[:], single.slope[:], single.error[:], single.status[:] = (
         value,

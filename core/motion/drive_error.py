@@ -52,7 +52,7 @@ class DriveError(NamedTuple):
 def drive_error(
     study: SimulateStudy, fit: Fit, draws: int = 200, rng: np.random.Generator | None = None
 ) -> DriveError:
-    """Return the error of the conveying velocity of a study of one cell by the errors of a fit.
+    """Return the error of a study's conveying velocity that comes from errors of a fitted drive.
 
     The part is followed under drives that the recording cannot tell from the fitted one
     (`Fit.draw`). What the study gives itself in the place of a number of the fit has no error.
@@ -77,7 +77,7 @@ def drive_error(
 
 
 def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
-    """Return the conveying velocity of a study's one cell after each of some changes [m s-1]."""
+    """Return the conveying velocity of a one-cell study after each change of parameters [m s-1]."""
     plan, fixed = prepared.plan, prepared.grid.fixed
     given = {
         name: parameter_to_si(name, np.array([one.get(name, fixed[name]) for one in changes]))
@@ -87,10 +87,12 @@ def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> 
 
 
 def _is_from(value: object, number: float) -> bool:
+    """True if a study's value is a number of the fitted drive, but for rounding."""
     return isinstance(value, Fixed) and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
 
 
 def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
+    """Raise `StudyError` if the study has several cells, or uses no number of the recording."""
     problems = []
     for axis in prepared.grid.axes:
         message = "it has several values, and the error is computed for one cell"

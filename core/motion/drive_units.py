@@ -96,7 +96,7 @@ class ChosenUnit(NamedTuple):
 
 
 def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
-    """Return the drive unit that the names of a study's parameters give, None if they give none.
+    """Return the drive unit that a study's parameter names define; None if they define none.
 
     The second is what is wrong with them.
     """
@@ -128,7 +128,7 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
 
 
 def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
-    """Return the problems of a unit for which the effect of conveyed parts is not known."""
+    """Return problems of a drive unit for which the load of travelling parts is not modelled."""
     problems = []
     if turning:
         message = "what parts do to a unit that turns is not known"
@@ -148,46 +148,46 @@ def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
 
 
 def amplitude(*, track_amplitude: Array) -> Array:
-    """Return the amplitude of the track, as its drive unit gives it [m]."""
+    """Return the amplitude of the track, computed for its drive unit [m]."""
     return track_amplitude
 
 
 def beta(*, vibration_angle: Array) -> Array:
-    """Return the angle of the vibration above the track, as its drive unit gives it [rad]."""
+    """Return the vibration angle above the track, computed for its drive unit [rad]."""
     return vibration_angle
 
 
 def loaded_mass(*, moving_mass: Array, load_mass: Array, part_load: Load) -> Array:
-    """Return the moving mass with the load, and what it feels of the conveyed parts [kg]."""
+    """Return the moving mass with the load and the effective mass of travelling parts [kg]."""
     return drive_unit.loaded_mass(moving_mass=moving_mass, load_mass=load_mass) + part_load.mass
 
 
 def loaded_inertia(
     *, moving_inertia: Array, load_mass: Array, part_load: Load, load_radius: Array
 ) -> Array:
-    """Return the inertia with the load, and what it feels of the conveyed parts [kg m2]."""
+    """Return the inertia with the load and the effective mass of travelling parts [kg m2]."""
     return bowl_drive_unit.loaded_inertia(
         moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, load_radius=load_radius
     )
 
 
 def load_damping(*, part_load: Load) -> Array:
-    """Return the damper against the ground that the conveyed parts are [N s m-1]."""
+    """Return the damping against the ground by which travelling parts act on the unit [N s m-1]."""
     return part_load.damping
 
 
 def has_several_amplitudes(*, part_load: Load) -> Mask:
-    """True where drive and parts agree at several amplitudes; the smallest is told."""
+    """True where drive and parts agree on several amplitudes; the smallest is reported."""
     return part_load.several
 
 
 def hunts(*, part_load: Load) -> Mask:
-    """True where the motion of the parts jumps at the amplitude at which both would agree."""
+    """True where the parts' motion changes abruptly at the amplitude where both would agree."""
     return part_load.hunts
 
 
 def is_thrown_hard(*, part_load: Load) -> Mask:
-    """True where the harmonics of thrown parts move the track, which is taken to be a sine."""
+    """True where thrown parts disturb the track, whose motion is assumed to be a sine."""
     return part_load.thrown
 
 
@@ -217,7 +217,7 @@ class _Spliced:
     contacts: Contacts
 
     def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
-        """Return those of the unit, then those of the part, then those of a whole track."""
+        """Return all equations: those of the drive unit, of the part, and of the whole track."""
         unit = self.unit
         of_unit = unit.scene.variants[unit.variant]
         if unit.shape is not None:
@@ -234,13 +234,14 @@ class _Spliced:
         return found if unit.track is None else (*found, *bowl_track.along(unit.track, found))
 
     def _load(self, of_unit: Collection[Equation], of_part: Collection[Equation]) -> PartLoad:
+        """Return the equation for the load of the parts on the drive unit."""
         if self.unit.track is None:
             return part_load(of_unit, of_part, self.contacts)
         place = bowl_track.AtLoad(bowl_track.AllStretches(self.unit.track))
         return part_load(of_unit, of_part, self.contacts, place)
 
     def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
-        """Return those of the unit that matter, of the whole track, then those of the part."""
+        """Return all conditions: those of the drive unit, of the track, and of the part."""
         unit = self.unit
         kept = tuple(
             condition
@@ -264,7 +265,7 @@ class _Spliced:
 
 
 def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
-    """Return a system whose plain sine comes from a drive unit."""
+    """Return a copy of a system whose sine drive is computed by a drive unit."""
     spliced = _Spliced(unit, contacts)
     follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()
     of_unit = unit.scene.defaults_of(unit.variant)

@@ -39,32 +39,32 @@ class _WaveOf:
         return keywords(self.shape.inputs)
 
     def __call__(self, **inputs: Any) -> Wave:
-        """Return the wave."""
+        """Return the wave that the drive's shape makes of these quantities."""
         return self.shape.wave(**inputs)
 
 
 def drive_number(*, wave: Wave) -> Array:
-    """Return a bound of the speed of the track, over g/w [1]."""
+    """Return an upper bound of the track's speed, over g/w [1]."""
     return waves.size(wave)
 
 
 def drive_number_along(*, wave: Wave) -> Array:
-    """Return a bound of the push along the track, over gravity [1]."""
+    """Return an upper bound of the drive acceleration along the track, over gravity [1]."""
     return waves.bound(wave, waves.ALONG)
 
 
 def drive_number_across(*, wave: Wave) -> Array:
-    """Return a bound of the push across the track, over gravity [1]."""
+    """Return an upper bound of the drive acceleration across the track, over gravity [1]."""
     return waves.bound(wave, waves.ACROSS)
 
 
 def drive_number_normal(*, wave: Wave) -> Array:
-    """Return a bound of the push normal to the floor, over gravity [1]."""
+    """Return an upper bound of the drive acceleration normal to the floor, over gravity [1]."""
     return waves.bound(wave, waves.NORMAL)
 
 
 def throw_number(*, wave: Wave, load_number: Array) -> Array:
-    """Return the throw number, the largest push off the floor over the load onto it [1]."""
+    """Return the throw number, the largest upward drive acceleration over the load number [1]."""
     most = np.maximum(waves.largest(wave, waves.NORMAL, "push"), 0.0)
     return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
 
@@ -80,7 +80,7 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
 
 
 def _where_driven(follow: Any) -> Any:
-    """Return the equation of a motion that has the status `no_drive` where the wave is none."""
+    """Return the equation of a motion, extended by the status `no_drive` for invalid waves."""
 
     def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
         found: Motion = follow(groups=groups, watch=watch, **settings)
@@ -95,7 +95,7 @@ def _where_driven(follow: Any) -> Any:
 
 
 def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
-    """Return the static friction, which holds a step that is at its limit but for rounding.
+    """Return the static friction, raised by a rounding where a step needs exactly its limit.
 
     A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as the best
     ones do; where kinetic friction is the smaller, the last bit of a sum would decide the motion.
@@ -108,7 +108,7 @@ def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
 
 @cache
 def _with_wave(groups: Any) -> Any:
-    """Return the equation of the groups of a part under a wave."""
+    """Return the equation for the dimensionless groups of a part, with the wave added."""
 
     def waved(*, wave: Wave, **numbers: Array) -> Groups:
         found: Groups = groups(**numbers)
@@ -129,7 +129,7 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
 
 
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
-    """Return the equations of a system with a wave in the place of the plain sine."""
+    """Return a system's equations with a wave in place of the sine drive."""
     changed = []
     for equation in known:
         if equation.gives == "groups":
@@ -142,7 +142,7 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
 
 
 def driven(system: Scene, shape: Shape) -> Scene:
-    """Return a system with another drive in the place of the plain sine."""
+    """Return a copy of a system with another drive in place of the sine."""
     return replace(
         system,
         variants={name: under_wave(shape, known) for name, known in system.variants.items()},

@@ -38,18 +38,18 @@ class Shape(Protocol):
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the wave needs."""
+        """Names of the quantities from which the wave is computed."""
 
     @property
     def defaults(self) -> dict[str, float]:
-        """Values of those that a study may leave out, SI units."""
+        """Default values of the quantities that a study may omit, SI units."""
 
     @property
     def orders(self) -> int:
-        """Its highest order, 1 for steps: what its motion costs goes with that."""
+        """The highest harmonic order, 1 for steps; the computing time of a motion depends on it."""
 
     def wave(self, **inputs: Array) -> Wave:
-        """Return the wave of these quantities, SI units, arrays that broadcast."""
+        """Return the wave for these quantities, arrays in SI units that broadcast."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Harmonics:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """As in `Shape`."""
+        """Names of the quantities from which the wave is computed."""
         numbers = [
             f"{what}_{axis}_{k}" for what in ("amplitude", "phase") for axis, k in self.terms
         ]
@@ -75,16 +75,16 @@ class Harmonics:
 
     @property
     def defaults(self) -> dict[str, float]:
-        """As in `Shape`."""
+        """Default values of the phases, 0, and of the factor of the drive, 1."""
         return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
 
     @property
     def orders(self) -> int:
-        """As in `Shape`."""
+        """The highest harmonic order."""
         return max(k for _, k in self.terms)
 
     def wave(self, **inputs: Array) -> Wave:
-        """As in `Shape`: the push has k^2 w^2 A_k sin(k tau + phi_k)/g."""
+        """Return the wave of push k^2 w^2 A_k sin(k tau + phi_k)/g, summed over the harmonics."""
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
         harmonics = np.zeros((3, 2, self.orders, *shape))
@@ -115,14 +115,14 @@ class Steps:
 
     @property
     def closing(self) -> dict[str, int]:
-        """The step of each axis whose acceleration follows from the others."""
+        """The step on each axis whose acceleration is computed so that the mean is 0."""
         given = {axis: [n for a, n in self.levels if a == axis] for axis, _ in self.levels}
         missing = {axis: set(range(1, self.count + 1)) - set(n) for axis, n in given.items()}
         return {axis: min(left) for axis, left in missing.items() if len(left) == 1}
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """As in `Shape`; of an axis that lacks more than one level all are needed."""
+        """Names of the levels and durations from which the wave is computed."""
         axes = dict.fromkeys(axis for axis, _ in self.levels)
         levels = [
             f"acceleration_{axis}_{n}"
@@ -135,11 +135,11 @@ class Steps:
 
     @property
     def defaults(self) -> dict[str, float]:
-        """As in `Shape`."""
+        """Default values of the durations and of the factor of the drive, all 1."""
         return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
 
     def wave(self, **inputs: Array) -> Wave:
-        """As in `Shape`; NaN in cells where the mean acceleration is not 0."""
+        """Return the wave of steps; NaN in cells where the mean acceleration is not 0."""
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
         last = np.stack([np.broadcast_to(inputs[f"duration_{n}"], shape)
@@ -156,7 +156,10 @@ class Steps:
         return Wave(np.zeros((3, 2, 0, *shape)), steps)
 
     def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
-        """Return the push of every step along an axis, in g; `last` are shares of the period."""
+        """Return the drive acceleration of every step along an axis, in g.
+
+        `last` are shares of the period.
+        """
         levels = np.zeros_like(last)
         closing = self.closing.get(axis, 0)
         for n in range(1, self.count + 1):
@@ -175,11 +178,12 @@ class Steps:
 
 
 def _aligned(inputs: dict[str, Array]) -> dict[str, Array]:
+    """Return the inputs as float arrays."""
     return {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
 
 
 def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
-    """Return the problem of numbers, SI units, no value of which is a drive; else nothing."""
+    """Return the problem if no combination of the given values makes a valid drive; else empty."""
     given = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
     wave = shape.wave(**{name: np.asarray(value) for name, value in given.items()})
     if not np.all(np.isnan(waves.size(wave))):
@@ -197,7 +201,7 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
 
 
 def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
-    """Return the drive that the names of a study's parameters give, None for the plain sine.
+    """Return the shape of drive that a study's parameter names define; None for the plain sine.
 
     The second is what is wrong with them.
     """
@@ -227,7 +231,7 @@ _NO_SINE = {
 
 
 def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
-    """Return the drive in steps that names give, and what is wrong with them."""
+    """Return the drive in steps that parameter names define, and the problems of these names."""
     levels = {(m[1], int(m[2])) for m in names if m[1]}
     count = max(int(m[2]) for m in names)
     if not levels or count == 1:
@@ -238,10 +242,12 @@ def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
 
 
 def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
+    """Return the problem of a parameter that belongs to another kind of drive."""
     return Problem(
         f"parameters.{name}", f"it belongs to {kind}, but the study also gives {other}", fix
     )
 
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:
+    """Return the sort key of an axis and an order."""
     return AXES.index(term[0]), term[1]

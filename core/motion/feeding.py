@@ -25,12 +25,12 @@ SLOWEST = 1e-9
 
 
 def occupancy(*, length: Array, part_gap: Array) -> Array:
-    """Return the share of the track that parts cover, length/(length + gap) [1]."""
+    """Return the share of the track's length that parts occupy, length/(length + gap) [1]."""
     return length / (length + part_gap)
 
 
 def feed_rate(*, conveying_velocity: Array, length: Array, occupancy: Array) -> Array:
-    """Return the parts a minute, 60 v occupancy/length; below 0 where they travel back [min-1].
+    """Return the parts per minute, 60 v occupancy/length; negative where parts travel back [min-1].
 
     The sign is that of the velocity, and not cut off at 0: a rate of 0 would not tell parts that
     rest from parts that leave at the wrong end, and a search for the best rate could not get away
@@ -40,7 +40,7 @@ def feed_rate(*, conveying_velocity: Array, length: Array, occupancy: Array) -> 
 
 
 def oriented_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
-    """Return the parts a minute that pass a line of devices behind the track, v eta [min-1].
+    """Return the parts per minute behind a line of devices, feed rate times yield [min-1].
 
     None pass of a track that brings none: a rate below 0 counts as 0.
     """
@@ -48,7 +48,7 @@ def oriented_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
 
 
 def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
-    """Return the direction of travel, as a flag.
+    """Return the direction of travel as a flag: forwards, backwards, at rest or unknown.
 
     A mean velocity that is no larger than its own stated error, or than what is resolved of the
     drive's speed, is none: the last bit of a sum decides nothing.
@@ -74,7 +74,7 @@ DEFAULTS = {"part_gap": 0.0}
 
 
 def travel_in_words(table: Table) -> str:
-    """Return a sentence that says how many cells of a result travel backwards; empty if none do.
+    """Return a sentence on how many cells of a result travel backwards; empty if none do.
 
     It is told by `direction` if the result has that, else by its mean velocity or its feed rate;
     speeds below the stated error, or a nanometre a second, are those of parts that rest.
@@ -107,7 +107,7 @@ def _rolling_in_words(table: Table) -> str:
 
 
 def _between(values: NDArray[np.float64]) -> str:
-    """Return the least and the largest of some accelerations, in words."""
+    """Return the smallest and the largest acceleration as text."""
     least, most = (f"{end:.2g}" for end in (values.min(initial=np.inf), values.max(initial=0.0)))
     return f"{most} m/s²" if least == most else f"{least} to {most} m/s²"
 
@@ -132,4 +132,5 @@ def _share_backwards(table: Table) -> float:
 
 
 def _is_single(table: Table) -> bool:
+    """True if a result has one cell only."""
     return all(not variable.dims for variable in table.variables.values())

@@ -65,7 +65,7 @@ class Groups(NamedTuple):
 
     @property
     def numbers(self) -> tuple[Numbers, ...]:
-        """All fields but the wave."""
+        """All fields except the wave."""
         return self[:-1]
 
     @property
@@ -80,11 +80,11 @@ class Groups(NamedTuple):
 
     @property
     def planar(self) -> bool:
-        """True if nothing pushes any of the parts across the track."""
+        """True if no drive acts across the track in any cell."""
         return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
 
     def flat(self) -> Groups:
-        """Return the groups without what motion in the vertical plane of the track does not know.
+        """Return the groups with the numbers set to 0 that planar motion does not use.
 
         Cells that are equal but for that are then computed once.
         """
@@ -92,7 +92,7 @@ class Groups(NamedTuple):
         return self._replace(**nothing)
 
     def single(self) -> Groups:
-        """Return the groups of one part as plain numbers; raise if there are several parts."""
+        """Return the groups of one part as plain numbers; raise if there are several cells."""
         (part,), _ = each(self)
         return part
 
@@ -124,7 +124,7 @@ SOLID_CYLINDER = 2.0  # m r^2/I about its axis
 
 
 def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
-    """Return a mask of parts that move in the vertical plane of the track: no push across.
+    """Return a mask of the cells that move in the vertical plane of the track: no push across.
 
     Such a part touches the wall of a straight track, if at all, without a load.
     """
@@ -137,13 +137,13 @@ def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
 
 
 def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return columns broadcast, one row a cell, and the shape of the cells."""
+    """Return the columns broadcast to one row per cell, and the shape of the cells."""
     arrays = np.broadcast_arrays(*(np.asarray(column, dtype=np.float64) for column in columns))
     return np.stack([array.ravel() for array in arrays], axis=-1), arrays[0].shape
 
 
 def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the rows of a kernel, `kernels.cells.Cell` its first columns, and the cells' shape.
+    """Return the kernel's rows, whose first columns are `kernels.cells.Cell`, and the cells' shape.
 
     A row holds the numbers of the groups, the settings, and the columns of the wave, if there is
     one.
@@ -158,7 +158,7 @@ def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64]
 def groups_of(
     rows: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups of the rows of `cells_of`, and the columns of so many more fields."""
+    """Return the groups in a kernel's rows, and the columns of `more` further fields."""
     numbers = len(Groups._fields) - 1
     columns = rows.T
     wave = of_columns(rows[:, numbers + more :]) if waved else None
@@ -166,7 +166,7 @@ def groups_of(
 
 
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
-    """Return the groups of every cell as plain numbers, and the shape of the cells."""
+    """Return an iterator over the groups of each cell as plain numbers, and the cells' shape."""
     rows, shape = cells_of(groups)
     return (one_of(row, groups.wave is not None)[0] for row in rows), shape
 
@@ -174,7 +174,7 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
 def one_of(
     row: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups of a row of `cells_of` as plain numbers, and those of so many more."""
+    """Return the groups in one row of a kernel as plain numbers, and `more` further fields."""
     numbers = len(Groups._fields) - 1
     wave = of_row(row[numbers + more :]) if waved else None
     values = row.tolist()
@@ -195,7 +195,7 @@ def floor_groups(
     friction_kinetic: Array,
     restitution: Array,
 ) -> Groups:
-    """Return the groups of a part that moves in space on a floor without a wall."""
+    """Return the dimensionless groups of a part that moves in space on a floor without wall."""
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
@@ -223,7 +223,7 @@ def track_groups(
     restitution: Array,
     wall_restitution: Array,
 ) -> Groups:
-    """Return the groups of a part on floor and wall."""
+    """Return the dimensionless groups of a part on floor and wall."""
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
@@ -250,7 +250,7 @@ def row_groups(
     friction_kinetic: Array,
     restitution: Array,
 ) -> Groups:
-    """Return the groups of the parts of a row, which move in one plane."""
+    """Return the dimensionless groups of a row's parts, which move in one plane."""
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,

@@ -71,10 +71,12 @@ def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
 
 
 def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
+    """Return the function that computes a limit of the drive along an axis."""
     number, place = f"drive_number_{axis}", AXES.index(axis)
     drive_input = "wave" if drive == "wave" else number
 
     def value(**known: Array) -> Array:
+        """Return the limit in SI units, from the drive number or the wave."""
         drive_value = known.pop(drive_input)
         scale = limit.scale(**known)
         if isinstance(drive_value, Wave):

@@ -20,7 +20,7 @@ FollowCourse = Callable[[TrajectoryRequest], TrajectoryValues]
 
 
 def everything(contacts: Contacts) -> bool:
-    """Return True: the method follows parts with any contacts."""
+    """Return True: the method can follow parts with any contacts."""
     del contacts
     return True
 

@@ -47,7 +47,7 @@ SCATTERED = 4
 
 
 def price_of_load(motion: float) -> float:
-    """Return the time for the load of a cell on one core, of the price of one of its motions [s].
+    """Return the time to compute a cell's part load on one core, from that of one motion [s].
 
     Some 200 motions by events, of which most repeat, and few are dear where one is.
     """
@@ -85,16 +85,16 @@ class PartLocation(Protocol):
 
     @property
     def gives(self) -> tuple[str, ...]:
-        """Quantities of the place."""
+        """The quantities that set the position of the loading parts."""
         ...
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Quantities that tell them."""
+        """The quantities that the position is computed from."""
         ...
 
     def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the quantities of the place."""
+        """Return the quantities at the position of the loading parts."""
         ...
 
 
@@ -104,7 +104,7 @@ def part_load(
     contacts: Contacts,
     location: PartLocation | None = None,
 ) -> PartLoad:
-    """Return the function of the equation that gives the `Load` of parts on a unit.
+    """Return the equation's function for the load of parts on a drive unit.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ class PartLoad:
         return keywords(self.needs)
 
     def __call__(self, **inputs: Any) -> Load:
-        """Return the load of each cell."""
+        """Return the load of the parts in every cell."""
         columns = np.broadcast_arrays(
             *(np.asarray(inputs[name], dtype=float) for name in self.needs)
         )
@@ -171,14 +171,14 @@ class PartLoad:
         return Load._make(np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
 
     def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
-        """Return amplitude and angle of the track under parts of some mass and damping."""
+        """Return amplitude and angle of the track under a load of effective mass and damping."""
         none = np.zeros(mass.shape, dtype=bool)
         some = Load(mass, damping, mass, none, none, none)
         found = run(self.respond, {**self._placed(known), "part_load": some})
         return found["track_amplitude"], found["vibration_angle"]
 
     def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
-        """Return mass and damping of the parts at amplitudes, and where their motion repeats.
+        """Return effective mass and damping of the parts at amplitudes, and where motions repeat.
 
         The mass m (1 + 2 <u.b'>/p^2), the damper 2 m w drive/p^2.
         """
@@ -197,11 +197,11 @@ class PartLoad:
         return mass, damping, motion.multiple > 0
 
     def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the known quantities at the position of the load."""
+        """Return the known quantities, evaluated at the position of the load."""
         return {**known, **(self.location(known) if self.location else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
-        """Return the load of cells, arrays of one dimension."""
+        """Return the load of cells given as one-dimensional arrays."""
         most = BEYOND * np.max([self._sticking(known, share) for share in SHARES], axis=0)
         count = int(np.ceil(np.log(WIDTH) / STEP)) + 2
         # Cells that differ in what the motion does not know share its amplitudes, and its motions.
@@ -220,6 +220,7 @@ class PartLoad:
         several = ((falls | rises).sum(axis=1) > 1) & apart
 
         def agreed(index: NDArray[np.intp]) -> tuple[Array, Array, Array, Mask]:
+            """Return amplitude, mass and damping of the agreement in an interval of the table."""
             ends = [
                 tuple(part[rows, index + end] for part in (nodes, mass, damping)) for end in (0, 1)
             ]
@@ -232,7 +233,7 @@ class PartLoad:
         return Load._make((*numbers, several & ~none, hunts & ~none, thrown & ~none))
 
     def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
-        """True where the parts' harmonics move the track by more than a thousandth."""
+        """True where harmonics of the parts' force move the track by more than 0.1 %."""
         amplitude, angle = self.amplitude(known, mass, damping)
         placed = {**self._placed(known), "amplitude": amplitude, "beta": angle}
         groups: Groups = run(self.turn, placed)["groups"]
@@ -243,7 +244,7 @@ class PartLoad:
     def _agreement(
         self, known: dict[str, Array], ends: list[tuple[Array, ...]], exact: Mask
     ) -> tuple[Array, Array, Array, Mask]:
-        """Return amplitude, mass and damping of an agreement, and whether there is none but a jump.
+        """Return amplitude, mass and damping where drive and parts agree, and where they jump.
 
         `ends` are logarithm of amplitude, mass and damping of two neighbours of the table. Where
         motions are not exact, or the load jumps, it lies on the line between both.
@@ -268,7 +269,7 @@ class PartLoad:
         self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
         damping: Array, high: Array, next_mass: Array, next_damping: Array,
     ) -> tuple[Array, Array]:  # fmt: skip
-        """Return mass and damping of the parts at amplitudes between two of the table."""
+        """Return mass and damping of the parts at amplitudes between two entries of the table."""
         share = (logarithm - low) / (high - low)
         mass = mass + share * (next_mass - mass)
         damping = damping + share * (next_damping - damping)
@@ -278,7 +279,10 @@ class PartLoad:
         return mass, damping
 
     def _excess(self, logarithm: Array, *columns: Array) -> Array:
-        """Return ln(A_unit(load(A))/A) at logarithms of amplitudes."""
+        """Return ln(A_unit(load(A))/A) at logarithms of amplitudes.
+
+        0 where drive and parts agree.
+        """
         line: Any = columns[: -len(self.needs)]
         known = dict(zip(self.needs, columns[len(line) :], strict=True))
         return self._left(known, *self._load(logarithm, known, *line), logarithm)
@@ -286,15 +290,18 @@ class PartLoad:
     def _left(
         self, known: Mapping[str, Array], mass: Array, damping: Array, logarithm: Array
     ) -> Array:
+        """Return ln(A_unit/A) for given mass and damping, at logarithms of amplitudes."""
         with np.errstate(invalid="ignore"):
             return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)
 
     def _sticking(self, known: dict[str, Array], share: float) -> Array:
+        """Return the amplitude of the track if a share of the parts sticks to it."""
         mass = share * known["conveyed_mass"]
         amplitude: Array = self.amplitude(known, mass, np.zeros_like(mass))[0]
         return amplitude
 
 
 def _cut(columns: list[Array]) -> Iterator[list[Array]]:
+    """Yield the columns in pieces of `PIECE` cells."""
     for start in range(0, len(columns[0]), PIECE):
         yield [column[start : start + PIECE] for column in columns]

@@ -23,23 +23,23 @@ class Sine:
     numbers: tuple[float, float, float]
 
     def push(self, phase: Numbers) -> Three:
-        """Return the push along, across and normal."""
+        """Return the push along, across and normal at a phase."""
         sine = np.sin(phase)
         along, across, normal = self.numbers
         return along * sine, across * sine, normal * sine
 
     def speed(self, phase: Numbers) -> Numbers:
-        """Return the speed of the track along."""
+        """Return the velocity of the track along at a phase."""
         return self.numbers[ALONG] * np.cos(phase)
 
     @property
     def order(self) -> int:
-        """The highest multiple of the frequency in it."""
+        """The highest harmonic order of the drive."""
         return 1
 
     @property
     def steepest(self) -> float:
-        """A bound of the slope of the push."""
+        """An upper bound of the push's slope."""
         return math.hypot(*self.numbers)
 
 
@@ -62,11 +62,11 @@ class Piece:
 
     @cached_property
     def orders(self) -> Array:
-        """The multiples of the frequency."""
+        """The harmonic orders in the drive."""
         return np.arange(1.0, self.order + 1.0)
 
     def push(self, phase: Numbers) -> Three:
-        """Return the push along, across and normal."""
+        """Return the push along, across and normal at a phase."""
         if not self.order:
             along, across, normal = (level + 0.0 * phase for level in self.level)
             return along, across, normal
@@ -78,7 +78,7 @@ class Piece:
         return along, across, normal
 
     def speed(self, phase: Numbers) -> Numbers:
-        """Return the speed of the track along."""
+        """Return the velocity of the track along at a phase."""
         turned = np.multiply.outer(self.orders, phase)
         sine, cosine = self.harmonics[ALONG] / self.orders
         waves = np.tensordot(sine, np.cos(turned), 1) - np.tensordot(cosine, np.sin(turned), 1)
@@ -86,17 +86,17 @@ class Piece:
 
     @property
     def order(self) -> int:
-        """The highest multiple of the frequency in it."""
+        """The highest harmonic order of the drive."""
         return int(self.harmonics.shape[2])
 
     @property
     def steepest(self) -> float:
-        """A bound of the slope of the push."""
+        """An upper bound of the push's slope."""
         return float(np.hypot(*np.moveaxis(self.harmonics, 1, 0)).sum(axis=0) @ self.orders)
 
 
 def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Piece, float]]:
-    """Yield the drive of one part from a phase to another, piece by piece, each with its end."""
+    """Yield the drive of one part between jumps, with the phase of each end."""
     p = groups
     if p.wave is None:
         yield Sine((p.drive_number_along, p.drive_number_across, p.drive_number_normal)), end
@@ -105,7 +105,7 @@ def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Pi
 
 
 def pieces_of(wave: Wave, begin: float, end: float) -> Iterator[tuple[Piece, float]]:
-    """Yield a wave of one cell from a phase to another, piece by piece, each with its end."""
+    """Yield the wave of one cell between jumps, with the phase of each end."""
     if not wave.steps.shape[1]:
         yield Piece(wave.harmonics), end
         return

@@ -23,48 +23,48 @@ NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 
 
 def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells; a row of `groups` holds the fields of `Cell`, and a wave."""
+    """Fill result table and statuses of cells; a row of `groups` holds `Cell` and a wave."""
     compiled.solve.solve_cells(groups, waves_of(groups), table, status, stop)
     _average(groups, table, status, stop)
 
 
 def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells under a sine, and derivatives: `kernels.planar.derive`."""
+    """Fill result table, derivatives and statuses of cells under a sine."""
     compiled.derive.derive_cells(spent, groups, table, status, stop)
     _average(groups, table, status, stop)
 
 
 def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill what a cycle of cells spends: `kernels.planar.again`; NaN where there is none."""
+    """Fill the energy table of cells; NaN where the motion does not repeat."""
     compiled.again.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
 def average_spent(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill what cells that do not repeat spend, roughly: `kernels.planar.unrepeated`."""
+    """Fill the energy table of cells that do not repeat, from long runs."""
     compiled.unrepeated.average_spent(groups, waves_of(groups), table, status, stop)
 
 
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Return the pieces of the motion of one cell: `kernels.planar.again`."""
+    """Return the motion pieces of one cell's cycle."""
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
     return compiled.again.follow(row, waves_of(row), int(status[0]), stop)
 
 
 def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
-    """Return a motion at phases since the start of its cycle: `kernels.planar.again`."""
+    """Return a motion at phases counted from the start of its cycle."""
     return compiled.again.sample(pieces, row, waves_of(row), shift, phases, repeats)
 
 
 def waves_of(groups: Floats) -> Waves:
-    """Return room for the wave behind each cell, if there is one."""
+    """Return a buffer for the wave behind each cell's numbers; empty for a sine."""
     if groups.shape[-1] > compiled.cells.GROUPS:
         return compiled.wave.WaveTable(np.zeros(compiled.wave.TABLE))
     return compiled.flow.NO_WAVES
 
 
 def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the first columns of the table, and the status, of cells that do not repeat."""
+    """Fill velocity columns and status of cells that do not repeat, from long runs."""
     (cells,) = np.nonzero(status == compiled.solve.UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)

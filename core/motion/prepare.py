@@ -49,46 +49,46 @@ class Simulation(Prepared):
 
     @property
     def method(self) -> Method:
-        """The method that follows the motion."""
+        """The method by which the motion is simulated."""
         return methods_of(self.plan.scene.name)[self.plan.variant]
 
     @cached_property
     def derived(self) -> Asked | None:
-        """As in `Prepared`."""
+        """The derivatives that the result contains; None without any."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """Seconds of a cell as is likely, and at most."""
+        """The likely and the largest time of a cell [s]."""
         likely, most = price_of(self.method, self.plan, self.grid)
         # A course may be followed for all the periods that are allowed.
         return (likely if self.study.trajectory is None else most), most
 
     @property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The likely time of a cell on one core [s]."""
         return self._price[0]
 
     @property
     def most_seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The largest time of a cell on one core [s]."""
         return self._price[1]
 
     @property
     def verified_by(self) -> str:
-        """As in `Prepared`."""
+        """The name of the method that verifies random cells; empty if none can."""
         other = other_method(self.plan, self.grid)
         return f"the method {other.name}" if other else ""
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """As in `Prepared`."""
+        """The time to verify a cell [s]."""
         other = other_method(self.plan, self.grid)
         return price_of(other, self.plan, self.grid)[0] if other else 0.0
 
 
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
-    """Return the method that verifies the motions of a grid by another one; None if there is none.
+    """Return the method that verifies motions of a grid; None if there is none.
 
     `free` are parameters that are not on the grid and take any value.
     """
@@ -104,7 +104,7 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
 def price_of(
     method: Method, plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]] | None = None
 ) -> tuple[float, float]:
-    """Return the likely time of a cell of a grid by a method, and the largest [s].
+    """Return the likely and the largest time of a grid's cell by a method [s].
 
     `free` are parameters that are not on the grid, and the ends of their values, SI units. Another
     method than that of the plan has its own settings, by default.
@@ -133,7 +133,7 @@ def price_of(
 
 
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:
-    """Return a system with the drive and floor of the given parameters, and the method in force.
+    """Return the system with the drive and floor of given parameters, and the method in force.
 
     The drive is a sine, another wave, or a drive unit; the floor is rigid, or as `on_soft_floor`
     says. The third is what is wrong with the method.
@@ -166,7 +166,7 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
 
 
 def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield the settings that a method does not use, or that follow from parameters."""
+    """Yield problems of settings that a method ignores, or that parameters determine."""
     settings = study.settings()
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in settings:
@@ -179,7 +179,7 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
 
 
 def prepare(study: SimulateStudy) -> Simulation:
-    """Return the simulation of a study.
+    """Return the prepared simulation of a study.
 
     Raises
     ------
@@ -217,7 +217,7 @@ def prepare(study: SimulateStudy) -> Simulation:
 
 
 def _derivable(prepared: Simulation) -> Simulation:
-    """Return a simulation; raise if it wishes derivatives that it cannot have."""
+    """Return a simulation, after checking that its derivatives can be computed."""
     asked = prepared.derived
     if asked is None:
         return prepared
@@ -238,7 +238,7 @@ def _derivable(prepared: Simulation) -> Simulation:
 
 
 def _all_exact(prepared: Simulation) -> bool:
-    """True if nothing pushes a part of a simulation across, whatever the cell."""
+    """True if no cell of a simulation has a drive across the track."""
     grid, scene = prepared.grid, prepared.plan.scene
     is_sine = all(equation.gives != "wave" for equation in prepared.plan.equations)
     level = all(
@@ -255,19 +255,19 @@ def _all_exact(prepared: Simulation) -> bool:
 
 
 def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
-    """Return the outputs that tell how values were found, and what becomes of parts without one."""
+    """Return the outputs that are always computed: status, errors, and outcomes of lost parts."""
     more = ("mean_acceleration",) if "mean_acceleration" in scene.outputs(method) else ()
     return ("motion_status", *more)
 
 
 def who_uses(scene: Scene, setting: str) -> str:
-    """Return the fix for a setting that the method in force does not use."""
+    """Return the fix for a setting that the method in force ignores."""
     users = [name for name in scene.variants if setting in scene.variant_defaults.get(name, {})]
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
-    """Return the problems of the trajectory that a study asks for, if it does."""
+    """Return the problems of the trajectory that a study asks for."""
     if study.trajectory is None:
         return []
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
@@ -286,7 +286,7 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
-    """Return the problems of what a study asks for instead of its cells, if it does."""
+    """Return the problems of a reduction that a study of motion asks for."""
     if study.reduce is None:
         return []
     problems = problems_of_names(study.reduce, study.outputs, study.values())
@@ -300,7 +300,7 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
-    """Yield the problem of a cell, or a trajectory, that takes longer than a method allows."""
+    """Yield a problem if a cell or trajectory takes more steps than a method allows."""
     settings = {**method.defaults, **study.settings()}
     periods, steps = settings.get("max_periods", 0.0), settings.get("steps_per_period", 0.0)
     if method.most_steps is not None and 4 * steps * periods > method.most_steps:

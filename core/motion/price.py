@@ -52,23 +52,23 @@ class Priced:
 
     @property
     def groups(self) -> Groups:
-        """The groups of the parts."""
+        """The dimensionless groups of the parts."""
         groups: Groups = self.known["groups"]
         return groups
 
     def setting(self, name: str) -> Array:
-        """Return a setting in force."""
+        """Return a setting in force, such as the tolerance."""
         return np.asarray(self.known[name], dtype=np.float64)
 
     @property
     def hops(self) -> Array:
-        """A mask of the parts that leave the floor."""
+        """A mask of the parts that lift off the floor."""
         g = self.groups
         return np.greater(np.abs(g.drive_number_normal), g.gravity_number_normal)
 
     @property
     def restless(self) -> Array:
-        """The probability that a part does not repeat, 0 to 1."""
+        """The probability, 0 to 1, that a part's motion does not repeat."""
         few, many = REBOUNDS
         rebounds = np.maximum(self.groups.restitution, self.groups.wall_restitution)
         return np.where(self.hops, np.clip((rebounds - few) / (many - few), 0.0, 1.0), 0.0)
@@ -80,18 +80,18 @@ class Priced:
 
     @property
     def orders(self) -> float:
-        """The highest order of the drive, 1 for steps, 0 for the plain sine."""
+        """The highest harmonic order of the drive: 1 for steps, 0 for the plain sine."""
         wave = self.groups.wave
         return 0.0 if wave is None else float(max(1, wave.harmonics.shape[2]))
 
     @property
     def steps(self) -> int:
-        """The steps of the drive in a period."""
+        """The number of steps of the drive in a period."""
         wave = self.groups.wave
         return 0 if wave is None else wave.steps.shape[1]
 
     def periods(self, usual: float) -> Array:
-        """Return the likely number of periods to follow; `usual` of a motion that repeats."""
+        """Return the likely number of periods to simulate; `usual` if the motion repeats."""
         allowed, share = self.setting("max_periods"), self.restless
         return share * allowed + (1.0 - share) * np.minimum(allowed, usual)
 
@@ -101,7 +101,7 @@ Pricing = Callable[[Priced], Price]
 
 
 def seconds_of(price: float | Pricing, cells: Callable[[], Priced]) -> tuple[float, float]:
-    """Return the mean price of some cells [s]: as is likely, and at most."""
+    """Return the likely and the largest time per cell, averaged over some cells [s]."""
     if not callable(price):
         return price, price
     with np.errstate(all="ignore"):
@@ -117,7 +117,7 @@ def some_cells(
     contacts: Contacts,
     free: Mapping[str, tuple[float, float]],
 ) -> Priced:
-    """Return some cells of a grid, evenly chosen; the same for equal grids.
+    """Return a few evenly chosen cells of a grid, the same for equal grids.
 
     Parameters
     ----------

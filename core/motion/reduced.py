@@ -22,19 +22,20 @@ class ReducedSimulation(Reduced, Simulation):
 
     @property
     def seconds_here(self) -> float:
-        """As in `Prepared`: the price of its cells, among all cores."""
+        """The time here [s]: the price of the cells, distributed over all cores."""
         return self.seconds / self.cores
 
     def seconds_in_parts(self) -> float:
-        """As in `Prepared`."""
+        """Return the time of all parts on one core [s]."""
         return self.seconds
 
     @property
     def _by(self) -> str:
+        """Return nothing: the price needs no further words."""
         return ""
 
     def attributes(self) -> dict[str, str]:
-        """As in `Reduced`."""
+        """Return the attributes of the result, known before computing."""
         plan = self.plan
         told = global_attributes(self, f"motion in time, method {plan.variant}")
         return {**told, "accuracy": accuracy(plan)}
@@ -51,7 +52,7 @@ class ReducedSimulation(Reduced, Simulation):
 
 
 def prepare_reduced(study: SimulateStudy) -> Simulation:
-    """Return the simulation of a study, or what is told in place of its cells.
+    """Return the simulation of a study, or its reduction if the study asks for one.
 
     Raises
     ------

@@ -59,7 +59,7 @@ class Motion(NamedTuple):
     status: NDArray[np.int8]
 
     def only(self, name: str) -> Mask:
-        """True where the part moves in one way all the time: no other has any share at all."""
+        """True where a part moves in one way all the time; every other way has share 0."""
         others = [getattr(self, other) for other in SHARES if other != name]
         moves = np.asarray(getattr(self, name) > 0)
         return np.logical_and.reduce([moves, *(other == 0 for other in others)])
@@ -104,13 +104,13 @@ COLUMNS = len(Motion._fields) - 1
 def motion_of(
     table: NDArray[np.float64], status: NDArray[np.int8], shape: tuple[int, ...]
 ) -> Motion:
-    """Return a kernel's table as a `Motion` of arrays of a shape."""
+    """Return a kernel's result table as a `Motion` of arrays of a shape."""
     columns = [np.ascontiguousarray(column).reshape(shape) for column in table.T]
     return checked(Motion._make([*columns, status.reshape(shape)]))
 
 
 def checked(motion: Motion) -> Motion:
-    """Return the motion with no value passed off as an answer that is none.
+    """Return the motion with NaN wherever the status says that there is no result.
 
     A cell that overflowed, or that was in the air all along without landing, has `limit_reached`,
     and what has that has no values: a method may have got some way.

@@ -54,7 +54,7 @@ def wall_contact(
     gravity_number_across: Array, wall_friction: Array, drive_number_along: Array,
     drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
-    """Return the contact of a disc on its edge with floor and wall."""
+    """Return the contacts of a disc on its edge with floor and wall."""
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
         resistance=rolling_resistance, drag=wall_friction * gravity_number_across,
@@ -64,7 +64,7 @@ def wall_contact(
 
 
 def rolling_groups(*, rolling_contact: RollingContact) -> Groups:
-    """Return the groups of the block that moves as the part rolls."""
+    """Return the groups of the block that moves like the rolling part."""
     return block_groups(rolling_contact)
 
 
@@ -73,7 +73,7 @@ def slip_groups(
     gravity_number_along: Array, load_number: Array, friction_static: Array,
     friction_kinetic: Array, restitution: Array,
 ) -> Groups:  # fmt: skip
-    """Return the groups of the block that moves as the contact of a round part slips.
+    """Return the groups of the block that moves like the slip of a round part's contact.
 
     Its friction is 1 + kap times that of the part.
     """
@@ -89,7 +89,7 @@ def slip_groups(
 
 
 def slip_velocity(*, slip_motion: Motion, velocity_scale: Array) -> Array:
-    """Return the mean velocity of the contact's slip, rolling resistance left out [m s-1]."""
+    """Return the mean slip velocity of the contact, without rolling resistance [m s-1]."""
     return slip_motion.velocity * velocity_scale
 
 
@@ -120,6 +120,7 @@ def mean_acceleration_at_wall(
 
 
 def _has(*names: str) -> Callable[..., Mask]:
+    """Return the condition that a motion has one of some statuses."""
     values = [STATUS[name] for name in names]
 
     def has_status(*, motion: Motion) -> Mask:
@@ -199,6 +200,7 @@ def rolling_scenes(
     def scene(
         name: str, title: str, numbers: tuple[Equation, ...], kap: float, more: str = ""
     ) -> Scene:
+        """Return the system of one round part."""
         shape = round_parts.ball_factor if name == BALL else round_parts.tube_factor
         own = (*numbers, Equation("rolling_factor", shape, "theory 18.1"))
         leaning = {"delta": 0.0} if name == DISC else {}
@@ -240,7 +242,7 @@ def rolling_scenes(
 
 
 def _followed(method: Method, *, slips: bool) -> tuple[Equation, ...]:
-    """Return the equations of the motion by a method, and of its results."""
+    """Return the equations of the motion by a method, and those of its results."""
     equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
     if slips:
         block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)

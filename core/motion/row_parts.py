@@ -59,7 +59,7 @@ class NumberedParts:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the parts need."""
+        """Names of the quantities that the parts are made from."""
         numbered = [f"{stem}_{n}" for stem, which in self.numbers.items() for n in which]
         common = [] if self.has_all_masses or not self.has_own_masses else ["mass"]
         counted = ["parts"] if self.counted or not self.count else []
@@ -69,17 +69,17 @@ class NumberedParts:
 
     @property
     def has_own_masses(self) -> bool:
-        """Whether some part has a mass of its own."""
+        """True if some part has its own mass."""
         return bool(self.numbers["part_mass"])
 
     @property
     def has_all_masses(self) -> bool:
-        """Whether no part needs a common mass."""
+        """True if every part has its own mass."""
         return not self.counted and 0 < len(self.numbers["part_mass"]) == self.count
 
     @property
     def has_all_frictions(self) -> bool:
-        """Whether no part needs a common friction."""
+        """True if every part has its own friction."""
         return not self.counted and 0 < len(self.numbers["part_friction"]) == self.count
 
     @property
@@ -88,7 +88,7 @@ class NumberedParts:
         return keywords(self.inputs)
 
     def __call__(self, **given: Any) -> RowParts:
-        """Return the parts; of a mean number of parts, as in a search, the next whole one."""
+        """Return the parts of the row; a fractional number of parts is rounded up."""
         count = np.ceil(np.asarray(given.get("parts", float(self.count)), dtype=float))
         most = max(self.count, int(count.max()))
         places = range(1, most + 1)
@@ -111,7 +111,7 @@ class NumberedParts:
 
 
 def drawn_deviations(seed: Array, parts: int) -> Array:
-    """Return deviations of so many parts, in standard deviations, shape (parts, ...).
+    """Return random deviations of the parts, in standard deviations, shape (parts, ...).
 
     Normal, cut at `MAX_DEVIATIONS`; those of a seed are the same in every study, and those of a
     longer row begin with those of a shorter one.
@@ -123,7 +123,7 @@ def drawn_deviations(seed: Array, parts: int) -> Array:
 
 
 def numbered(names: Iterable[str]) -> NumberedParts:
-    """Return the parts that the names of a study's parameters tell of."""
+    """Return the parts that a study's parameter names define."""
     names = tuple(names)
     found = [match for match in map(_NUMBERED.fullmatch, names) if match]
     numbers = {
@@ -138,7 +138,7 @@ def numbered(names: Iterable[str]) -> NumberedParts:
 
 
 def contradictions(names: Iterable[str]) -> list[Problem]:
-    """Return which parameters of a row exclude each other."""
+    """Return problems of row parameters that exclude each other."""
     names, problems = tuple(names), []
     if all(name in names for name in STOP_GAPS):
         message = "a row has one stop, and the study gives two"

@@ -59,12 +59,12 @@ def mean_gap(*, motion: RowMotion, length_scale: Array) -> Array:
 
 
 def common_mass(*, mass: Array) -> Array:
-    """Return what the masses of a row of equal parts are counted in [kg]."""
+    """Return the mass of a part, by which the row's masses are scaled [kg]."""
     return mass
 
 
 def own_masses(*, motion: RowMotion) -> Array:
-    """Return 1, in which the parts' own masses are counted [kg]."""
+    """Return 1 kg, by which the parts' own masses are scaled [kg]."""
     return np.where(np.isnan(motion.velocity), np.nan, 1.0)
 
 
@@ -186,9 +186,11 @@ def _of_platoon(number: int) -> tuple[Equation, Equation]:
     """Return the equations of size and velocity of a platoon, 1 at the rear."""
 
     def size(*, motion: RowMotion) -> Array:
+        """Return the number of parts in the platoon."""
         return (motion.part_platoon == number).sum(axis=0).astype(float)
 
     def velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
+        """Return the mean velocity of the platoon [m s-1]."""
         inside = motion.part_platoon == number
         total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
         return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale

@@ -39,7 +39,7 @@ def drive_number_along(*, drive_number: Array, beta: Array) -> Array:
 
 
 def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) -> Scene:
-    """Return the system of a row whose parts have no numbers of their own."""
+    """Return the system of a row whose parts are all equal."""
     in_space = (
         *(one for one in scales_of_drive if one.gives != "drive_number_along"),
         Equation("drive_number_along", drive_number_along, SOURCE),
@@ -82,10 +82,12 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
 
 
 def _followed(method: Any) -> tuple[Equation, ...]:
+    """Return the equations of the motion by a method, and of its results."""
     return (Equation("motion", method.follow(BLOCK_ON_FLOOR), method.source), *RESULTS)
 
 
 def _given_by(parts: NumberedParts) -> tuple[Equation, ...]:
+    """Return the equations that give the parts of a row and their scales."""
     own = (
         Equation("friction_static", own_static, SOURCE),
         Equation("friction_kinetic", own_kinetic, SOURCE),
@@ -98,7 +100,7 @@ def _given_by(parts: NumberedParts) -> tuple[Equation, ...]:
 
 
 def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
-    """Return the system of the row that the names of a study's parameters tell of.
+    """Return the system of the row that a study's parameter names define.
 
     The second is what is wrong with them, and with the drive of a row.
     """
@@ -126,7 +128,7 @@ def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Probl
 
 
 def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
-    """Return why a drive unit cannot move the row that the names of parameters tell of."""
+    """Return why a drive unit cannot move the row that parameter names define; empty if it can."""
     if unit is None:
         return []
     problems, parts = [], numbered(names)

@@ -33,7 +33,7 @@ TIME = "cycle_time"
 
 
 def compute(prepared: Simulation, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a prepared simulation, and the trajectory if there is one.
+    """Return outputs and `regime` of a prepared simulation, and its trajectory if asked for.
 
     Of one that is reduced, its answers.
     """
@@ -54,7 +54,7 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
 
 
 def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
-    """Return the arrays of a simulation, labelled; `watch` may stop verifying it."""
+    """Return the results of a simulation, labelled; cells are verified if asked for."""
     if isinstance(prepared, ReducedSimulation):
         return prepared.label(computed, watch)
     plan, arrays = prepared.plan, computed.arrays
@@ -87,7 +87,7 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
 
 
 def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
-    """Return every quantity of the plan, each on its own small grid.
+    """Return every quantity of the plan, each over the axes that it depends on.
 
     The scales before the motion have few axes, and the motion itself is shared out among threads
     by cells: there is nothing to gain from blocks.
@@ -110,7 +110,7 @@ def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Tr
 
 
 def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
-    """Return values without the axes of the grid that they do not depend on."""
+    """Return values without the grid axes that the quantity does not depend on."""
     if not values.ndim:
         return values
     dims = prepared.dims[name]

@@ -31,7 +31,7 @@ SPRUNG = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA":
 
 
 def on_soft_floor(name: str, names: Collection[str]) -> Scene:
-    """Return the system of a conveyed part, by its name, on the floor of a study's parameters."""
+    """Return a conveying system with the floor that a study's parameters define."""
     parameters = set(names)
     if not parameters & {FALLING, LINING, DAMPED}:
         return _plain(name)
@@ -45,6 +45,7 @@ def on_soft_floor(name: str, names: Collection[str]) -> Scene:
 
 @cache
 def _plain(name: str) -> Scene:
+    """Return a conveying system with damping from the restitution."""
     return _damped(SYSTEMS[name], ())
 
 
@@ -52,10 +53,11 @@ def _plain(name: str) -> Scene:
 
 
 def _falling(system: Scene, parameters: Collection[str]) -> Scene:
-    """Return the system with Hunt and Crossley's law, by one restitution at one speed."""
+    """Return a system with Hunt and Crossley's law, given one restitution at one speed."""
     law = Equation("impact_damping", soft_contact.impact_damping, SOURCE)
 
     def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
+        """Return the equations with the law's damping in the groups."""
         found = [
             replace(one, function=_with_damping(one.function)) if one.gives == "groups" else one
             for one in known
@@ -75,9 +77,10 @@ def _falling(system: Scene, parameters: Collection[str]) -> Scene:
 
 @cache
 def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
-    """Return the equation of the groups of a part whose restitution falls with speed."""
+    """Return the groups' equation for a part whose restitution falls with speed."""
 
     def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
+        """Return the groups of the part, with the law's damping."""
         found = groups(**numbers)
         damping = impact_damping * velocity_scale
         endless = np.isinf(damping)
@@ -91,7 +94,7 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
 
 
 def _refusals(system: Scene, parameters: Collection[str]) -> list[Constraint]:
-    """Return the constraints that a study of this law must respect."""
+    """Return the constraints on parameters of a study with this law."""
     message = "restitution that falls with speed is known for motion in the plane of the track"
     nothing = [
         Constraint(
@@ -130,7 +133,7 @@ def contact_stiffness(*, lining_stiffness: Array, mass: Array, frequency: Array)
 
 
 def _lined(system: Scene) -> Scene:
-    """Return the system with a lining.
+    """Return a system with a springy lining.
 
     Methods with rigid contacts say where it is too soft for them; a sprung floor has its stiffness.
     """
@@ -141,6 +144,7 @@ def _lined(system: Scene) -> Scene:
     )
 
     def conditions(name: str) -> tuple[Condition, ...]:
+        """Return the conditions of a variant, with that of a soft contact."""
         known = system.conditions[name]
         if name in SPRUNG:
             return known
@@ -150,6 +154,7 @@ def _lined(system: Scene) -> Scene:
         return (*known[:place], soft, *known[place:])
 
     def equations(name: str) -> tuple[Equation, ...]:
+        """Return the equations of a variant, with the lining's stiffness."""
         known = system.variants[name]
         if name not in SPRUNG:
             return (*own, *known)
@@ -168,7 +173,7 @@ def _lined(system: Scene) -> Scene:
 
 
 def _damped(system: Scene, parameters: Collection[str]) -> Scene:
-    """Return the system whose sprung floors tell damping by restitution, and take either."""
+    """Return a system whose sprung floors take either damping ratio or restitution."""
     equations: tuple[Equation, ...] = (
         Equation("damping_of_restitution", soft_contact.damping_of_restitution, SOURCE),
         Equation("restitution_of_damping", soft_contact.restitution_of_damping, SOURCE),

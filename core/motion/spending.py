@@ -21,6 +21,7 @@ KINDS = {
 
 
 def _power(kind: str) -> Callable[..., Array]:
+    """Return the equation's function for a kind of mean power."""
     def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
         power: Array = getattr(energy, kind) * (gravity * velocity_scale)
         return power
@@ -30,6 +31,7 @@ def _power(kind: str) -> Callable[..., Array]:
 
 
 def _work(kind: str) -> Callable[..., Array]:
+    """Return the equation's function for a kind of work per metre."""
     def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
         return _a_metre(getattr(energy, kind), motion) * gravity
 
@@ -42,6 +44,7 @@ def _work(kind: str) -> Callable[..., Array]:
 
 
 def _a_metre(energy: Array, motion: Motion) -> Array:
+    """Return an energy per distance travelled; infinite or NaN without travel."""
     beyond = np.where(energy > 0, np.inf, np.nan)
     with np.errstate(over="ignore"):
         return ratio(energy, np.abs(motion.velocity), beyond)

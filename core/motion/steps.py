@@ -20,13 +20,13 @@ MAX_MOVES = 32
 
 
 def sines_at(steps: int, shift: float) -> Array:
-    """Return sine and cosine at the middles of the steps of a period, (1, 2, steps)."""
+    """Return sine and cosine at the middle of each step of a period, shape (1, 2, steps)."""
     phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
     return np.stack([np.sin(phases), np.cos(phases)])[np.newaxis]
 
 
 def drives_of(wave: Wave, steps: int, begin: float) -> Array:
-    """Return the drives of cells for a period from a phase, (cells, rows, steps and jumps).
+    """Return the drives of cells over a period from a phase, (cells, rows, steps and jumps).
 
     The rows are those of the kernels' `Drive`.
     """

@@ -37,6 +37,7 @@ from core.scenes.scene import (
 
 
 def _has_status(*names: str) -> Callable[..., Mask]:
+    """Return the condition that a motion has one of some statuses."""
     values = [STATUS[name] for name in names]
 
     def has_status(*, motion: Motion) -> Mask:
@@ -205,10 +206,11 @@ def _conveying(
     defaults: Mapping[str, float] = MappingProxyType({}),
     more: str = "",
 ) -> Scene:
-    """Return the system of a part that is conveyed; `in_space` are its scales and groups."""
+    """Return the system of a conveyed part; `in_space` are its scales and groups."""
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
     def equations(method: Method) -> tuple[Equation, ...]:
+        """Return the equations of the system with a method."""
         conveying = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
         if not contacts.rolling:
             conveying.append(ACROSS)
@@ -218,6 +220,7 @@ def _conveying(
         return (*in_space, *conveying)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
+        """Return the conditions of the system with a method."""
         more = [LEAVES_THE_WALL] if contacts.wall else []
         if method.energy is not None:
             more.append(spending.UNBOUNDED)
@@ -290,7 +293,7 @@ SYSTEMS: dict[str, Scene] = {
 
 
 def methods_of(scene: str) -> Mapping[str, Method]:
-    """Return the methods that a system has, and others of its sort, by name."""
+    """Return the methods of a system, and of others of its kind, by name."""
     if scene == ROW:
         return METHODS["row"]
     if scene in ROLLING:

@@ -34,7 +34,7 @@ SPEED = ("drive_number", "velocity_scale")
 
 
 def accuracy(plan: Plan) -> str:
-    """Return the known error of a method, in words."""
+    """Return the known error of a method as a sentence."""
     text = methods_of(plan.scene.name)[plan.variant].accuracy
     if ERROR in plan.outputs:
         return f"{text}; {ERROR} states it for each cell"
@@ -94,7 +94,10 @@ class Comparison:
     silent: Mapping[str, int] = field(default_factory=dict)
 
     def in_words(self, where: str) -> str:
-        """Return the comparison in words; `where` is the position of the largest difference."""
+        """Return the comparison as a sentence.
+
+        `where` is the position of the largest difference.
+        """
         parts = []
         if self.output:
             unit = QUANTITIES[self.output].unit
@@ -128,7 +131,7 @@ def compare(
     method: str,
     watch: Watch | None = None,
 ) -> Comparison:
-    """Return the differences of outputs of a motion from those of another method.
+    """Return the differences between given outputs of a motion and those of another method.
 
     Parameters
     ----------
@@ -178,7 +181,7 @@ def _with_worst(
     theirs: Mapping[str, Array],
     exact: NDArray[np.bool_],
 ) -> Comparison:
-    """Return a comparison with the output that differs most, as a share of its size."""
+    """Return the comparison, with the output that differs most relative to its size."""
     for name in outputs:
         right = np.where(exact, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
@@ -198,7 +201,7 @@ def _with_worst(
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
-    """Return the reasons why cells of such statuses cannot be judged, with their numbers."""
+    """Return the reasons why cells with such statuses cannot be judged, with counts."""
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
     for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
@@ -219,7 +222,7 @@ def _followed(
     count: int,
     watch: Watch | None,
 ) -> dict[str, Array]:
-    """Return outputs of cells by a method, in the units of studies."""
+    """Return the outputs of cells computed by a method, in the units of studies."""
     asked = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
     plan = plan_scene(scene, method, asked, parameters)
@@ -231,7 +234,7 @@ def _followed(
 
 
 def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Return the difference of mean velocities, and the error that both state; else infinity."""
+    """Return the difference of mean velocities less both stated errors; else infinity."""
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf
@@ -241,7 +244,7 @@ def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Arra
 
 
 def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return a mask of motions that repeat after other numbers of periods; rest fits any."""
+    """Return a mask of motions that repeat after different numbers of periods."""
     multiple = got.get("period_multiple")
     if multiple is None:
         return np.zeros(theirs["motion_status"].shape, dtype=np.bool_)
@@ -252,7 +255,7 @@ def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> ND
 def verified(
     prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return the result of verifying, as attributes of the dataset; nothing if not asked for.
+    """Return the verification result as attributes of the dataset; empty if not asked for.
 
     Parameters
     ----------
@@ -275,7 +278,7 @@ def verified_at(
     arrays: Mapping[str, NDArray[np.generic]] | None,
     watch: Watch,
 ) -> dict[str, str | int]:
-    """Return the result of verifying some cells; without kept `arrays`, they are followed anew.
+    """Return the verification result of sampled cells; they are simulated again if not in `arrays`.
 
     Otherwise as `verified`.
     """

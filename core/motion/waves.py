@@ -46,11 +46,11 @@ class Wave(NamedTuple):
 
     @property
     def cells(self) -> tuple[int, ...]:
-        """Shape of the cells."""
+        """The shape of the cells."""
         return np.broadcast_shapes(self.harmonics.shape[3:], self.steps.shape[2:])
 
     def columns(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
-        """Return one row a cell of a shape: the two counts, then harmonics and steps."""
+        """Return one row per cell: the two counts, then harmonics and steps."""
         parts = [_widened(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
         counts = np.empty((2, *shape))
         counts[0], counts[1] = self.harmonics.shape[2], self.steps.shape[1]
@@ -59,14 +59,14 @@ class Wave(NamedTuple):
 
 
 def _widened(part: Array, own: int, shape: tuple[int, ...]) -> Array:
-    """Return an array whose axes behind its own are broadcast from the right to a shape."""
+    """Return an array broadcast from the right to a shape, its own leading axes kept."""
     axes, cells = part.shape[:own], part.shape[own:]
     missing = (1,) * (len(shape) - len(cells))
     return np.broadcast_to(part.reshape(*axes, *missing, *cells), (*axes, *shape))
 
 
 def of_columns(rows: NDArray[np.float64]) -> Wave:
-    """Return the wave of rows as `Wave.columns` gives them, its cells one row."""
+    """Return the wave stored in rows of `Wave.columns`."""
     orders, steps = int(rows[0, 0]), int(rows[0, 1])
     columns = rows.T[2:]
     return Wave(
@@ -76,7 +76,7 @@ def of_columns(rows: NDArray[np.float64]) -> Wave:
 
 
 def of_row(row: NDArray[np.float64]) -> Wave:
-    """Return the wave of one row, its cells of no dimension."""
+    """Return the wave stored in one row, for a single cell."""
     harmonics, steps = of_columns(row[np.newaxis])
     return Wave(harmonics[..., 0], steps[..., 0])
 
@@ -92,7 +92,7 @@ def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the part of the push at a phase that the steps of a wave add."""
+    """Return the share of the push at a phase that comes from the steps of a wave."""
     tau = np.asarray(phase, dtype=float)
     if not wave.steps.shape[1]:
         return np.zeros(np.broadcast_shapes(tau.shape, wave.cells))
@@ -100,7 +100,7 @@ def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the velocity of the track, in g/w."""
+    """Return the velocity of the track at a phase, in g/w."""
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 1)
     if wave.steps.shape[1]:
@@ -109,7 +109,7 @@ def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the displacement of the track, in g/w^2."""
+    """Return the displacement of the track at a phase, in g/w^2."""
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 2)
     if wave.steps.shape[1]:
@@ -118,7 +118,7 @@ def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
-    """Return the harmonics of the push, integrated so many times without a constant."""
+    """Return the harmonics of the push, integrated `integrals` times without constants."""
     total = np.zeros(np.broadcast_shapes(tau.shape, wave.harmonics.shape[3:]))
     for k, (sine, cosine) in enumerate(zip(*wave.harmonics[axis], strict=True), start=1):
         turned = k * tau - integrals * np.pi / 2
@@ -127,7 +127,7 @@ def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
 
 
 def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return values by step, broadcast over phases, and the number of the step of each."""
+    """Return the values of the step at each phase, and the number of that step."""
     within = np.mod(tau, TURN)
     ends = wave.steps[ENDS]
     shape = np.broadcast_shapes(within.shape, ends.shape[1:])
@@ -188,7 +188,7 @@ def stroke(wave: Wave, axis: int) -> Array:
 
 
 def jerk(wave: Wave, axis: int) -> Array:
-    """Return the largest size of the derivative of the push; infinite where it jumps."""
+    """Return the largest absolute derivative of the push; infinite where it jumps."""
     if wave.steps.shape[1]:
         jumps = largest(wave, axis, "push") + largest(wave, axis, "push back")
         return np.where(jumps > 0.0, np.inf, jumps)
@@ -208,7 +208,7 @@ COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
-    """Yield phases among which those of all extremes are."""
+    """Yield phases that include all extremes of a quantity."""
     if wave.harmonics.shape[2]:
         yield from _turns(wave, axis, COURSES[of][1])
     start = np.zeros(())
@@ -221,7 +221,7 @@ def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
 
 
 def _turns(wave: Wave, axis: int, integrals: int) -> Array:
-    """Return phases where sines integrated so many times turn, shape (roots, cells)."""
+    """Return the phases of all extremes of the harmonics, integrated `integrals` times."""
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
     shape = wave.cells
@@ -258,13 +258,13 @@ def _angles(slopes: NDArray[np.complex128]) -> Array:
 
 
 def bound(wave: Wave, axis: int) -> Array:
-    """Return a bound of the push, either way: the sum of its amplitudes."""
+    """Return an upper bound of the push: the sum of its amplitudes."""
     amplitudes = np.hypot(*wave.harmonics[axis]).sum(axis=0)
     return amplitudes + np.abs(wave.steps[axis]).max(axis=0, initial=0.0)
 
 
 def size(wave: Wave) -> Array:
-    """Return a bound of the speed of the track, in g/w: the sum of its amplitudes."""
+    """Return an upper bound of the track's speed in g/w: the sum of its amplitudes."""
     squares = np.zeros(wave.cells)
     orders = np.arange(1, wave.harmonics.shape[2] + 1).reshape(
         -1, *(1,) * (wave.harmonics.ndim - 3)

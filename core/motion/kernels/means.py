@@ -52,7 +52,7 @@ def batch_means(values: Floats) -> Floats:
 
 @compiled
 def scatter(means: Floats) -> float:
-    """Return the standard deviation of numbers, s = sqrt(sum (m - mean)^2/(n - 1))."""
+    """Return the sample standard deviation, s = sqrt(sum (m - mean)^2/(n - 1))."""
     centre, square = np.mean(means), 0.0
     for mean in means:
         square += (mean - centre) ** 2
@@ -75,7 +75,7 @@ def succession(means: Floats) -> float:
 
 @compiled
 def is_steady(means: Floats, resolved: float) -> bool:
-    """True if batches' means show neither a drift nor a memory longer than a batch.
+    """True if batch means show no drift and no correlation between neighbouring batches.
 
     s(m) <= `resolved`: those that scatter by less than what is known of them are the same; or r >=
     0.684, with `scatter` and `succession`. False of NaN. Batches of a steady motion fail once in
@@ -86,7 +86,7 @@ def is_steady(means: Floats, resolved: float) -> bool:
 
 @compiled
 def mean_error(means: Floats) -> float:
-    """Return the statistical error of the mean of steady batches' means, at 99 %.
+    """Return the 99 % statistical error of the mean of independent batch means.
 
     t s/sqrt(n) sqrt((1 + q)/(1 - q)): Student's quantile t times the standard error of the mean of
     n numbers with standard deviation s, of which neighbours have the correlation q = 1 - r/2, if
@@ -111,7 +111,7 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 @compiled
 def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
-    """Return by how much the mean velocity grew from the third to the last quarter, and before.
+    """Return how much the mean velocity grew from the third to the last quarter, and before that.
 
     v_4 - v_3 and v_3 - v_2, with v_q the `mean_velocity` of quarter q.
     """
@@ -124,7 +124,7 @@ def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
 
 @compiled
 def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
-    """True if the mean velocity grows on and on, as gravity is no less than friction.
+    """True if the mean velocity grows steadily because gravity exceeds friction.
 
     For its growth d after d', d d' > 0, |d| > |d'|/2 and `pull` >= `friction`, g sin(gamma) against
     mu_k times the mean load: at high speed friction is kinetic, whether the part hops or not.
@@ -134,7 +134,7 @@ def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
 
 @compiled
 def fill_means(tallies: Floats, first: int, last: int, period: float, result: Floats) -> None:
-    """Fill a result with the means over the periods from `first` to before `last`.
+    """Fill a result with the mean values of the periods from `first` to before `last`.
 
     A part that touched the wall meanwhile has no mean velocity across: it comes back.
     """
@@ -163,7 +163,7 @@ def fill_means(tallies: Floats, first: int, last: int, period: float, result: Fl
 def ended(
     cell: Cell, wall: bool, pull: float, travel: Floats, period: float, resolved: float
 ) -> tuple[int, Floats]:
-    """Return the status of a motion that did not repeat, and the means of its batches of periods.
+    """Return the status of a motion that did not repeat, and its batch means.
 
     `pull` is gravity's, sin(gamma), against the friction mu_k n + mu_w max(0, n_y) that may not
     hold it (theory 13.8); `resolved` as in `is_steady`.
@@ -180,7 +180,7 @@ def ended(
 
 @compiled
 def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
-    """Return the difference of two distances from the wall, as far as it matters.
+    """Return the difference of two distances from the wall, 0 where it does not matter.
 
     |dy| for a part that touched the wall over the periods from `first` to before `last`; max(0,
     -dy) for one that did not, with `drift` = dy: to one that does not come nearer it does not

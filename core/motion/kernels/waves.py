@@ -38,7 +38,7 @@ class SineSum(NamedTuple):
 
 @borrowing
 def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
-    """Return a sum and its derivative, S and S' = sum of k (a_k cos(k tau) - b_k sin(k tau)).
+    """Return the value and the derivative of a sum of sines, S and sum of k (a_k cos - b_k sin).
 
     sin(k tau) and cos(k tau) come from those of (k - 1) tau by the addition theorem.
     """
@@ -55,7 +55,7 @@ def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
 
 @borrowing
 def bend_bound(wave: SineSum) -> float:
-    """Return a bound of the second derivative of a sum, sum of k^2 sqrt(a_k^2 + b_k^2)."""
+    """Return an upper bound of a sum's second derivative, sum of k^2 sqrt(a_k^2 + b_k^2)."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     total = 0.0
     for k in range(1, wave.orders + 1):
@@ -65,7 +65,7 @@ def bend_bound(wave: SineSum) -> float:
 
 @borrowing
 def at_point(wave: SineSum, point: int) -> tuple[float, float]:
-    """Return the same as `value_and_slope` at one of `POINTS` phases, from one table of sines."""
+    """Return value and derivative of a sum at one of `POINTS` phases, from a table of sines."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
     for k in range(1, wave.orders + 1):
@@ -79,7 +79,9 @@ def at_point(wave: SineSum, point: int) -> tuple[float, float]:
 
 @borrowing
 def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
-    """Fill the row `row`, from column 1 on, with where a sum passes a level; return how many.
+    """Fill row `row`, from column 1, with the phases where a sum passes a level.
+
+    Return their number.
 
     Ascending in [0, 2 pi). On each of some equal pieces, h on either side of its middle, with the
     bound M of the second derivative: |S - level| > |S'| h + M h^2/2, and the sum is off the level
@@ -115,7 +117,7 @@ def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
 
 @borrowing
 def two_passages(sine: float, cosine: float, level: float, table: Floats, row: int) -> int:
-    """Fill where one sine passes a level, in closed form; return how often, twice or never.
+    """Fill the phases where one sine passes a level, in closed form; return 2 or 0.
 
     a sin(tau) + b cos(tau) = A sin(tau + lead) = level at asin(level/A) - lead and
     pi - asin(level/A) - lead, with A = sqrt(a^2 + b^2) and lead = atan2(b, a).
@@ -131,7 +133,7 @@ def two_passages(sine: float, cosine: float, level: float, table: Floats, row: i
 
 @borrowing
 def passes(first: float, last: float) -> bool:
-    """True if a sign changes, a <= 0 < b or a >= 0 > b.
+    """True if a sign changes between two values, a <= 0 < b or a >= 0 > b.
 
     What is 0 belongs to what comes after it.
     """
@@ -143,7 +145,10 @@ def in_piece(
     wave: SineSum, level: float, low: float, high: float, bend: float, first: float, row: int,
     count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Do what `passages` does within a piece, by halves; return the count, and the end's value."""
+    """Find a sum's passages within an interval by halving.
+
+    Return their number and the end's value.
+    """
     tau, step = low, 0.5 * (high - low)
     while tau < high:
         step = min(step, high - tau)
@@ -203,14 +208,14 @@ def passage(
 
 @borrowing
 def halley(value: float, slope: float, bend: float) -> float:
-    """Return the step to a root, f f'/(f'^2 - f f''/2), by Halley; infinite if there is none."""
+    """Return Halley's step to a root, f f'/(f'^2 - f f''/2); infinite without one."""
     below = slope * slope - 0.5 * value * bend
     return value * slope / below if below > 0.0 else math.inf
 
 
 @borrowing
 def is_near_root(value: float, slope: float, bend: float, nearness: float) -> bool:
-    """True if Halley's step ends at a root of the parabola here: |f f''| <= nearness f'^2.
+    """True if Halley's step ends at a root of the local parabola: |f f''| <= nearness f'^2.
 
     A short step alone tells nothing: where the slope f' vanishes it is some 2 f'/f'', however far
     off the root. The height f'^2/(2 |f''|) of the parabola above or below its vertex is the scale

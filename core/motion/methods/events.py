@@ -80,7 +80,7 @@ def planar_path(
     phases: Array,
     watch: Watch | None = None,
 ) -> EventPath:
-    """Return the motion of one part at phases since the start of its cycle, exact at each.
+    """Return the exact motion of one part at phases counted from the start of its cycle.
 
     Parameters
     ----------
@@ -110,6 +110,7 @@ def planar_path(
 
 
 def _modes(values: Array, way: float) -> NDArray[np.int8]:
+    """Return modes as integers, forward and backward swapped if the drive was mirrored."""
     modes = values.astype(np.int8)
     forward, backward = MOTION_MODES["forward"].value, MOTION_MODES["backward"].value
     if way < 0:
@@ -126,7 +127,7 @@ def motion_by_events(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion from rest: in closed form in the plane, else by Taylor series.
+    """Return the motion from rest: in closed form in the plane, by Taylor series in space.
 
     A cylinder that slides along its axis moves as a block does. In space there is no solution where
     restitution falls with speed.
@@ -165,6 +166,7 @@ def _in_space(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
+    """Return the motion in space; cells with speed-dependent restitution have none."""
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     motion = spatial_motion(groups, contacts, **settings, watch=watch)
     falls = np.not_equal(groups.impact_damping, 0.0)
@@ -185,7 +187,7 @@ def energy_by_events(
     watch: Watch | None = None,
     averages: bool = False,
 ) -> Energy:
-    """Return the work of friction, impacts and the drive in motions that repeat; NaN in others.
+    """Return the energies of motions that repeat: work of friction, impacts, drive; else NaN.
 
     `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
     exactly, in space to some 1e-10 of the drive's work. With `averages` motions in the plane that
@@ -198,6 +200,7 @@ def energy_by_events(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
+        """Run the energy kernel for motion in space on a piece of the cells."""
         compiled.track.spend_cells(
             contacts.wall, float(contacts.rolling), piece, rows, status, stop
         )
@@ -226,7 +229,7 @@ def energy_by_events(
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the equation."""
+    """Return the motion equation's function for parts with these contacts."""
 
     def motion(
         *, groups: Groups, tolerance: Array, max_periods: Array, watch: Watch | None = None
@@ -240,7 +243,7 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _energy(contacts: Contacts) -> Follow:
-    """Return the equation of the energies."""
+    """Return the energy equation's function for parts with these contacts."""
 
     def energy(
         *,
@@ -250,7 +253,7 @@ def _energy(contacts: Contacts) -> Follow:
         max_periods: Array,
         watch: Watch | None = None,
     ) -> Energy:
-        """Return the work of friction, impacts and the drive over a cycle, theory 13.15."""
+        """Return the work of friction, impacts and drive over a cycle (theory 13.15)."""
         silent = None if watch is None else replace(watch, progress=None)
         return energy_by_events(
             groups, contacts, motion, tolerance=tolerance, max_periods=max_periods, watch=silent
@@ -260,9 +263,10 @@ def _energy(contacts: Contacts) -> Follow:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that follows a part over a cycle."""
+    """Return the function that computes a part's trajectory over a cycle."""
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
+        """Return the trajectory of the part at the asked times."""
         settings = {name: asked.setting(name) for name in ("tolerance", "max_periods")}
         if not in_plane(asked.groups, contacts):
             return spatial_trajectory(asked, contacts, **settings)

@@ -30,7 +30,7 @@ ROUNDING = 1e-12
 
 
 def block_groups(contact: RollingContact) -> Groups:
-    """Return the groups of the block that moves as a round part that rolls.
+    """Return the groups of a sliding block that moves like a given rolling part.
 
     Its friction is the rolling resistance c, its load the part's and w/c of the wall's friction;
     without rolling resistance, the wall's alone on a floor that does not press. A block at rest
@@ -51,7 +51,7 @@ def block_groups(contact: RollingContact) -> Groups:
 
 
 def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
-    """True where the floor has the friction to roll over the whole cycle.
+    """True where the floor's friction suffices for rolling over the whole cycle.
 
     Bounds tell nearly all cells; the motion of the others is followed once more.
     """
@@ -77,7 +77,7 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
 
 
 def most_traction(contact: RollingContact, pieces: Array) -> float:
-    """Return the largest friction over load that rolling takes, over the pieces of a cycle [1].
+    """Return the largest ratio of friction to load that rolling needs over a cycle [1].
 
     |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, |D| - w at most at rest.
     """
@@ -105,7 +105,7 @@ def most_traction(contact: RollingContact, pieces: Array) -> float:
 
 
 def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> Motion:
-    """Return the motion of a round part from that of its block."""
+    """Return a round part's motion, converted from that of its equivalent block."""
     rolls = always_rolls(contact, watch)
     status = np.where(
         contact.runs_away, STATUS["runaway"],
@@ -116,6 +116,7 @@ def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> M
     neutral = status == STATUS["neutral"]
 
     def means(values: Array, scale: Array | float = 1.0) -> Array:
+        """Return a mean value of the part, scaled from that of its block."""
         return np.where(none, np.nan, np.where(neutral, 0.0, scale * values))
 
     found = {name: means(getattr(block, name)) for name in Motion._fields if name != "status"}
@@ -126,16 +127,17 @@ def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> M
 
 
 def _rolled(method: Method) -> Method:
-    """Return the method for round parts that follows their blocks by another one."""
+    """Return the method for round parts that follows equivalent blocks by another method."""
 
     def follow(contacts: Contacts) -> Follow:
+        """Return the motion equation's function for round parts."""
         block = method.follow(contacts)
 
         def motion(
             *, groups: Groups, rolling_contact: RollingContact, watch: Watch | None = None,
             **inputs: Any,
         ) -> Motion:  # fmt: skip
-            """Return the motion of the block of a round part, as that of the part."""
+            """Return the motion of a round part, computed as that of its equivalent block."""
             motion: Motion = block(groups=groups, watch=watch, **inputs)
             return as_rolling(rolling_contact, motion, watch)
 
@@ -146,10 +148,10 @@ def _rolled(method: Method) -> Method:
 
 
 def of_slip(block: Follow) -> Follow:
-    """Return the equation of the slip of a round part's contact, which moves as a block does."""
+    """Return the equation's function for the slip at a round part's contact."""
 
     def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **inputs: Any) -> Motion:
-        """Return the motion of the contact of a round part over the floor."""
+        """Return the slip of a round part's contact, computed as the motion of a block."""
         motion: Motion = block(groups=slip_groups, watch=watch, **inputs)
         return motion
 
@@ -158,5 +160,5 @@ def of_slip(block: Follow) -> Follow:
 
 
 def rolled(methods: dict[str, Method]) -> dict[str, Method]:
-    """Return the methods for round parts."""
+    """Return the methods for round parts, made from those for blocks."""
     return {name: _rolled(method) for name, method in methods.items()}

@@ -143,7 +143,7 @@ def row_motion(
     groups: Groups, parts: RowParts, max_periods: Array, watch: Watch | None = None,
     *, steps: int | None = None,
 ) -> RowMotion:  # fmt: skip
-    """Return the motion of rows that start at rest on the track.
+    """Return the motion of rows of parts that start at rest on the track.
 
     With `steps` they are followed by so many time steps of a period, as are rows of one friction
     then. Parts that rebound from the floor hop each by itself: their rows are not
@@ -179,7 +179,7 @@ def row_motion(
 
 
 def _waved(rows: Array) -> NDArray[np.bool_]:
-    """Return which rows have a wave beyond steps along the track."""
+    """Return a mask of the rows whose drive is a wave beyond steps along the track."""
     start = _HEAD + 4 * int(rows[0, _head("room")])
     if rows.shape[1] == start:
         return np.zeros(len(rows), dtype=bool)
@@ -191,7 +191,7 @@ def _waved(rows: Array) -> NDArray[np.bool_]:
 def _by_events(
     cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
 ) -> None:
-    """Fill the table of rows; each drive has its kernel, whatever stands beside it."""
+    """Fill the result table of rows with the kernel that suits each drive."""
     waved = _waved(cells)
     for some, kernel in ((~waved, "row_cells"), (waved, "waved_row_cells")):
         if some.any():
@@ -201,16 +201,18 @@ def _by_events(
 
 
 def _stepped(steps: int) -> Kernel:
+    """Return the kernel for time stepping with this number of steps."""
     def kernel(
         cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
     ) -> None:
+        """Fill the result table of rows by time stepping."""
         compiled.rows.stepped_rows(steps, cells, table_, status, stop)
 
     return kernel
 
 
 def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
-    """Return which rows have parts of one friction."""
+    """Return a mask of the rows whose parts all have one friction."""
     inside = _inside(rows, room)
     alike = np.ones(len(rows), dtype=bool)
     for k in (0, 1):
@@ -220,12 +222,13 @@ def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
 
 
 def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
+    """Return a mask (rows, parts) of the parts that exist in each row."""
     counts = rows[:, _head("parts")].astype(int)
     return np.arange(room) < counts[:, np.newaxis]
 
 
 def _merged(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
-    """Return rows in which touching parts of one friction are one part of their mass."""
+    """Return rows in which touching parts of one friction are replaced by a single part."""
     masses, gaps = (rows[:, _HEAD + k * room : _HEAD + (k + 1) * room] for k in (2, 3))
     inside = _inside(rows, room)
     closed = (gaps[:, :-1] == 0.0) | ~inside[:, 1:]
@@ -237,7 +240,7 @@ def _merged(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
 
 
 def _spread(table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, columns: int) -> None:
-    """Fill what the parts of a row that was followed as one have: its velocity, and no gap."""
+    """Fill the columns of each part in rows that were followed as a single part."""
     as_one = alike & np.isnan(table_[:, columns + 1]) & ~np.isnan(table_[:, columns])
     inside = _inside(rows, room)[as_one]
     for start, value in ((columns, table_[as_one, columns]), (columns + room, 1.0)):
@@ -251,7 +254,7 @@ def _as_one(
     groups: Groups, rows: Array, shape: tuple[int, ...], alike: NDArray[np.bool_], room: int,
     watch: Watch | None,
 ) -> tuple[list[Array], list[Array], NDArray[np.int8]]:  # fmt: skip
-    """Return what rows of one friction do: as one part does.
+    """Return the motion of rows of one friction, in which all parts move as one.
 
     The columns of `RowMotion` for each row, those for each part (rows, room), and the statuses.
     """
@@ -290,11 +293,12 @@ _HEAD = len(_HEAD_NAMES)
 
 
 def _head(name: str) -> int:
+    """Return the column of a field in the kernel's rows."""
     return _HEAD_NAMES.index(name)
 
 
 def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, tuple[int, ...]]:
-    """Return the rows of the kernel, and the shape of the cells."""
+    """Return the kernel's rows, and the shape of the cells."""
     room = len(parts.friction)
     own = [np.isnan(one) for one in parts.friction]
     static, kinetic = (
@@ -324,6 +328,7 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
 
 
 def _follow(contacts: Contacts) -> Follow:
+    """Return the motion equation's function for rows."""
     del contacts
 
     def motion(
@@ -336,10 +341,11 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _course(contacts: Contacts) -> FollowCourse:
-    """Return what gives the places of the parts of a row, from its start."""
+    """Return the function that computes the positions of a row's parts over time."""
     del contacts
 
     def course(asked: TrajectoryRequest) -> TrajectoryValues:
+        """Return the positions of all parts of the row at the asked times."""
         turn = 2 * np.pi
         pace = asked.scale("velocity_scale") / asked.scale("length_scale")
         if isinstance(asked.samples, int):
@@ -368,7 +374,7 @@ def _course(contacts: Contacts) -> FollowCourse:
 
 
 def _price(cells: Priced) -> Price:
-    """Return what a row takes: events go with parts and, where they collide, with their square.
+    """Return the time to simulate a row: it grows with the parts, squared where they collide.
 
     Parts of one friction take what one part takes.
     """
@@ -385,6 +391,7 @@ def _price(cells: Priced) -> Price:
 
 
 def _follow_steps(contacts: Contacts) -> Follow:
+    """Return the motion equation's function for rows by time stepping."""
     del contacts
 
     def motion(
@@ -398,7 +405,7 @@ def _follow_steps(contacts: Contacts) -> Follow:
 
 
 def _price_steps(cells: Priced) -> Price:
-    """Return the price: two runs, of 3 times the steps together."""
+    """Return the time to simulate a row by stepping: two runs with 3 times the steps in total."""
     row: RowParts = cells.known["row"]
     steps = 3.0 * cells.setting("steps_per_period") * cells.setting("max_periods")
     most = STEP_SECONDS * (2.0 + np.asarray(row.number, dtype=float)) * steps

@@ -31,7 +31,7 @@ def spatial_motion(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion that a part falls into from rest on the floor, touching the wall.
+    """Return the motion of parts in space that start at rest on the floor, touching the wall.
 
     `error` is the difference to a run of lower order, what the transient has left, and 1e-10 of the
     drive's speed.
@@ -57,6 +57,7 @@ def spatial_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
+        """Run the kernel of motions in space on a piece of the cells."""
         compiled.track.solve_cells(
             contacts.wall, float(contacts.rolling), piece, rows, status, stop
         )
@@ -73,7 +74,7 @@ def spatial_path(
     phases: Array,
     watch: Watch | None = None,
 ) -> tuple[Path, NDArray[np.int8]]:
-    """Return the positions of one part at ascending phases from its cycle's start, and its modes.
+    """Return positions and modes of one part at ascending phases from the start of its cycle.
 
     A motion that does not repeat is shown after as many periods as it is followed for. What the
     watch did not let it reach is NaN.
@@ -96,7 +97,7 @@ def spatial_path(
 def spatial_trajectory(
     asked: TrajectoryRequest, contacts: Contacts, *, tolerance: float, max_periods: float
 ) -> TrajectoryValues:
-    """Return the trajectory of one part over a cycle, or as asked."""
+    """Return the trajectory of one part over a cycle, or at the asked times."""
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     _, phases = asked.times()
     path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)

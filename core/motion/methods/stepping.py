@@ -58,7 +58,7 @@ def stepped_motion(
     tolerance: float = 1.0,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion of a part on the floor, and at the wall if there is one, in space.
+    """Return the motion of parts on the floor, and at the wall if there is one, by time stepping.
 
     The part starts at rest on the floor, touching the wall, at phase 0. Each cell runs with n =
     `steps_per_period` steps and with 2n + 1. `velocity` and all else are those of the finer run,
@@ -132,6 +132,7 @@ def stepped_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
+        """Run the time-stepping kernel on a piece of the cells."""
         numbers, columns = np.split(piece, [compiled.stepping.GROUPS], axis=1)
         coarse, shifted, finer = sines
         if columns.size:
@@ -149,7 +150,7 @@ def stepped_motion(
 
 
 def without_landing_steps(motion: Motion, steps: int) -> Motion:
-    """Return the motion with no time on the floor where the part is there to land only.
+    """Return the motion without the floor time of steps in which the part only lands.
 
     A landing takes one step, in which the floor pushes; in truth it takes no time. Where no step of
     a period is on the floor but those of its impacts, the part hops after each: it is in the air
@@ -177,7 +178,7 @@ def stepped_path(
     spin: float = 0.0,
     watch: Watch | None = None,
 ) -> Path:
-    """Return the positions of one part at given phases, from a given state at the first of them.
+    """Return one part's positions at given phases, from a given state at the first phase.
 
     Parameters
     ----------
@@ -231,7 +232,7 @@ def stepped_path(
 
 
 def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:
-    """Raise if a count or a plain number is out of its range."""
+    """Raise if a count or a setting is out of its range."""
     if steps_per_period < 8 or max_periods < 8:
         raise ValueError("steps_per_period and max_periods must be at least 8")
     if 4 * steps_per_period * max_periods > MAX_STEPS:
@@ -242,7 +243,7 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the function that follows parts: in the plane if no push across moves any."""
+    """Return the motion equation's function: planar if no drive acts across."""
 
     def motion(
         *, groups: Groups, steps_per_period: Array, max_periods: Array, watch: Watch | None = None
@@ -261,13 +262,14 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that follows a part from rest.
+    """Return the function that computes a part's trajectory from rest.
 
     It is shown after as many periods as the study follows it for; the steps are those of the finest
     run that gave its mean.
     """
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
+        """Return the trajectory of the part at the asked times, after the transient."""
         _, phases = asked.times()
         steps = 2 * int(asked.setting("steps_per_period")) + 1
         before = 2 * np.pi * asked.setting("max_periods")
@@ -288,7 +290,7 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDArray[np.int8]:
-    """Return the mode of a part at each place of its path."""
+    """Return the mode of a part at each point of its path."""
     # On the floor the normal velocity is 0; gaps below what the drive covers in a step are the
     # method's own.
     gap = abs(groups.drive_number_normal) * (2 * np.pi / steps) ** 2
@@ -301,7 +303,7 @@ def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDAr
 
 
 def _price(cells: Priced) -> Price:
-    """Return the price: three runs, of 4 times the steps together, and the drives of each."""
+    """Return the time to simulate a cell: three runs with 4 times the steps in total."""
     steps = 4.0 * cells.setting("steps_per_period")
     spatial = cells.contacts.wall or not cells.groups.planar
     each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP

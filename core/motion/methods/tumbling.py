@@ -185,7 +185,7 @@ class TumblePath(NamedTuple):
 
 
 def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None = None) -> Tumble:
-    """Return the tumbling of parts on a plane from their start to the end of the duration.
+    """Return the tumbling of parts on a plane from the start to the end of the duration.
 
     Wrong values, such as a restitution above 1, raise ValueError. Where numbers are beyond those of
     a computer, such as an acceleration that overflows, the status is `limit_reached`.
@@ -217,7 +217,7 @@ def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None
 def tumbling_path(
     throw: Throw, *, times: ArrayLike, method: Way = "events", watch: Watch | None = None
 ) -> TumblePath:
-    """Return the motion of one part at the given times, which ascend from 0 or later [s].
+    """Return the motion of one part at given ascending times, from 0 on [s].
 
     Every field of the throw is a single value; its duration is not looked at. After the part has
     come to rest for good its state stays. ``"events"`` gives the states at the very times,
@@ -242,7 +242,7 @@ def tumbling_path(
 
 
 def _step_of(throw: Throw) -> ArrayLike:
-    """Return the largest step of parts [s]."""
+    """Return the time step of parts [s]."""
     if throw.time_step is not None:
         return throw.time_step
     frequency = np.asarray(throw.frequency, dtype=float)
@@ -257,7 +257,7 @@ def _step_of(throw: Throw) -> ArrayLike:
 
 
 def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the kernel's rows and the shape of the fields broadcast."""
+    """Return the kernel's rows, and the shape of the broadcast fields."""
     for name, values in {"duration": throw.duration, "gravity": throw.gravity}.items():
         if not np.all(np.asarray(values) > 0):
             raise ValueError(f"{name} has to be positive")
@@ -299,7 +299,7 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
 
 
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
-    """Return for which rows nothing has overflowed, or vanished, that was computed of arguments."""
+    """Return a mask of the rows without overflow or underflow in the computed numbers."""
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
     valid: Mask = np.asarray(np.isfinite(rows).all(axis=1))
     for name in ("half_diagonal", "pull_normal", "time_step"):
@@ -308,7 +308,7 @@ def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
 
 
 def _check(method: Way, law: Law) -> None:
-    """Raise ValueError where the method does not know the law."""
+    """Raise ValueError if the method does not support the impact law."""
     if method not in ("events", "stepping"):
         raise ValueError("method has to be 'events' or 'stepping'")
     if method == "stepping" and law != "moreau":
@@ -316,9 +316,10 @@ def _check(method: Way, law: Law) -> None:
 
 
 def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
-    """Return the method, as the systems of tumbling parts call it."""
+    """Return the simulation method with this way of stepping and impact law."""
 
     def follow(contacts: Contacts) -> Follow:
+        """Return the tumbling equation's function."""
         del contacts
 
         def tumble(*, throw: Throw, watch: Watch | None = None) -> Tumble:
@@ -331,10 +332,11 @@ def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that follows a tumbling part from its start."""
+    """Return the function that computes a tumbling part's trajectory from its start."""
     del contacts
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
+        """Return the trajectory of the part at the asked times."""
         throw: Throw = asked.arguments["throw"]
         duration, samples = np.asarray(throw.duration).item(), asked.samples
         if isinstance(samples, int):
@@ -355,13 +357,14 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _pricing(step: float, settles: float, rebounds: float) -> Pricing:
-    """Return the function for the price of a method, whose step takes so many seconds.
+    """Return the function that estimates the time of a cell; `step` is the time of a step [s].
 
     A part that the plane does not shake off comes to rest; that takes so many seconds without
     restitution, and more with much.
     """
 
     def price(cells: Priced) -> Price:
+        """Return the time to simulate cells, from their duration and restitution."""
         throw: Throw = cells.known["throw"]
         duration = np.asarray(throw.duration, dtype=float)
         steps = np.minimum(duration / _step_of(throw), MAX_STEPS)

@@ -48,7 +48,7 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 
 @compiled
 def follow(row: Floats, waves: Waves, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Return the pieces of the cycle of one cell, the phase shift and the way of `upright`.
+    """Return the motion pieces of one cell's cycle, its phase shift, and the sign of its direction.
 
     The last value tells whether the motion repeats after them. A piece is a row of the log, columns
     of `PIECE`, by `follow_cycle`. `known` is the status of the cell, for a motion that does not
@@ -72,7 +72,7 @@ def pieces_of(
     drive: Drive, phase: float, cell: Cell, status: int, rows: Floats, count: int, u: float,
     sums: Floats, log: Floats,
 ) -> tuple[Floats, bool]:  # fmt: skip
-    """Return the pieces of a cycle that was solved, and whether the motion repeats after them.
+    """Return the motion pieces of a solved cycle, and whether the motion repeats after them.
 
     By `follow_cycle`, from the velocity u at its start. Of a motion that does not repeat, the last
     `SHOWN_PERIODS` of the way that it takes from rest.
@@ -100,7 +100,7 @@ def pieces_of(
 def sample(
     pieces: Floats, row: Floats, waves: Waves, shift: float, phases: Floats, repeats: bool
 ) -> Floats:
-    """Return position, height, velocities and mode at phases since the start of the cycle.
+    """Return position, height, velocities and mode at phases counted from the start of the cycle.
 
     The columns of the result, shape (n, 5), are those of `SAMPLE`. NaN and mode `unknown` where
     there is no cycle, and beyond the end of pieces after which the motion does not repeat.
@@ -137,7 +137,7 @@ def sample(
 
 @compiled
 def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, float, float]:
-    """Return position, height and velocities along and normal some phase after a piece began.
+    """Return position, height and both velocities at a phase after the start of a motion piece.
 
     x + that of `fly` or `slide`, and z of `rise`, with the velocities at the start of the piece.
     """
@@ -158,7 +158,7 @@ def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, f
 
 @compiled
 def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
-    """Add what the drive and friction do over a piece of the log (theory 13.15).
+    """Add the work of drive and friction over one motion piece to `spent` (theory 13.15).
 
     The integrals of b.u, of b'.u (theory 13.15, the mass that the drive feels) and, while it slips,
     of mu_k N |u|, with N = n - b_z, by Gauss's rule.
@@ -188,7 +188,7 @@ def spend_over_cycle(
     drive: Drive, rows: Floats, count: int, u: float, periods: float, sums: Floats, log: Floats,
     spent: Floats,
 ) -> None:  # fmt: skip
-    """Fill `spent` with means over so many periods of a chain of segments, entered with velocity u.
+    """Fill `spent` with mean powers over `periods` periods of a chain of segments.
 
     An impact takes the kinetic energy by which the piece after it starts with less, (u-^2 - u+^2 +
     w-^2 - w+^2)/2.
@@ -215,7 +215,7 @@ def spend_over_cycle(
 
 @compiled
 def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle."""
+    """Fill the energy table, columns as in `SPENT`, and statuses of cells; NaN without a cycle."""
     rows, sums, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):

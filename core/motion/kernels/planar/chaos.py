@@ -78,7 +78,7 @@ class FollowedRun(NamedTuple):
 
 @compiled
 def jolted(number: int, gn: float) -> float:
-    """Return the speed of a lift-off from rest, another one for every number k.
+    """Return a tiny lift-off speed for run number k from rest, different for every k.
 
     1e-8 n (0.618 k mod 1), since the multiples of the golden ratio come nowhere twice.
     """
@@ -87,7 +87,7 @@ def jolted(number: int, gn: float) -> float:
 
 @borrowing
 def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
-    """Add a distance to the periods in which it was covered; return how many are complete.
+    """Add a distance to the periods in which it was covered; return the number of complete periods.
 
     Each gets x |[begin, end] in the period|/(end - begin), as if the speed were steady between two
     landings. `begin` and `end` are phases since the start of the first period.
@@ -102,7 +102,7 @@ def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
 
 @borrowing
 def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
-    """Return the slip after a landing takes mu_k I off it, I = v + w, or all (theory 13.4)."""
+    """Return the slip speed after a landing, reduced by mu_k I, I = v + w, to 0 at least."""
     friction = mu_k * (speed + w)
     return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
 
@@ -111,7 +111,7 @@ def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
 def flight(
     drive: Drive, e: Restitution, u: float, w: float, tau: float, span: float
 ) -> tuple[float, float, float, float, bool]:
-    """Return the results of a flight and its landing: speed, rebound, slip, distance, and a stay.
+    """Return the results of a flight: landing speed, rebound, slip, distance, if the part stays.
 
     By `fly` and `rise` over the span, `rebound`, `slowed`; the last tells whether the part `rests`.
     """
@@ -126,7 +126,7 @@ def flight(
 def first_flight(
     run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
-    """Return slip, rebound, phase, time and whether it lay, where a run from rest first flies.
+    """Return the state where a run from rest first lifts off, and whether it rested on the floor.
 
     Each run starts from another phase; a part that the floor holds there stays up to lift-off.
     """
@@ -141,7 +141,7 @@ def first_flight(
 def stay(
     drive: Drive, tau: float, u: float, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float]:
-    """Return the slip and the phase at the lift-off after a stay on the floor, and its length.
+    """Return slip and phase at lift-off after contact with the floor, and the contact's duration.
 
     By `contact`, up to `lift_off`.
     """
@@ -152,14 +152,14 @@ def stay(
 
 @borrowing
 def ran_away(slips_down: bool, gs: float, before: float, u: float, sums: Floats) -> bool:
-    """True if a part slipped downhill at all landings, |u| grew, and t_stick + t_uphill = 0."""
+    """True if a part slipped downhill at all landings, |u| grew, and it neither stuck nor rose."""
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
     return slips_down and uphill == 0 and abs(u) > abs(before)
 
 
 @borrowing
 def is_over(enough: bool, count: int, patience: int) -> bool:
-    """True if a run ends: it is long `enough`, and no cycle may be near.
+    """True if a run may end: it is long enough, and no cycle seems to be near.
 
     One may where 64 <= k < `patience`, of the hops k since the last rest.
     """
@@ -168,7 +168,7 @@ def is_over(enough: bool, count: int, patience: int) -> bool:
 
 @borrowing
 def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
-    """Return min(least, v) and max(most, v); v is NaN where there was no rest before."""
+    """Return min(least, v) and max(most, v); v is NaN where the part has not rested before."""
     if math.isnan(velocity):
         return least, most
     return min(least, velocity), max(most, velocity)
@@ -179,7 +179,7 @@ def long_run(
     run: int, phase: float, periods: int, patience: int, drive: Drive, e: Restitution,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> FollowedRun:  # fmt: skip
-    """Follow a part from rest on the floor, each run from another phase of the drive.
+    """Follow a part from rest on the floor in several runs, each starting at another drive phase.
 
     The run lasts so many periods, and until the part comes to rest, if it did not lately, or has
     made so many hops, `patience`. Its first part is dropped; of what follows `travel` gets the
@@ -258,7 +258,7 @@ def means_of(
     run: FollowedRun, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats,
     result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
-    """Fill `result` with the means of the motion of one run; return a status.
+    """Fill `result` with the means of one run's motion; return its status.
 
     v = x/T, shares t_mode/T and impacts 2 pi k/T of the time T that is counted. A motion that ends
     in a cycle has the means of that, by `repeating`.
@@ -283,7 +283,7 @@ def means_of(
 
 @compiled
 def sure_change(later: Floats, before: Floats) -> float:
-    """Return by how much numbers have changed on the mean, 0 if that may be chance.
+    """Return the mean change between two sets of numbers, 0 if chance may explain it.
 
     d of n pairs, where |d| > t s(d)/sqrt(n) with Student's t for 99.9 %.
     """
@@ -294,7 +294,7 @@ def sure_change(later: Floats, before: Floats) -> float:
 
 @compiled
 def batch_error(quarters: Floats) -> float:
-    """Return the error of the mean velocity of runs, a row each, by quarters.
+    """Return the statistical error of the mean velocity over runs, from quarters of each run.
 
     The statistical one of the halves of all runs, `mean_error`, and by how much the second halves
     surely differ from the first, d: as far as that the runs still know how they began. Where the
@@ -320,7 +320,9 @@ def batch_error(quarters: Floats) -> float:
 def from_phases(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
-    """Fill the result of a motion that rounding decides; return a status.
+    """Fill `result` for a motion that rounding decides, from runs at several phases.
+
+    Return the status.
 
     The means are those of runs from several phases of the drive. Where none of them ends in a cycle
     the motion is aperiodic. The mean velocity is then that of batches, the two halves of each run,

@@ -39,7 +39,7 @@ SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
 def write_segment(
     rows: Floats, row: int, tau: float, span: float, w: float, speed: float, impulse: float
 ) -> None:
-    """Write a segment into a row, columns of `SEGMENT`."""
+    """Write one segment of a cycle into a row, columns of `SEGMENT`."""
     rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
     rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
 
@@ -48,7 +48,7 @@ def write_segment(
 def one_hop(
     drive: Drive, tau: float, w: float, e: Restitution
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
+    """Return span, landing speed, phase and rebound of a hop, and derivatives of phase and rebound.
 
     With the loads n0 at take-off and n1 at the landing, speed v after the span D, and rebound R(v),
     R = eps v or as `rebound` says,
@@ -78,7 +78,7 @@ def one_hop(
 def run_cycle(
     drive: Drive, tau: float, w: float, hops: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
-    """Return phase, rebound and their four derivatives after some hops; fill `rows`.
+    """Return phase, rebound and their four derivatives after some hops; write the hops into `rows`.
 
     The derivatives are the product of the matrices of `one_hop`. A hop that ends on the floor, or
     that never ends, gives a phase of NaN.
@@ -98,7 +98,7 @@ def run_cycle(
 def fixed_point(
     drive: Drive, at: float, up: float, hops: int, periods: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, bool]:
-    """Return a state near the given one that repeats after some hops, and whether it attracts.
+    """Return the fixed point of the map of some hops near a state, and whether it attracts.
 
     By Newton's iteration, (M - 1) dy = -(y1 - y0), with M of `run_cycle`; False as well where none
     is found. It attracts where |tr M| < 1 + det M and det M < 1 (Jury). Fills `rows`.
@@ -122,7 +122,7 @@ def fixed_point(
 
 @compiled
 def shortest_part(rows: Floats, hops: int, periods: int) -> int:
-    """Return the hops of the shortest cycle: near a period doubling two may be one hop twice.
+    """Return the hops of the shortest cycle; near a period doubling two hops may be one hop twice.
 
     The smallest part p of the hops, in whole periods, with sum |y[k + p] - y[k]| < 1e-7 a hop, y
     the phase and the rebound.
@@ -142,7 +142,7 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
 def find_cycle(
     drive: Drive, e: Restitution, rows: Floats, count: int, tau: float, w: float
 ) -> tuple[int, int]:
-    """Return hops and periods of an attracting cycle near the last states; 0, 0 if there is none.
+    """Return hops and periods of an attracting cycle near the last states; 0, 0 without one.
 
     Fills the first rows with the cycle. `fixed_point` of the map of some hops, from where the
     motion nearly recurs, |sum of D - 2 pi k| + |w1 - w0| < 0.01; accepted if it attracts and the
@@ -186,7 +186,7 @@ def find_cycle(
 def normal_cycle(
     drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float, rows: Floats
 ) -> tuple[int, int, int]:
-    """Return the cycle that the part falls into from rest on the floor at phase `start`.
+    """Return the cycle into which a part settles that starts at rest on the floor at phase `start`.
 
     Fills `rows`; the result is the first segment of the cycle, the end of its segments, and its
     periods. Those before the first lead into it; of a cycle of hops alone nothing leads. Periods 0
@@ -237,7 +237,7 @@ def normal_cycle(
 
 @compiled
 def same_start(rows: Floats, count: int, tau: float) -> int:
-    """Return the segment at which the part took off from rest at this phase; -1 if there is none.
+    """Return the segment that took off from rest at the same phase before; -1 without one.
 
     |tau - tau_k| < 1e-9, modulo a turn. A drive has few phases of lift-off, each known to rounding.
     """
@@ -251,7 +251,7 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 
 @compiled
 def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
-    """Return by how much roundings may move a phase of the cycle, as far as that moves the part.
+    """Return how much rounding may move a phase of the cycle, weighted by its effect on the part.
 
     They grow along a chain of hops by the product M of the matrices of `one_hop`, |M|/min |M| so
     far, until the part rests on the floor; where it never does, the cycle is known the less, the

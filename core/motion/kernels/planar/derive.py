@@ -42,7 +42,7 @@ DERIVED_COLUMNS = MARGIN + 1
 
 @borrowing
 def start_of_cycle(drive: SineDrive, rows: Floats, count: int, d: Floats) -> int:
-    """Fill the derivatives at the start of a cycle; return how many directions there are.
+    """Fill the derivatives at the start of a cycle; return the number of directions.
 
     A cycle with a rest starts at a lift-off, `lift`, one without contact at a landing, whose phase
     and rebound are free, and one that never lifts off where static friction lets go, `release`
@@ -72,7 +72,7 @@ def carry(
     drive: SineDrive, e: float, rows: Floats, count: int, cycles: int, u: float, energy: bool,
     d: Floats, nearest: Floats,
 ) -> int:  # fmt: skip
-    """Carry the derivatives over so many rounds of a cycle; return how many directions.
+    """Propagate derivatives through some rounds of a cycle; return the number of directions.
 
     Segment by segment: `in_air` of a flight, `on_floor` of a stay up to its `lift` (theory 13.16).
     """
@@ -98,14 +98,14 @@ def carry(
 
 @borrowing
 def add(d: Floats, to: int, factor: float, of: int) -> None:
-    """Add so much of a direction to another: d_to + `factor` d_of."""
+    """Add a multiple of one row of derivatives to another, d_to + `factor` d_of."""
     for row in range(d.shape[0]):
         d[row, to] += factor * d[row, of]
 
 
 @borrowing
 def close(size: int, d: Floats, nearest: Floats) -> None:
-    """Add the change of the start state y by each parameter that keeps the cycle closed.
+    """Add the change of the cycle's start state by each parameter, so that the cycle stays closed.
 
     y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter (theory
     13.16): of hops y is phase and rebound, and the slip after them. With M = (a, b; c, f) + 1,
@@ -132,7 +132,7 @@ def close(size: int, d: Floats, nearest: Floats) -> None:
 
 @borrowing
 def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) -> None:
-    """Do what `carry` and `close` do where a part slides to and fro without a stick.
+    """Propagate derivatives for a part that slides to and fro without sticking, in closed form.
 
     The cycle starts where it turns forward, at a phase tau that is free: the forward slip of
     `two_sided` and the backward one after it, tau. = Q/(1 - M) (theory 13.16).
@@ -163,7 +163,7 @@ def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) 
 
 @borrowing
 def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
-    """Fill the derivatives of the means, shape (told, groups).
+    """Fill the derivatives of the mean values, shape (results, groups).
 
     A sum over the cycle, over its time; drive = friction + impacts + sin(gamma) v (theory 13.15).
     """
@@ -182,7 +182,7 @@ def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
 
 @borrowing
 def turn_slopes(c: float, s: float, slopes: Floats) -> None:
-    """Undo the mirror images of `flow.upright`, of a drive (c, s).
+    """Undo in the derivatives the mirror images applied by `flow.upright`, for a drive (c, s).
 
     d/dc and d/ds of (-c, -s) change sign, and d/dc and d/dsin(gamma) of the mirror, where v. does,
     too, and the shares forward and backward change places.
@@ -203,7 +203,7 @@ def turn_slopes(c: float, s: float, slopes: Floats) -> None:
 
 @borrowing
 def from_edges(drive: SineDrive) -> float:
-    """Return the distance of a drive from lifting off, letting go or running away, either way.
+    """Return the relative distance of a drive from its thresholds: lift-off, slip, running away.
 
     The least of |s - n|/n, |1 - |S|| of both bounds of `stick_range`, and |mu_s n -
     |sin(gamma)||/(mu_s n + |sin(gamma)|). Beside these a motion changes its kind.
@@ -216,7 +216,7 @@ def from_edges(drive: SineDrive) -> float:
 
 @compiled
 def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells under a sine.
+    """Fill table and status of cells under a sine drive, with derivatives by the groups.
 
     A row of the table holds the results as `solve_cells` gives them, the derivatives of
     `DerivedMeans` by the first `DERIVED_BY` directions, NaN where the motion does not repeat, and

@@ -32,12 +32,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
+    """Return a decorator that selects the sine's or the wave's function by the type of `drive`."""
     return by_type("drive", {SineDrive: for_sine, WaveDrive: for_wave})
 
 
 @by_type("waves", {NoWaves: flow.upright, wave.WaveTable: wave.wave_of})
 def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
-    """Return the drive of a cell, phase and way; those of a wave are 0 and 1.
+    """Return the drive of a cell, its phase shift and direction sign (0 and 1 for waves).
 
     A sine has c and s positive: `flow.upright`. One that points down pushes up half a turn later,
     `phase` is where the study's own phase 0 lies; one that points back is the mirror image, `way`
@@ -48,7 +49,7 @@ def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float
 
 @_by_drive(sine_flight.sizes, wave_flight.sizes)
 def sizes(drive: Drive) -> tuple[float, float]:
-    """Return the largest push along the floor and normal to it.
+    """Return the largest drive acceleration along and normal to the floor.
 
     max |b_x| and max |b_z| in units of g, p cb and p sb of a sine, bounds for a wave.
     """
@@ -57,7 +58,7 @@ def sizes(drive: Drive) -> tuple[float, float]:
 
 @_by_drive(sine_flight.track_speed, wave_flight.track_speed)
 def track_speed(drive: Drive, tau: float) -> float:
-    """Return the velocity of the track along itself.
+    """Return the velocity of the track along itself at a phase.
 
     Minus the integral of the push b_x, without mean.
     """
@@ -66,13 +67,13 @@ def track_speed(drive: Drive, tau: float) -> float:
 
 @by_type("drive", {SineDrive: flow.rounded, WaveDrive: wave.rounded})
 def rounded(drive: Drive) -> Drive:
-    """Return a drive with the first bits of its numbers only, each as `flow.kept`."""
+    """Return the drive with its numbers rounded to their first bits, by `flow.kept`."""
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.push, wave_flight.push)
 def push(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the push of the drive on a part, along and normal to the floor.
+    """Return the drive acceleration along and normal to the floor at a phase.
 
     Minus the acceleration of the track over g, (c, s) sin(tau) of a sine (theory 13.2), p(tau) of a
     wave (13.14).
@@ -82,13 +83,13 @@ def push(drive: Drive, tau: float) -> tuple[float, float]:
 
 @_by_drive(sine_flight.push_slope, wave_flight.push_slope)
 def push_slope(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the derivative of a sine's push by the phase, (c, s) cos(tau); NaN of a wave."""
+    """Return the derivative of the drive acceleration by phase, (c, s) cos(tau); NaN for a wave."""
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.smooth_span, wave_flight.smooth_span)
 def smooth_span(drive: Drive, tau: float) -> float:
-    """Return a phase D from tau on over which b(tau + D) is a polynomial, but for rounding.
+    """Return a phase interval after tau in which b(tau + D) is a polynomial, up to rounding.
 
     `SMOOTH` over the highest order, 1.5 of a sine, whose terms beyond D^10 are rounding; of steps
     that to the next one.
@@ -101,13 +102,13 @@ def smooth_span(drive: Drive, tau: float) -> float:
 
 @_by_drive(sine_flight.lifts, wave_flight.lifts)
 def lifts(drive: Drive) -> bool:
-    """True if the drive ever lifts a part off the floor: n(tau) = n - b_z(tau) < 0 somewhere."""
+    """True if the drive lifts parts off the floor at any phase: n(tau) = n - b_z(tau) < 0."""
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.load, wave_flight.load)
 def load(drive: Drive, tau: float) -> float:
-    """Return the load on the floor of a part that rests on it, n(tau) = n - b_z(tau).
+    """Return the load on the floor of a part in contact, n(tau) = n - b_z(tau).
 
     With gravity's n; below 0 the drive lifts it off (theory 13.2).
     """
@@ -116,7 +117,7 @@ def load(drive: Drive, tau: float) -> float:
 
 @_by_drive(sine_flight.lift_off, wave_flight.lift_off)
 def lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase, modulo a turn, at which a part on the floor at tau lifts off.
+    """Return the phase, in [0, 2 pi), at which a part in contact at tau lifts off.
 
     The next at which n(tau) of `load` falls through 0 (theory 13.3).
     """
@@ -125,7 +126,7 @@ def lift_off(drive: Drive, tau: float) -> float:
 
 @compiled
 def to_lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase from tau, at which the floor carries the part, to its `lift_off`.
+    """Return the phase interval from tau, where the part is in contact, to its `lift_off`.
 
     (tau1 - tau) mod 2 pi.
     """
@@ -134,7 +135,7 @@ def to_lift_off(drive: Drive, tau: float) -> float:
 
 @_by_drive(sine_flight.landing, wave_flight.landing)
 def landing(drive: Drive, w: float, tau: float) -> float:
-    """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
+    """Return the flight time (phase) after take-off at tau with velocity w >= 0; -1 if not found.
 
     The first D > 0 at which the height of `rise` comes down to z = 0 (theory 13.3). The drive lifts
     the part off at times.
@@ -144,7 +145,7 @@ def landing(drive: Drive, w: float, tau: float) -> float:
 
 @_by_drive(sine_flight.rise, wave_flight.rise)
 def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height a phase D after take-off with velocity w.
+    """Return velocity off the floor and height at phase D after take-off with velocity w.
 
     w1 = w + integral of (b_z - n), z = integral of w over the phase: C = s, k = n in 13.2.
     """
@@ -162,7 +163,7 @@ def hop_height(drive: Drive, w: float, tau: float, span: float, known: float) ->
 
 @_by_drive(sine_flight.fly, wave_flight.fly)
 def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track a phase D after velocity u, in the air.
+    """Return velocity and distance along the track at phase D of a flight, u at its start.
 
     u1 = u + integral of (b_x - sin(gamma)), x = integral of u: C = c, k = sin(gamma) in 13.2.
     """
@@ -174,7 +175,7 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
 
 @_by_drive(sine_slip.holds, wave_slip.holds)
 def holds(drive: Drive, at: float) -> bool:
-    """True if static friction holds a part that does not slip.
+    """True if static friction holds a part without slip at a phase.
 
     |b_x - sin(gamma)| <= mu_s n(tau), by the bounds of 13.3.
     """
@@ -183,7 +184,7 @@ def holds(drive: Drive, at: float) -> bool:
 
 @_by_drive(sine_slip.hold, wave_slip.hold)
 def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return the stick of a part without slip: if any, its last phase, if it then slips forward.
+    """Return whether a part without slip sticks, up to which phase, and if it then slips forward.
 
     It sticks while |b_x - sin(gamma)| <= mu_s n(tau) (theory 13.3), until `end` at the latest.
     """
@@ -192,7 +193,7 @@ def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
 
 @_by_drive(sine_slip.always_holds, wave_slip.always_holds)
 def always_holds(drive: Drive) -> bool:
-    """True if friction holds a part all the time: |b_x - sin(gamma)| <= mu_s n(tau) for all tau."""
+    """True if static friction holds a part at every phase: |b_x - sin(gamma)| <= mu_s n(tau)."""
     raise NotImplementedError
 
 
@@ -207,7 +208,7 @@ def first_slip(drive: Drive, tau: float) -> float:
 
 @_by_drive(sine_slip.stop_after, wave_slip.stop_after)
 def stop_after(drive: Drive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip of velocity u in the way of `sign` stops; -1 if it does not.
+    """Return the phase until a slip in direction `sign` stops; -1 if it does not within `span`.
 
     The first D at which the velocity of `slide` is 0. From u = 0 it starts to slip.
     """
@@ -216,7 +217,7 @@ def stop_after(drive: Drive, sign: float, u: float, at: float, span: float) -> f
 
 @_by_drive(sine_slip.slide, wave_slip.slide)
 def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase D after velocity u in a slip in the way of `sign`.
+    """Return slip velocity and distance at phase D after velocity u, in direction `sign`.
 
     u' = b_x - sin(gamma) -+ mu_k n(tau): C = c +- mu_k s, k = sin(gamma) +- mu_k n in 13.2.
     """
@@ -225,13 +226,16 @@ def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[flo
 
 @_by_drive(sine_slip.slip_acceleration, wave_slip.slip_acceleration)
 def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in the way of `sign`, u' of `slide`; of a flight for 0."""
+    """Return the acceleration of a slip in direction `sign`, u' of `slide`.
+
+    Of a flight for sign 0.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.two_sided, wave_slip.two_sided)
 def two_sided(drive: Drive) -> tuple[float, float]:
-    """Return mean velocity and forward share of sliding without stick, 0 where none is known.
+    """Return mean velocity and forward share of sliding that never sticks; 0 where not known.
 
     The closed form of a sine, `sine_slip.two_sided`.
     """
@@ -240,7 +244,7 @@ def two_sided(drive: Drive) -> tuple[float, float]:
 
 @_by_drive(sine_slip.slip_uncertainty, wave_slip.slip_uncertainty)
 def slip_uncertainty(drive: Drive) -> float:
-    """Return the uncertainty of the velocity by rounding the phases at which a slip starts.
+    """Return the uncertainty of the mean velocity by rounding of the phases at which slips start.
 
     Friction falls there by (mu_s - mu_k) n, so that a slip starts with a jerk, and velocity changes
     by that times the error of the phase, which is known the less, the slower the push passes the

@@ -56,7 +56,7 @@ class SineDrive(NamedTuple):
 def stick_range(
     c: float, s: float, gs: float, gn: float, mu_s: float
 ) -> tuple[float, float, float]:
-    """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
+    """Return the range of sin(tau) within which friction holds, and the slip direction above it.
 
     (sin(gamma) + mu_s n)/(c + mu_s s) is the one bound, (sin(gamma) - mu_s n)/(c - mu_s s) the
     other, with gs = sin(gamma) and gn = n. Below the least value the part slips backward; beyond
@@ -82,7 +82,7 @@ def stick_range(
 
 @compiled
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> SineDrive:
-    """Return the sine of these numbers, s not below 0.
+    """Return the sine drive with these numbers, s made positive.
 
     Lift-off at asin(n/s), stick by `stick_range`.
     """
@@ -93,7 +93,7 @@ def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) 
 
 @compiled
 def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
-    """Return the drive with c and s positive, phase and way.
+    """Return the drive mirrored so that c and s are positive, its phase shift and direction sign.
 
     (c, s) sin(tau) = (-c, -s) sin(tau - pi): a drive that points down pushes up half a turn later.
     (c, sin(gamma)) -> (-c, -sin(gamma)) mirrors one that points back. `phase` is where the study's
@@ -111,14 +111,14 @@ def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, 
 
 @compiled
 def kept(value: float) -> float:
-    """Return a value m 2^e, 1/2 <= |m| < 1, with the first bits only: round(m 2^32)/2^32 2^e."""
+    """Return a number rounded to 32 bits, round(m 2^32)/2^32 2^e for m 2^e with 1/2 <= |m| < 1."""
     mantissa, exponent = math.frexp(value)
     return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
 
 
 @compiled
 def rounded(drive: SineDrive) -> SineDrive:
-    """Return a drive with its first bits only, by `kept`, where a part still lifts off."""
+    """Return a drive rounded to first bits by `kept`, if the part then still lifts off."""
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
         kept(drive.mu_s), kept(drive.mu_k),
@@ -147,7 +147,7 @@ def arc(d: float) -> tuple[float, float]:
 
 @compiled
 def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return the part of velocity and distance due to sin(tau) over a phase D from tau0 on.
+    """Return the velocity and distance that sin(tau) adds over phase D from tau0.
 
     cos(tau0) (1 - cos D) + sin(tau0) sin D  and  cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """
@@ -157,7 +157,7 @@ def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
 
 @compiled
 def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase D after the velocity was v, under u' = C sin(tau) - k.
+    """Return velocity and distance at phase D after velocity v, under u' = C sin(tau) - k.
 
     u = v + C swing - k D, x = v D + C sway - k D^2/2, with `swings` from the sine and the cosine of
     the phase at the start (theory 13.2).
@@ -168,19 +168,19 @@ def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> 
 
 @compiled
 def velocity_after(v: float, C: float, k: float, tau: float, d: float) -> float:
-    """Return the velocity a phase D after it was v at tau, u of `flow`."""
+    """Return the velocity at phase D after velocity v at tau, u of `flow`."""
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)[0]
 
 
 @compiled
 def distance_after(v: float, C: float, k: float, tau: float, d: float) -> float:
-    """Return the distance covered in the same time, x of `flow`."""
+    """Return the distance covered in phase D after velocity v at tau, x of `flow`."""
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)[1]
 
 
 @compiled
 def phase_to(target: float, tau: float) -> float:
-    """Return the phase from tau on to the next `target`, (target - tau) mod 2 pi, in [0, 2 pi)."""
+    """Return the phase from tau to the next `target`, (target - tau) mod 2 pi, in [0, 2 pi)."""
     d = (target - tau) % TURN
     # What rounding put a hair before tau is at tau.
     return 0.0 if d > TURN - 1e-12 else d
@@ -188,5 +188,5 @@ def phase_to(target: float, tau: float) -> float:
 
 @compiled
 def arc_sine(value: float) -> float:
-    """Return the arc sine of what rounding may have put beyond 1, asin(min(1, max(-1, x)))."""
+    """Return the arc sine of a number cut to [-1, 1], which rounding may have left."""
     return math.asin(min(1.0, max(-1.0, value)))

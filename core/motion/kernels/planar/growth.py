@@ -31,7 +31,7 @@ def grown(
     known: Uncertainty, span: float, speed: float, after: float, drive: Drive, slope: float,
     slopes: tuple[float, float, float, float],
 ) -> Uncertainty:  # fmt: skip
-    """Return the doubt after a hop from that before it, E' = M E M^T + j j^T (theory 13.7).
+    """Return the error matrix after a hop from the one before, E' = M E M^T + j j^T (theory 13.7).
 
     What was there is carried on by M, the derivatives of the hop, d(phase)/d(tau), d(phase)/d(w),
     d(rebound)/d(tau) and d(rebound)/d(w) of `one_hop`. What is added, j, is a rounding of the
@@ -54,7 +54,7 @@ def grown(
 
 @compiled
 def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> float:
-    """Return the error of the state after a hop in roundings, as far as it moves a part.
+    """Return the error of the state after a hop in units of rounding, weighted by its effect.
 
     sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22): a landing that comes late matters by what
     the floor gives there, its force and the impulse: next to nothing where a part has hardly lifted

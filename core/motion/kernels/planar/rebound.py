@@ -24,13 +24,13 @@ Restitution = namedtuple("Restitution", "constant damping")
 
 @compiled
 def restitution_of(cell: Cell) -> Restitution:
-    """Return the law of a cell's rebound from the floor."""
+    """Return the rebound law of a cell: restitution, and damping where it depends on speed."""
     return Restitution(cell.restitution, cell.impact_damping)
 
 
 @compiled
 def excess(x: float) -> float:
-    """Return exp(x) - 1 - x, without cancellation."""
+    """Return exp(x) - 1 - x without cancellation."""
     if abs(x) >= SMALL:
         return math.expm1(x) - x
     series = 1.0
@@ -41,7 +41,7 @@ def excess(x: float) -> float:
 
 @compiled
 def hunt_crossley(number: float) -> float:
-    """Return e d, the rebound times the damping, of an impact of d = b v > 0.
+    """Return rebound times damping, e d, of an impact with number d = b v > 0.
 
     With s = ln(1 + d) and t = -ln(1 - e d) the law is exp(s) - 1 - s = exp(-t) - 1 + t: t by
     Newton's method, from s.
@@ -58,7 +58,7 @@ def hunt_crossley(number: float) -> float:
 
 @compiled
 def rebound(e: Restitution, speed: float) -> tuple[float, float]:
-    """Return the speed after an impact, and its derivative by the speed before it.
+    """Return the speed after an impact, and its derivative by the speed before.
 
     eps v and eps; or e(b v) v and (1 - e d)/((1 + d) e), which lies between 0 and 1: a faster
     impact rebounds faster, and phases of landing stay in their order.
@@ -74,7 +74,7 @@ def rebound(e: Restitution, speed: float) -> tuple[float, float]:
 
 @compiled
 def impulse(e: Restitution, speed: float, up: float) -> float:
-    """Return the impulse of an impact on the floor, per mass: the speeds before and after it."""
+    """Return the impulse per mass of an impact on the floor: speed before plus speed after."""
     if e.damping == 0.0:
         return (1.0 + e.constant) * speed
     return speed + up

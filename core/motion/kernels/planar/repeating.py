@@ -44,7 +44,7 @@ times its largest: what is huge acts for as short a time."""
 
 @compiled
 def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, count: int) -> float:
-    """Return the velocity at the start of a cycle of a part at rest on the floor at `phase`.
+    """Return the slip velocity at the start of the cycle of a part at rest on the floor at `phase`.
 
     That of `contact` and `follow_cycle` up to there. Where it never lifts off the cycle may start
     anywhere: it is moved to where slip begins. Without friction on the level u + v_track is kept.
@@ -70,7 +70,7 @@ def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, coun
 def keep_speed(
     drive: Drive, phase: float, rows: Floats, count: int, periods: int, sums: Floats
 ) -> None:
-    """Fill `sums` over a cycle without friction, x = v_track(phase) T.
+    """Fill `sums` for a cycle without friction, in which the part keeps its speed.
 
     As the part does not run away on the level, it keeps the speed that the track had at the start:
     the fastest forward, or backward half a turn later.
@@ -87,7 +87,7 @@ def keep_speed(
 
 @compiled
 def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: Floats) -> None:
-    """Fill what the flights of a cycle give.
+    """Fill the results that a cycle's flights determine, such as impacts and hop height.
 
     Impacts over the periods, the largest landing speed, and the largest `hop_height`.
     """
@@ -112,7 +112,7 @@ def repeating(
     rows: Floats, count: int, periods: int, phase: float, u: float, drive: Drive, cell: Cell,
     sums: Floats, log: Floats, result: Floats, stop: Stop,
 ) -> tuple[int, float]:  # fmt: skip
-    """Fill `result` with the means over a cycle of the motion normal to the floor.
+    """Fill `result` with the mean values over a cycle of the motion normal to the floor.
 
     v = x/T and shares t_mode/T of the sums of `follow_cycle` over the cycles after which the slip
     repeats, by `settle` (theory 13.8). Returns the status and the velocity at the start of the

@@ -33,7 +33,7 @@ def settle(
     log: Floats,
     stop: Stop,
 ) -> Settled:
-    """Return the velocity at the start of the cycle once the motion repeats.
+    """Return the slip velocity at the start of a cycle once the motion along the track repeats.
 
     By `settle_bracketed` where mu_s = mu_k, else by `settle_followed` (theory 13.8).
 
@@ -51,7 +51,7 @@ def settle(
 def settle_bracketed(
     rows: Floats, count: int, u: float, drive: Drive, tolerance: float, sums: Floats, log: Floats
 ) -> Settled:
-    """Return the fixed point of the map of one cycle where one coefficient of friction serves.
+    """Return the repeating slip velocity for equal friction coefficients, by bracketing.
 
     Coulomb friction never drives two motions under the same normal force apart: the map u -> f(u)
     of `follow_cycle` is increasing and stretches nothing, 0 <= f' <= 1, so that the change f(u) - u
@@ -107,7 +107,7 @@ def settle_followed(
     log: Floats,
     stop: Stop,
 ) -> Settled:
-    """Return a periodic state by following the motion, where static friction is the larger.
+    """Return the repeating slip velocity by following the motion, for larger static friction.
 
     Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
     The slip u_k after k cycles of `follow_cycle` repeats after m, |u_k - u_(k-m)| <= tol (1 - f'),
@@ -138,7 +138,7 @@ def settle_followed(
 
 @compiled
 def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float) -> bool:
-    """True if a part slid downhill all cycle long and gained speed: so it will ever after.
+    """True if a part slid downhill over a whole cycle and gained speed, so that it runs away.
 
     mu_k n < |sin(gamma)|, f' = 1 with neither stick nor slip uphill, and u, f(u) and f(u) - u
     downhill (theory 13.8).
@@ -154,7 +154,7 @@ def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float
 def repeated(
     after: float, states: Floats, slopes: Floats, known: int, tolerance: float, scale: float
 ) -> Settled:
-    """Return after how many cycles a slip repeats, 0 for none, with its error.
+    """Return after how many cycles a slip repeats, 0 if it does not, with its error.
 
     From the slips before and the products f' of the slopes since: d/(1 - f') of the change d, and
     2e-15 of the drive over 1 - f' for what rounding leaves of the state (theory 13.8).
@@ -175,7 +175,7 @@ def sped_up(
     rows: Floats, count: int, u: float, after: float, slope: float, drive: Drive, sums: Floats,
     log: Floats,
 ) -> float:  # fmt: skip
-    """Return the slip to go on from: f(u), or the fixed point of the tangent where that is nearer.
+    """Return the next slip velocity to try: f(u), or the fixed point of the tangent if nearer.
 
     u + (f(u) - u)/(1 - f') where convergence is slow, f' > 1/2. It is kept if a cycle changes it by
     a tenth at most, and if the motion would drift there: no stick and no turning back on the way.

@@ -24,7 +24,7 @@ ROUNDINGS = 1e-12  # relative, that a bound of the height is above what rounding
 
 @compiled
 def sizes(drive: SineDrive) -> tuple[float, float]:
-    """Return the drive along and normal to the floor, |c| and s."""
+    """Return the largest drive acceleration along and normal to the floor, |c| and s."""
     return abs(drive.c), drive.s
 
 
@@ -39,14 +39,14 @@ def track_speed(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def push(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the push along and normal to the floor, (c, s) sin(tau) (theory 13.2)."""
+    """Return the drive acceleration along and normal to the floor, (c, s) sin(tau)."""
     sine = math.sin(tau)
     return drive.c * sine, drive.s * sine
 
 
 @compiled
 def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the derivative of the push by the phase, along and normal to the floor.
+    """Return the derivative of the drive acceleration by phase, along and normal to the floor.
 
     (c, s) cos(tau).
     """
@@ -56,19 +56,19 @@ def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
 
 @compiled
 def smooth_span(drive: SineDrive, tau: float) -> float:
-    """Return a phase over which the push is nearly a polynomial, `SMOOTH` = 1.5."""
+    """Return a phase interval in which the drive is nearly a polynomial, `SMOOTH` = 1.5."""
     return SMOOTH
 
 
 @compiled
 def lifts(drive: SineDrive) -> bool:
-    """True if the drive ever lifts a part off the floor: s > n, throw number above 1."""
+    """True if the drive lifts parts off the floor at any phase: s > n, throw number above 1."""
     return drive.s > drive.gn
 
 
 @compiled
 def load(drive: SineDrive, tau: float) -> float:
-    """Return the load on the floor of a part that rests on it, n - s sin(tau) (theory 13.2)."""
+    """Return the load on the floor of a part in contact, n - s sin(tau) (theory 13.2)."""
     return drive.gn - drive.s * math.sin(tau)
 
 
@@ -83,7 +83,7 @@ def lift_off(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height a phase D after take-off.
+    """Return velocity off the floor and height at phase D after take-off.
 
     `flow` with C = s, k = n.
     """
@@ -92,7 +92,7 @@ def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float
 
 @compiled
 def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track a phase D after velocity u, in the air.
+    """Return velocity and distance along the track at phase D of a flight, u at its start.
 
     `flow` with C = c, k = sin(gamma).
     """
@@ -101,7 +101,7 @@ def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]
 
 @compiled
 def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, start: float) -> float:
-    """Return the landing time by Newton's iteration from `start`, on its own side of the root.
+    """Return the landing time by Newton's method from `start`, which stays on one side of the root.
 
     D -> D - z(D)/w(D), with w and z of `flow` for C = s, k = n.
     """
@@ -121,7 +121,7 @@ def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, star
 
 @compiled
 def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
-    """Return the phase at which the normal velocity, rising from negative to positive, is zero.
+    """Return the phase between two phases at which the normal velocity rises through zero.
 
     w(D) = 0 by Newton's iteration in a bracket, D -> D - w/w', w' = s sin(tau + D) - n.
     """
@@ -146,7 +146,7 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 
 @compiled
 def landing(drive: SineDrive, w: float, tau: float) -> float:
-    """Return the phase from take-off at tau to landing, for s > n and w >= 0; -1 if none is found.
+    """Return the flight time (phase) after take-off at tau, for s > n and w >= 0; -1 if not found.
 
     The height z of `rise` bends down where s sin(tau) < n, and up elsewhere. Where it bends down
     and ends above the floor it was above all the way; where it bends up its least value is found
@@ -197,7 +197,7 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 
 @compiled
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, z at `top_at`, or `known` if that is larger.
+    """Return the largest height of a flight, z at `top_at`; `known` if that is larger.
 
     z <= (n + s) span^2/8, since z'' >= -(n + s) and both ends are on the floor; and z <=
     `height_bound`. A top is looked for only where both are above what is known.
@@ -212,7 +212,7 @@ def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float
 
 @compiled
 def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
-    """Return an upper bound of a flight's height; no closer than needs be to be below `known`.
+    """Return an upper bound of a flight's height, only as close as comparing with `known` needs.
 
     With r = w + s cos(tau) and x = D - r/n
 
@@ -239,7 +239,7 @@ def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
 
 @compiled
 def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
-    """Return the phase from take-off to the top of a flight, the highest zero of w of `rise`.
+    """Return the phase from take-off to the top of a flight, the last zero of w of `rise`.
 
     z is the parabola w D + s cos(tau) D - n D^2/2 and a sine of size s: its top is within 2
     sqrt(s/n) + 1 of that of the parabola, (w + s cos(tau))/n. The highest of many places there,

@@ -21,7 +21,7 @@ THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
 
 @compiled
 def next_phase(target: float, at: float) -> float:
-    """Return the first phase from `at` on that is `target` modulo a turn.
+    """Return the first phase after `at` that equals `target` modulo 2 pi.
 
     target + 2 pi ceil((at - target)/(2 pi)). It is the same number whatever `at` was, so that a
     motion which sticks repeats to the last bit.
@@ -31,7 +31,7 @@ def next_phase(target: float, at: float) -> float:
 
 @compiled
 def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float:
-    """Return the phase until the velocity v >= 0 under C sin - k is zero; -1 if not within span.
+    """Return the phase until the velocity v >= 0 under u' = C sin - k is zero; -1 if beyond span.
 
     The first D with v + C swing - k D = 0, of `flow`. v rises from asin(k/C) to pi - asin(k/C) in
     each turn and falls elsewhere: the first fall at whose end it is not positive holds the root,
@@ -69,7 +69,7 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
 def stop_between(
     v: float, C: float, k: float, at: float, sine: float, cosine: float, low: float, high: float
 ) -> float:
-    """Return the phase at which a velocity that falls from `low` to `high` is 0.
+    """Return the phase between `low` and `high` at which a falling velocity is 0.
 
     By Newton's iteration in that bracket, D -> D - u/u' with u of `flow`, from sine and cosine of
     the phase `at`, and u' = C sin(at + D) - k.
@@ -96,7 +96,7 @@ def stop_between(
 
 @compiled
 def holds(drive: SineDrive, at: float) -> bool:
-    """True if static friction holds a part that does not slip.
+    """True if static friction holds a part without slip at a phase.
 
     least <= sin(at) <= largest, the bounds of `stick_range`.
     """
@@ -105,7 +105,7 @@ def holds(drive: SineDrive, at: float) -> bool:
 
 @compiled
 def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return the stick of a part without slip: if any, its last phase, if it then slips forward.
+    """Return whether a part without slip sticks, up to which phase, and if it then slips forward.
 
     Until the next phase at which sin(tau) leaves the bounds of `stick_range`: asin(largest),
     rising, or pi - asin(least), falling (theory 13.3). Where it does not stick, forward if c
@@ -129,7 +129,7 @@ def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
 
 @compiled
 def always_holds(drive: SineDrive) -> bool:
-    """True if friction holds a part all the time.
+    """True if static friction holds the part at every phase.
 
     s <= n, and -1 and 1 within the bounds of `stick_range`.
     """
@@ -150,7 +150,9 @@ def first_slip(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip in the way of `sign` stops, `phase_to_stop`; -1 if it does not.
+    """Return the phase until a slip in direction `sign` stops, by `phase_to_stop`.
+
+    -1 if it does not.
 
     For |u|, and sign times C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
     """
@@ -160,7 +162,7 @@ def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) 
 
 @compiled
 def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase D after velocity u, in a slip in the way of `sign`.
+    """Return slip velocity and distance at phase D after velocity u, in direction `sign`.
 
     `flow` with C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
     """
@@ -170,14 +172,14 @@ def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple
 
 @compiled
 def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in the way of `sign`, u' = C sin(tau) - k as in `slide`."""
+    """Return the acceleration of a slip in direction `sign`, u' = C sin(tau) - k."""
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return C * math.sin(at) - k
 
 
 @compiled
 def slip_uncertainty(drive: SineDrive) -> float:
-    """Return the uncertainty of the velocity by rounding the phases at which a slip starts.
+    """Return the uncertainty of the mean velocity by rounding of the phases at which slips start.
 
     (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S moves the phase asin(S)
     by dS/sqrt(1 - S^2): it is known the less, the nearer S is to 1.
@@ -192,7 +194,7 @@ def slip_uncertainty(drive: SineDrive) -> float:
 
 @compiled
 def two_sided(drive: SineDrive) -> tuple[float, float]:
-    """Return mean velocity and forward share of sliding without stick (theory 13.8).
+    """Return mean velocity and forward share of sliding that never sticks, in closed form.
 
     Slips forward and backward close, with c1 = mu s, k1 = mu n, H = c k1 - c1 sin(gamma) and E = pi
     (c1 k1 - c sin(gamma))/H, the forward one over the phase pi + E about pi - asin(S), where

@@ -29,7 +29,7 @@ its sign, which those of ten harmonics do 20 times each. More are roundings that
 def write_piece(
     log: Floats, used: int, at: float, span: float, mode: int, u: float, w: float, x: float
 ) -> int:
-    """Write one piece of the motion into the log, if there is one and it has room.
+    """Write one motion piece into the log, if a log is kept and has room; return the rows used.
 
     Columns of `PIECE`.
     """
@@ -44,7 +44,9 @@ def write_piece(
 def contact(
     tau: float, span: float, u: float, drive: Drive, sums: Floats, log: Floats, used: int
 ) -> tuple[float, float, int]:
-    """Return velocity and its derivative after a stretch on the floor; add to `sums` and `log`.
+    """Return slip velocity and its derivative after contact with the floor.
+
+    Add to `sums` and `log`.
 
     Stick until `hold` ends, slip by `slide` until `stop_after`, and so on (theory 13.4). The
     derivative by the velocity at the start is 1 while sliding, u'(after)/u'(before) at a turn, 0 at
@@ -88,7 +90,7 @@ def contact(
 
 @borrowing
 def skids(drive: Drive, tau: float) -> float:
-    """Return the way, 1 or -1, in which small hops drive a part from rest; 0 if it stays.
+    """Return the direction in which tiny hops drive a part from rest: 1, -1, or 0 if none.
 
     A hop with rebound w gives it the slip 2 |a| w/n, its landing takes mu_k (1 + eps) w; with the
     push along a = b_x - sin(gamma) and the load n at the phase. The slip grows from hop to hop
@@ -101,7 +103,7 @@ def skids(drive: Drive, tau: float) -> float:
 
 @borrowing
 def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
-    """Return the slip with which a part enters a stay that stands for hops with first rebound w.
+    """Return the slip velocity with which a part begins a contact that stands for many small hops.
 
     u if |u| > mu_k w, else 0, or +-mu_k w of a part that `skids` (theory 13.5). The landing has
     taken mu_k times its speed off the slip, as if there were no rebound: a slip up to mu_k w stops
@@ -119,7 +121,7 @@ def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
 def follow_cycle(
     rows: Floats, count: int, u: float, drive: Drive, sums: Floats, log: Floats
 ) -> tuple[float, float, int]:
-    """Return velocity and its derivative after one cycle, from velocity u at its start.
+    """Return slip velocity and its derivative after one cycle that starts with velocity u.
 
     Segment by segment, `contact` and `fly`; a landing with the impulse I takes mu_k I off the slip,
     or all of it if |u| <= mu_k I (theory 13.4). Fills `sums`; the last value is the number of rows

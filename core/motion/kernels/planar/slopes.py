@@ -35,14 +35,14 @@ SMALL_REBOUND = 1e-6  # speed below which the floor's load at a landing decides 
 
 @borrowing
 def copy_row(d: Floats, to: int, of: int) -> None:
-    """Copy a row, d[to] = d[of]; an assignment of slices would set up a third array."""
+    """Copy row `of` of the derivatives to row `to`; a slice assignment would allocate an array."""
     for i in range(d.shape[1]):
         d[to, i] = d[of, i]
 
 
 @borrowing
 def force(drive: SineDrive, sign: float, at: float, span: float, d: Floats) -> None:
-    """Fill what the groups change of velocity and distance along, at a fixed phase.
+    """Fill the derivatives of velocity and distance along by the groups, at a fixed phase.
 
     C. swing - k. D and C. sway - k. D^2/2 over the phase D, of C = c +- mu_k s and
     k = sin(gamma) +- mu_k n (theory 13.16). `sign` tells the slip, 0 is a flight.
@@ -65,7 +65,7 @@ def along(
     drive: SineDrive, sign: float, u: float, after: float, at: float, span: float, stops: bool,
     mode: int, size: int, d: Floats,
 ) -> None:  # fmt: skip
-    """Carry the derivatives along a slip or a flight to its end: a stop, or the segment's end.
+    """Propagate derivatives through a slip or flight to its end: a stop, or the segment's end.
 
     With delta u0 = u0. - u'(tau0) tau0. it ends with u1. = delta u + u'(tau1) tau1., or with 0 at a
     stop, which moves by tau1. = -delta u/u'(tau1); x1. - x0. = delta x + u1 tau1. - u0 tau0.
@@ -94,7 +94,7 @@ def along(
 def rub(
     drive: SineDrive, sign: float, u: float, at: float, span: float, size: int, d: Floats
 ) -> None:
-    """Add what changes of the work of friction over a slip at fixed phases; after `along`.
+    """Add the derivatives of friction work over a slip at fixed phases; call it after `along`.
 
     The derivative of the integral of mu_k n |u|, n = n0 - s sin(tau), by the rule of 13.15.
     """
@@ -129,7 +129,7 @@ def rub(
 
 @borrowing
 def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Floats) -> None:
-    """Fill how the phase moves at which static friction lets go, sin(tau) = S (theory 13.3).
+    """Fill the derivative of the phase at which static friction lets go, sin(tau) = S.
 
     tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +- mu_s s).
     """
@@ -149,7 +149,7 @@ def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Float
 
 @borrowing
 def lift(drive: SineDrive, row: int, d: Floats) -> None:
-    """Fill how the phase of lift-off moves, into a row: (n. - s. sin(tau))/(s cos(tau))."""
+    """Fill the derivative of the lift-off phase into a row, (n. - s. sin(tau))/(s cos(tau))."""
     sine = drive.gn / drive.s
     rate = drive.s * math.sqrt((1.0 - sine) * (1.0 + sine))
     d[row, :] = 0.0
@@ -158,7 +158,7 @@ def lift(drive: SineDrive, row: int, d: Floats) -> None:
 
 @borrowing
 def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return by how much a slip misses a stop: its least speed on the way, relative.
+    """Return the relative distance of a slip from a stop: its least speed over its scale.
 
     |u| of `flow` where it ceases to fall, at asin(k/C) on the way, over |C| + |k|.
     """
@@ -177,7 +177,7 @@ def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float
 
 @borrowing
 def low_passage(drive: SineDrive, w: float, at: float, span: float) -> float:
-    """Return by how much a flight misses the floor on its way, relative.
+    """Return the relative distance of a flight from touching the floor on its way.
 
     |z| of `rise` at `lowest_at`, over s + n.
     """
@@ -202,7 +202,7 @@ def pull_of(drive: SineDrive) -> float:
 def stick(
     drive: SineDrive, at: float, end: float, fresh: bool, size: int, d: Floats, nearest: Floats
 ) -> tuple[float, bool]:
-    """Carry the derivatives over a stick; return the phase at its end, and the way of the slip.
+    """Propagate derivatives through a stick; return the phase at its end and the slip direction.
 
     t_stick. = tau1. - tau0., with tau1. of `release`, or that of the segment's end. The sine is
     |sin(tau) - S| from letting go at once.
@@ -233,7 +233,7 @@ def on_floor(
     drive: SineDrive, tau: float, span: float, u: float, fresh: bool, energy: bool, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
-    """Carry the derivatives over a stretch on the floor; return the velocity at its end.
+    """Propagate derivatives through contact with the floor; return the velocity at its end.
 
     What is done is that of `slide.contact`. `fresh` tells that the part came to this phase by
     itself, not to one at which it is let go.
@@ -274,7 +274,7 @@ def on_floor(
 
 @borrowing
 def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
-    """Return the effect on a part of small hops that a landing which stops the slip leaves out.
+    """Return the effect of small hops that are not followed: slip direction, later slip, its time.
 
     The way in which they drive it into a slip, as `skids`; the way in which it then slips, which at
     e = 0, where there are none, is up to static friction; and for how long per w it slips before
@@ -293,7 +293,7 @@ def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[flo
 def land(
     drive: SineDrive, w: float, tau: float, span: float, speed: float, size: int, d: Floats
 ) -> None:
-    """Fill how a landing moves: its phase by (delta z)/w, its speed by n tau1. - delta w.
+    """Fill the derivatives of a landing's phase, (delta z)/w, and speed, n tau1. - delta w.
 
     delta z = -w0 tau0. + delta w0 D + s. sway - n. D^2/2 (theory 13.16).
     """
@@ -315,7 +315,7 @@ def in_air(
     drive: SineDrive, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
-    """Carry the derivatives over a flight and its landing; return the velocity along after it.
+    """Propagate derivatives through a flight and its landing; return the velocity along after it.
 
     By `land`, `along` and `rebound`, and where the part then `rests`, after hops that shrink to
     nothing, by `leave_out_hops` (theory 13.16).
@@ -357,7 +357,7 @@ def in_air(
 
 @borrowing
 def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
-    """Keep the derivatives of the largest landing speed max v; which it is, is a decision.
+    """Fill the derivatives of the largest landing speed max v; note how near another landing is.
 
     Its distance is |v - v_max|/max(v, v_max).
     """
@@ -371,7 +371,7 @@ def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
 
 @borrowing
 def time_of_hops(n1: float, e: float) -> float:
-    """Return the time of the hops that are left out, per rebound w: 2/(n (1 - eps)) (theory 13.5).
+    """Return the duration of omitted hops per rebound w, 2/(n (1 - eps)) (theory 13.5).
 
     At an edge, which is a kink, the part lands as the floor lets go, and n is taken above 0.
     """
@@ -406,7 +406,7 @@ class Landing(NamedTuple):
 
 @borrowing
 def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) -> None:
-    """Carry the derivatives over an impact: of rebound, slip and energy.
+    """Propagate derivatives through an impact: those of rebound, slip and energy.
 
     (eps w). = eps. w + eps w., and (mu_k I). = mu_k. I + mu_k I. off the slip, or all of it; then
     what hops leave, (mu_k eps w). in their way, which has no slope where it begins with a jump.
@@ -438,7 +438,7 @@ def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) 
 def leave_out_hops(
     drive: SineDrive, e: float, landing: Landing, slides: float, size: int, d: Floats
 ) -> None:
-    """Carry the derivatives over hops that were taken as a stay on the floor, after `rebound`.
+    """Propagate derivatives through small hops that are treated as contact, after `rebound`.
 
     Their time T = 2 w/(n (1 - eps)) of rebound w, T. = 2 (w. - w n./n + w eps./(1 - eps))/(n (1 -
     eps)), goes from the floor's mode to the flight, and the friction mu_k n |u| of it to the
@@ -478,7 +478,9 @@ def leave_out_hops(
 def highest(
     drive: SineDrive, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
 ) -> None:
-    """Fill how the largest height changes, if this flight has it; before its end is carried.
+    """Fill the derivatives of the largest height, if this flight has it.
+
+    Call it before `in_air` ends.
 
     delta z of `land` at the D of `top_at`: there z' = 0, so that D. changes nothing.
     """

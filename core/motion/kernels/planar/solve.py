@@ -29,7 +29,7 @@ LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upri
 
 @compiled
 def turn_round(result: Floats, way: float) -> None:
-    """Undo the mirror image of `upright`.
+    """Undo in the results the mirror image of `upright`: swap forward and backward if `way` is -1.
 
     v -> -v, and the shares forward and backward change places.
     """
@@ -41,7 +41,7 @@ def turn_round(result: Floats, way: float) -> None:
 
 @compiled
 def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
-    """Return the status of a cell that needs no cycle and fill its result; else `UNDECIDED`.
+    """Fill the result of a cell that needs no cycle and return its status; else `UNDECIDED`.
 
     `runaway` where |sin(gamma)| > mu_s n, `at_rest` where `always_holds`, `limit_reached` where
     |sin(gamma)| = mu_k n: the mean is then that of the start, for ever (theory 13.8).
@@ -67,7 +67,7 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
 
 @compiled
 def slides_on(drive: Drive, result: Floats) -> bool:
-    """Fill the result of a part that slides to and fro without a stick, if it does so.
+    """Fill the result of a part that slides to and fro without sticking; return True if it does.
 
     By `two_sided` (theory 13.8).
     """
@@ -89,7 +89,9 @@ def solve(
     drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats,
     stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
-    """Fill `result`, one value a field of `Motion`; return status, segments and velocity.
+    """Solve one cell: fill `result`, a value per field of `Motion`.
+
+    Return status, segments, velocity.
 
     The part starts at rest at `phase`. `rows` then holds the cycle, from the first segment told to
     before the second, which starts at that velocity; the log holds its last pass. Where no cycle is
@@ -117,7 +119,7 @@ def solve_cell(
     cell: Cell, row: Floats, waves: Waves, closed: bool, rows: Floats, sums: Floats, log: Floats,
     result: Floats, stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
-    """Do what `solve` does from the row of a cell.
+    """Solve one cell given as a row of numbers, with the results in the row's direction.
 
     `closed` allows the closed form of a motion without stick under a sine. Segments and velocity
     are in the axes of the drive as mirrored by `upright`.
@@ -136,7 +138,7 @@ def solve_cell(
 
 @compiled
 def solve_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells, a row of `groups` each."""
+    """Fill table and statuses of cells, one row of `groups` per cell."""
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((0, len(PIECE)))
     for number in range(groups.shape[0]):

@@ -58,7 +58,7 @@ def soft_time(drive: Drive, tau: float, damping: float) -> float:
 
 @compiled
 def left_at_lift_off(drive: Drive, tau: float, w: float, damping: float) -> float:
-    """Return the rebound that hops of rebound w have at the next lift-off, at most.
+    """Return an upper bound of the rebound that hops of rebound w still have at the next lift-off.
 
     w exp(-b J/3), with J the impulse of the floor up to there (theory 18.3).
     """
@@ -68,7 +68,7 @@ def left_at_lift_off(drive: Drive, tau: float, w: float, damping: float) -> floa
 
 @compiled
 def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: float) -> bool:
-    """True if hops whose restitution falls with the speed pass for a stay on the floor.
+    """True if hops with speed-dependent restitution are small enough to count as contact.
 
     They do where w T is below `SETTLED_SOFTLY`, T of `soft_time` (ten times that where little is
     asked), and the rebound of `left_at_lift_off` times the damping below `LEFT_SOFTLY`.
@@ -81,7 +81,7 @@ def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: 
 
 @compiled
 def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> tuple[float, float]:
-    """Return the parts of small hops that stays on the floor of a cycle leave out.
+    """Return the effect of small hops taken as contact: position over mu_k, and largest rebound.
 
     The position over mu_k, the sum of w T: in hops of speed w a part that friction would hold goes
     on by less than mu_k w in a unit of phase. And the largest rebound of `left_at_lift_off`. Both

@@ -37,7 +37,7 @@ LED_IN = 8
 def reach_way(
     drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> None:
-    """Widen the error of an aperiodic motion to the way from rest to rest that it begins with.
+    """Enlarge the error of an aperiodic motion by the mean of its first stretch from rest to rest.
 
     e(v) >= |v_way - v| + e(v_way), with the means of the way by `repeating` (theory 13.7).
     Undisturbed it repeats that for ever. As long as roundings leave a digit of it, it is the motion
@@ -62,7 +62,7 @@ def reach_way(
 def average_cells(
     groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table and status of cells, as `solve.solve_cells` does."""
+    """Fill table and statuses of cells that do not repeat, with means over a long run."""
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
@@ -89,7 +89,7 @@ def average_cells(
 def average_spent(
     groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table, columns as in `SPENT`, of cells that do not repeat: means over a long stretch."""
+    """Fill the energy table, columns as in `SPENT`, of cells that do not repeat, from long runs."""
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):

@@ -71,7 +71,7 @@ TABLE = (ROOTS + KINDS, WIDTH)
 
 @compiled
 def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
-    """Read the wave from `row`, behind the numbers of the cell, into `waves`; return it.
+    """Read the wave behind a cell's numbers in `row` into the buffer `waves` and return its drive.
 
     Coefficients s_k and c_k by axis, or levels and the ends of the steps (theory 13.14). Phase and
     way are 0 and 1: a wave is not mirrored as `upright` mirrors a sine.
@@ -105,7 +105,7 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
 
 @borrowing
 def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: float) -> None:
-    """Fill one number of every kind, and its pull, from the pushes along and normal to the floor.
+    """Fill one column of every kind of acceleration from the drive along and normal to the floor.
 
     p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z - (sin(gamma) +- mu n) for
     slips forward and backward, at mu_k and at mu_s (theory 13.14). `part` is 0 for sines and for
@@ -124,7 +124,7 @@ def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: f
 
 @borrowing
 def push_of(drive: WaveDrive, kind: int) -> SineSum:
-    """Return the sum of sines that pushes a part in an acceleration of a kind."""
+    """Return the sum of sines that drives the acceleration of a kind."""
     return SineSum(drive.table, 2 * kind, 2 * kind + 1, drive.orders)
 
 
@@ -158,13 +158,13 @@ def fill_passages(drive: WaveDrive, kind: int) -> None:
 
 @borrowing
 def folded(tau: float) -> float:
-    """Return a phase modulo a turn, tau - 2 pi floor(tau/2 pi), some roundings off."""
+    """Return a phase modulo 2 pi, tau - 2 pi floor(tau/2 pi), up to rounding."""
     return tau - TURN * math.floor(tau / TURN) if not 0.0 <= tau < TURN else tau
 
 
 @borrowing
 def step_at(drive: WaveDrive, tau: float) -> int:
-    """Return the number of the step at a phase in [0, 2 pi), the first with tau < its end.
+    """Return the number of the step at a phase in [0, 2 pi): the first with tau < its end.
 
     A hair before its start is in it.
     """
@@ -189,7 +189,7 @@ def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the phase from tau on at which an acceleration changes sign; whether it rises there.
+    """Return the next phase at or after tau where an acceleration changes sign, and if it rises.
 
     The next of the phases of `fill_passages`, modulo a turn. Infinite if it never does. What is a
     hair behind is told as tau itself.
@@ -210,13 +210,13 @@ def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
 
 @borrowing
 def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the same as `next_passage`, of the passages beyond tau."""
+    """Return the next sign change of an acceleration among those beyond tau, and if it rises."""
     return next_passage(drive, kind, tau + 2.0 * SLACK * (1.0 + tau))
 
 
 @borrowing
 def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
-    """Return the first phase from tau on at which an acceleration rises, or falls, through 0.
+    """Return the first phase from tau on at which an acceleration rises (or falls) through 0.
 
     The one after `next_passage` where that has the other way.
     """
@@ -228,7 +228,7 @@ def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
 
 @borrowing
 def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, float, float]:
-    """Return slope and push of a kind at tau, and its first and second integral without a mean.
+    """Return slope and push of a kind at tau, and the push's first and second integral.
 
     Of the terms a sin(k tau) + b cos(k tau): k (a cos(k tau) - b sin(k tau)), the terms themselves,
     -(a cos(k tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory 13.14).
@@ -251,7 +251,7 @@ def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, fl
 def speed_from(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
 ) -> tuple[float, float, float]:
-    """Return velocity, acceleration and its slope a phase D after the velocity was v.
+    """Return velocity, acceleration and its slope at phase D after velocity v.
 
     v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the first of `integrals`
     P1. `start` is P1(tau); it is not asked for in steps.
@@ -266,13 +266,13 @@ def speed_from(
 
 @borrowing
 def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the argument `start` of `speed_from`, P1(tau) of `integrals`."""
+    """Return the value P1(tau) that `speed_from` takes as `start`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
 @borrowing
 def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase D after the velocity was v, in a mode of a kind.
+    """Return velocity and distance at phase D after velocity v, under an acceleration of a kind.
 
     u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 + P2(tau + D) - P2(tau) - P1(tau) D, with
     P1 and P2 of `integrals` (theory 13.14); short ones by `near_flow`.
@@ -292,7 +292,7 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 
 @borrowing
 def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
-    """Return the flow by the push alone over a short phase, to the last digits of small numbers.
+    """Return velocity and distance by the drive alone over a short phase, without cancellation.
 
     The term of order k turns by K = k D, and gives with p and p' of `integrals`, over k and over
     k^2, p sin K + (p'/k)(1 - cos K) and p (1 - cos K) + (p'/k)(K - sin K), by `arc`.
@@ -314,7 +314,7 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
 def stepped_flow(
     drive: WaveDrive, kind: int, v: float, tau: float, d: float
 ) -> tuple[float, float]:
-    """Return the same as `flow` where the acceleration a is constant from step to step.
+    """Return velocity and distance at phase D where the acceleration is constant in each step.
 
     Over each: x -> x + (v + a D/2) D and v -> v + a D (theory 13.14).
     """
@@ -341,7 +341,7 @@ def zero_of_velocity(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
     first: float, last: float,
 ) -> float:  # fmt: skip
-    """Return the phase at which a monotonic velocity passes 0, by Halley's bracketed iteration.
+    """Return the phase at which a monotonic velocity is 0, by Halley's bracketed iteration.
 
     u(D) = 0 with u, u' and u'' of `speed_from`, by the step of `halley`. `first` and `last` are the
     velocities at both ends; the others are those of `speed_from`.
@@ -368,7 +368,7 @@ def zero_of_velocity(
 
 @compiled
 def rounded(drive: WaveDrive) -> WaveDrive:
-    """Return the drive itself.
+    """Return the drive unchanged: waves are not rounded.
 
     Other than in `flow.rounded`, what its passages are made from keeps all bits.
     """

@@ -30,13 +30,13 @@ from core.motion.kernels.waves import halley, is_near_root
 
 @borrowing
 def sizes(drive: WaveDrive) -> tuple[float, float]:
-    """Return bounds of the push along the floor and normal to it, |b_x| and |b_z|."""
+    """Return upper bounds |b_x|, |b_z| of the drive acceleration along and normal to the floor."""
     return drive.along, drive.normal
 
 
 @borrowing
 def track_speed(drive: WaveDrive, tau: float) -> float:
-    """Return the velocity of the track along itself: minus what the push gives, without mean.
+    """Return the track's velocity along itself: minus the integral of the push, without its mean.
 
     sum of (s_k cos(k tau) - c_k sin(k tau))/k; of steps, v -> v - p D over each, less the mean of
     that (theory 13.14).
@@ -59,7 +59,7 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def push(drive: WaveDrive, tau: float) -> tuple[float, float]:
-    """Return the push along and normal to the floor, p(tau).
+    """Return the drive acceleration along and normal to the floor, p(tau).
 
     `acceleration` and what was taken off it, sin(gamma) and n.
     """
@@ -68,13 +68,13 @@ def push(drive: WaveDrive, tau: float) -> tuple[float, float]:
 
 @borrowing
 def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
-    """Return NaN: a step has no slope, and masses of several harmonics are no single one."""
+    """Return NaN: a wave has steps and several harmonics, so its slope is not used."""
     return math.nan, math.nan
 
 
 @borrowing
 def smooth_span(drive: WaveDrive, tau: float) -> float:
-    """Return a phase over which the push is nearly a polynomial.
+    """Return a phase interval in which the drive is nearly a polynomial.
 
     1.5/n at the highest order n, and of steps that to the next one.
     """
@@ -86,13 +86,13 @@ def smooth_span(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def lifts(drive: WaveDrive) -> bool:
-    """True if the drive ever lifts a part off the floor: p_z - n changes sign."""
+    """True if the drive lifts parts off the floor at any phase: p_z - n changes sign."""
     return drive.table[ROOTS + NORMAL, 0] > 0.0
 
 
 @borrowing
 def load(drive: WaveDrive, tau: float) -> float:
-    """Return the load on the floor of a part that rests on it, n - p_z(tau)."""
+    """Return the load on the floor of a part in contact, n - p_z(tau)."""
     return -acceleration(drive, NORMAL, tau)
 
 
@@ -104,13 +104,13 @@ def lift_off(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height a phase D after take-off: `wave.flow` of p_z - n."""
+    """Return velocity off the floor and height at phase D after take-off, under p_z - n."""
     return flow(drive, NORMAL, w, tau, d)
 
 
 @borrowing
 def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track a phase D after velocity u, in the air.
+    """Return velocity and distance along the track at phase D of a flight, u at its start.
 
     `wave.flow` of p_x - sin(gamma).
     """
@@ -119,7 +119,7 @@ def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]
 
 @borrowing
 def landing(drive: WaveDrive, w: float, tau: float) -> float:
-    """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
+    """Return the flight time (phase) after take-off at tau with velocity w >= 0; -1 if not found.
 
     The first D with z = 0 of `rise`. Between two changes of sign of its acceleration the height
     bends one way: where it bends down and ends above the floor it was above all the way; where it
@@ -159,7 +159,7 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
 def landing_root(
     drive: WaveDrive, z: float, w: float, tau: float, low: float, high: float
 ) -> float:
-    """Return the phase at which a height, z at first, falls through 0, between two phases.
+    """Return the phase between two phases at which a height, z at the first, falls through 0.
 
     z(D) = 0 with z' = w and z'' = p_z - n, by the step of `halley` in a bracket. It starts where
     the parabola at `high` falls through 0, z + z' D + z'' D^2/2 = 0: `high` may be the lowest
@@ -193,7 +193,7 @@ def landing_root(
 
 @borrowing
 def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, or `known` if that is larger.
+    """Return the largest height of a flight; `known` if that is larger.
 
     z of `rise` where w falls through 0. z <= (n + max |p_z|) span^2/8, since z'' >= -(n + max
     |p_z|) and both ends are on the floor.

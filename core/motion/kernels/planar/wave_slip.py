@@ -29,7 +29,7 @@ THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over it
 
 @borrowing
 def holds(drive: WaveDrive, at: float) -> bool:
-    """True if static friction holds a part that does not slip.
+    """True if static friction holds a part without slip at a phase.
 
     p_x - sin(gamma) - mu_s n(tau) <= 0 <= p_x - sin(gamma) + mu_s n(tau), n(tau) = n - p_z (theory
     13.14).
@@ -42,7 +42,7 @@ def holds(drive: WaveDrive, at: float) -> bool:
 
 @borrowing
 def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return the stick of a part without slip: if any, its last phase, if it then slips forward.
+    """Return whether a part without slip sticks, up to which phase, and if it then slips forward.
 
     Until the first change of sign of the accelerations of `holds` that lets go.
     """
@@ -55,7 +55,7 @@ def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
 
 @borrowing
 def always_holds(drive: WaveDrive) -> bool:
-    """True if friction holds a part all the time.
+    """True if static friction holds the part at every phase.
 
     `holds` at 0, and none of its accelerations changes sign.
     """
@@ -76,13 +76,13 @@ def first_slip(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def kind_of(sign: float) -> int:
-    """Return the kind of a slip in the way of `sign`, `FORWARD` or `BACKWARD`."""
+    """Return the kind of acceleration of a slip in direction `sign`: `FORWARD` or `BACKWARD`."""
     return FORWARD if sign > 0.0 else BACKWARD
 
 
 @borrowing
 def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip in the way of `sign` stops; -1 if it does not.
+    """Return the phase until a slip in direction `sign` stops; -1 if it does not.
 
     The first D with u = 0 of `slide`. Between two changes of sign of its acceleration the velocity
     runs one way (theory 13.14).
@@ -105,7 +105,7 @@ def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) 
 
 @borrowing
 def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase D after velocity u, in a slip in the way of `sign`.
+    """Return slip velocity and distance at phase D after velocity u, in direction `sign`.
 
     `wave.flow` of p_x +- mu_k p_z - (sin(gamma) +- mu_k n).
     """
@@ -114,7 +114,7 @@ def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple
 
 @borrowing
 def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in the way of `sign`.
+    """Return the acceleration of a slip in direction `sign`.
 
     p_x +- mu_k p_z - (sin(gamma) +- mu_k n).
     """
@@ -123,7 +123,7 @@ def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
 
 @borrowing
 def slip_uncertainty(drive: WaveDrive) -> float:
-    """Return the uncertainty of the velocity by rounding the phases at which a slip starts.
+    """Return the uncertainty of the mean velocity by rounding of the phases at which slips start.
 
     (mu_s - mu_k) max|n(tau)| times the rounding of the push over its slope: a phase at which a sum
     of sines passes a threshold is known the less, the slower it passes it; one at which the push
@@ -143,5 +143,5 @@ def slip_uncertainty(drive: WaveDrive) -> float:
 
 @borrowing
 def two_sided(drive: WaveDrive) -> tuple[float, float]:
-    """Return 0, 0: there is no closed form as of `sine_slip.two_sided`."""
+    """Return 0, 0: under a wave there is no closed form of sliding without stick."""
     return 0.0, 0.0

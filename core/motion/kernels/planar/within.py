@@ -70,7 +70,7 @@ TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 
 @compiled
 def start(number: int, phase: float, drive: Drive, sums: Floats, run: Floats) -> None:
-    """Fill a run with its start, by `first_flight`."""
+    """Fill the state of a run with its first lift-off from rest."""
     sums[:], run[:] = 0.0, 0.0
     no_log = np.empty((0, len(PIECE)))
     u, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
@@ -84,7 +84,7 @@ def follow_on(
     run: Floats, until: float, searches: bool, drive: Drive, e: Restitution, travel: Floats,
     rows: Floats, sums: Floats, stop: Stop,
 ) -> bool:  # fmt: skip
-    """Follow a run on up to a time; False where it nears a cycle, or is not to be followed.
+    """Follow a run up to a time; False if it nears a cycle or cannot be followed.
 
     `travel` gets the distance of each period, `sums` is as in `contact`. A cycle is looked for, if
     at all, in the `rows` of the hops since the last rest.
@@ -128,7 +128,7 @@ def follow_on(
 
 @compiled
 def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
-    """True if a run has slipped downhill at all landings since a mark, and is faster now.
+    """True if a run has slipped downhill at all landings since a mark and is faster now.
 
     As `ran_away` of `chaos`.
     """
@@ -141,13 +141,13 @@ def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
 
 @compiled
 def end_of(mark: int, most: int) -> int:
-    """Return the periods of a run up to a mark, 2 x 2^(k/2), `most` at most."""
+    """Return the number of periods up to a mark of a run, 2 x 2^(k/2), `most` at most."""
     return min(most, round(FIRST_STAGE * 2.0 ** (0.5 * mark)))
 
 
 @compiled
 def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
-    """Return by how much means may be off as runs end anywhere in what they nearly repeat.
+    """Return the error of means by ending runs anywhere within what they nearly repeat.
 
     The mean over the runs of max |x_p - v T|/((end - begin) T), x_p the distance of a period.
     """
@@ -164,7 +164,7 @@ def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
 def means_within(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
-    """Fill the result of a motion that rounding decides, to a tolerance of its mean velocity.
+    """Fill the means of a motion that rounding decides, to a tolerance of its mean velocity.
 
     The runs end where e <= tol |v|, or after `max_periods`. e is 0.8 of the `batch_error` of their
     quarters and their `cut_error`. Between two looks a run grows by a factor of sqrt(2); its first
@@ -219,7 +219,7 @@ def fill(
     runs: Floats, marks: Floats, all_sums: Floats, quarters: Floats, error: float, drive: Drive,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Fill a result with the means of runs since a mark of each; return the status."""
+    """Fill a result with the means of several runs since a mark of each; return the status."""
     for number in range(PHASES):
         if runs_off(runs[number], marks[number], all_sums[number], drive):
             return UNREPEATED

@@ -59,7 +59,7 @@ their gap would have swung by is of the order of its square."""
 def refreshed(
     row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
 ) -> None:
-    """Let parts start that are pushed, open idle contacts, and set all flows, after an event."""
+    """Update a row after an event: start pushed parts, open idle contacts, set accelerations."""
     forced = event.part if event.kind == START else -1
     pull = drive.gs - level
     push, load = pushes(drive, pull, tau)
@@ -75,7 +75,7 @@ def refreshed(
 def next_event(
     row: Row, drive: Driven, level: float, tau: float, span: float, landing: float
 ) -> Event:
-    """Return the earliest event within a span; `landing` is the phase until then, inf on the floor.
+    """Return the earliest event within a phase span; `landing` is the phase until landing, or inf.
 
     Of several at once lift-off comes first, then landings, stops, starts, releases by the stop and
     collisions.
@@ -103,7 +103,7 @@ def next_event(
 
 @borrowing
 def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
-    """Return the earlier of an event and the first stop or start.
+    """Return the earlier one of an event and the first stop or start of a part.
 
     A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), mu as `least_friction`.
     """
@@ -132,7 +132,7 @@ def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event:
 def _released(
     row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
 ) -> Event:
-    """Return the earlier of an event and the first release of a block by the stop.
+    """Return the earlier one of an event and the first release of a block by the stop.
 
     In flight a stop of the track lets go where the push turns back; on the floor one in space where
     -mode mu n falls to gs.
@@ -155,7 +155,7 @@ def _released(
 
 @borrowing
 def move(row: Row, drive: Driven, tau: float, span: float) -> None:
-    """Carry all parts over a phase by their flows; gaps change by what their parts do.
+    """Move all parts over a phase by their accelerations, and change the gaps accordingly.
 
     Parts that touch have one velocity and one flow: they move by the same, to the bit.
     """
@@ -181,7 +181,7 @@ def move(row: Row, drive: Driven, tau: float, span: float) -> None:
 
 @borrowing
 def lifted(drive: Driven, tau: float) -> Air:
-    """Return the flight that begins at a phase."""
+    """Return the flight that begins at a phase: landing phase and speed."""
     span, impulse = flight(drive, tau)
     return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
 
@@ -190,7 +190,7 @@ def lifted(drive: Driven, tau: float) -> Air:
 def happened(
     row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
-    """Change a row by an event at a phase.
+    """Change the state of a row by an event at a phase.
 
     Return the flight after it, the energy that it takes, and the impulse on the stop.
     """
@@ -215,7 +215,7 @@ def happened(
 
 @borrowing
 def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
-    """True where two parts that strike are pressed together, and would bounce next to no time.
+    """True where two colliding parts are pressed together and would bounce for nearly no time.
 
     Bounces under the relative acceleration -a last 2 e v/(a (1 - e)) in all (theory 13.5).
     """

@@ -72,7 +72,7 @@ FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @compiled
 def past_of(row: Row) -> Past:
-    """Return room for the last periods of a row."""
+    """Return a buffer for the states of a row at the starts of the last periods."""
     size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
     return Past(
         np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, contacts)),
@@ -82,7 +82,7 @@ def past_of(row: Row) -> Past:
 
 @compiled
 def keep(row: Row, air: Air, past: Past, period: int) -> None:
-    """Keep the state at the start of a period."""
+    """Store the state of a row at the start of a period."""
     at = period % (MULTIPLES + 1)
     past.speed[at, :] = row.speed[: row.mass.size]
     past.place[at, :] = row.place
@@ -95,7 +95,7 @@ def one_period(
     row: Row, drive: Driven, restitution: float, air: Air, past: Past, period: int,
     swept_gaps: Floats,
 ) -> tuple[Air, Tally]:  # fmt: skip
-    """Follow a row over one period of the drive; add the integrals of its gaps."""
+    """Follow a row over one period of the drive, adding the integrals of its gaps."""
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
     pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -137,7 +137,7 @@ def one_period(
 
 @borrowing
 def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> None:
-    """Add the integrals of the gaps between parts over a phase d in which no event is.
+    """Add the integrals of the gaps between parts over a phase without events.
 
     g d + v d^2/2 - k d^3/6, and what the push adds: under a sine C (cos(tau + d) - cos(tau) +
     sin(tau) d + cos(tau) d^2/2).
@@ -154,7 +154,7 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
 
 @compiled
 def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: float) -> bool:
-    """True if the state after a period is that of `multiple` periods before.
+    """True if the state after a period equals the one `multiple` periods before.
 
     A gap may have grown, if its parts did not touch in between: each side of it then moves as it
     did, and the gap grows for ever.
@@ -180,7 +180,7 @@ def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: f
 def platoons(
     row: Row, past: Past, period: int, multiple: int, scale: float, numbers: Floats
 ) -> int:
-    """Return how many groups of parts have left each other for ever, or as it seems.
+    """Return the number of platoons: groups of parts that separate for ever, or seem to.
 
     The number of the group of each part, 1 at the rear, is written to `numbers`.
     """
@@ -195,7 +195,7 @@ def platoons(
 
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
-    """Write the results of a row of parts; return its status."""
+    """Follow a row of parts until it repeats, write its results, and return its status."""
     restitution, most, parts = cell[4], int(cell[5]), row.mass.size
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
     past = past_of(row)
@@ -226,7 +226,7 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
 def finish(
     row: Row, past: Past, means: Floats, periods: int, multiple: int, scale: float, result: Floats
 ) -> int:
-    """Write the means over a cycle, or, of a multiple 0, over half of the periods, and the status.
+    """Write the means over a cycle (of half of all periods if it does not repeat), and the status.
 
     In the second case batches of periods tell spread and error.
     """
@@ -254,7 +254,7 @@ def finish(
 
 @compiled
 def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
-    """Write means over periods: columns of `Tally`, ways of the parts, integrals of the gaps."""
+    """Write means over periods: columns of `Tally`, distances of the parts, integrals of gaps."""
     count, parts = periods.shape[0], numbers.size
     phase = count * TURN
     slowest, fastest, total = math.inf, -math.inf, 0.0
@@ -284,13 +284,13 @@ def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
 
 @compiled
 def at_start(drive: Driven) -> Air:
-    """Return the flight with which a motion begins: parts may be off the floor at once."""
+    """Return the flight at the start of a motion: parts may lift off at once."""
     return lifted(drive, 0.0) if drive.gn > 0.0 and is_lifted(drive, 0.0) else ON_FLOOR
 
 
 @compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of cells, each a row, under a sine or steps along the track."""
+    """Fill the result table of rows under a sine, or steps along the track."""
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = drive_of(cell)
@@ -302,7 +302,7 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 
 @compiled
 def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of cells, each a row, under any wave."""
+    """Fill the result table of rows under any wave."""
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = waved_of(cell)
@@ -314,7 +314,7 @@ def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) 
 
 @compiled
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write places and gaps of the parts of a row at phases from its start on, in order.
+    """Write positions and gaps of a row's parts at ascending phases, under a sine or steps.
 
     The gap to a stop, if there is one, is the last. Where a period has more than `MAX_EVENTS`, what
     comes after has no value.
@@ -324,13 +324,13 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
 
 @compiled
 def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Do what `path_of_row` does, under any wave."""
+    """Write positions and gaps of a row's parts at ascending phases, under any wave."""
     path_under(waved_of(cell), cell, phases, places, gaps)
 
 
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write the path of the row of a cell under its drive."""
+    """Write positions and gaps of a row's parts at ascending phases under a drive."""
     row, restitution = row_at(cell, backward_speed(drive)), cell[4]
     air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0

@@ -15,7 +15,7 @@ from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 @borrowing
 def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
-    """Pool `row.value[first:end]` into means that do not fall; return how many blocks they are.
+    """Pool `row.value[first:end]` into non-decreasing means; return the number of blocks.
 
     min sum m (y - v)^2 under y_i <= y_(i+1): a block is as long as a mean over it, weighted by
     mass, is no larger than that of the block before, or beyond it by a slack. Each value becomes
@@ -44,7 +44,7 @@ def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
 
 @borrowing
 def chain_end(row: Row, first: int) -> int:
-    """Return the end of the chain of closed contacts that begins with a part."""
+    """Return the index after the last part of the chain of touching parts from `first` on."""
     end = first + 1
     while end < row.mass.size and row.closed[end - 1] == 1:
         end += 1
@@ -53,13 +53,16 @@ def chain_end(row: Row, first: int) -> int:
 
 @borrowing
 def is_held(row: Row, end: int) -> bool:
-    """True if a chain that ends there touches a stop, with its velocity."""
+    """True if the chain that ends at `end` touches a stop and moves with it."""
     return row.stop != NO_STOP and end == row.mass.size and row.closed[end - 1] == 1
 
 
 @borrowing
 def held_from(row: Row) -> int:
-    """Return the first part of the chain that touches a stop; the number of parts if none does."""
+    """Return the first part of the chain that touches a stop.
+
+    The number of parts if there is none.
+    """
     first = row.mass.size
     if is_held(row, first):
         first -= 1
@@ -70,14 +73,14 @@ def held_from(row: Row) -> int:
 
 @borrowing
 def open_between(row: Row, blocks: int) -> None:
-    """Open the contacts between the blocks that `pooled` has left."""
+    """Open the contacts between the blocks that `pooled` has made."""
     for b in range(blocks - 1):
         row.closed[row.last[b]] = 0
 
 
 @borrowing
 def slide(row: Row) -> None:
-    """Open the contacts that carry nothing while their parts slide one way.
+    """Open contacts without force, between parts of a chain that slide in one direction.
 
     The accelerations D - mu n (forward) and D + mu n (backward) are in the order of -mu and of mu
     at every time: blocks hang on friction alone, and last until an event.
@@ -95,7 +98,7 @@ def slide(row: Row) -> None:
 
 @borrowing
 def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, released: bool) -> None:
-    """Let go of the stop those parts of the chain there that are no longer pressed onto it.
+    """Release parts of the chain at the stop that are no longer pressed onto it.
 
     The block that presses least is let go in any case if it is `released`: its limit is reached.
 
@@ -134,7 +137,7 @@ def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, releas
 
 @borrowing
 def least_pressed(row: Row, first: int) -> float:
-    """Return -mode mu of the block, held by a stop in space, that lets go first."""
+    """Return -mode mu of the block held by a stop in space that is released first."""
     parts = row.mass.size
     for i in range(first, parts):
         row.value[i] = -row.mode[first] * row.kinetic[i]
@@ -144,7 +147,7 @@ def least_pressed(row: Row, first: int) -> float:
 
 @borrowing
 def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
-    """Set the acceleration of every part.
+    """Set the acceleration of every part, from its mode, contacts and the drive.
 
     In flight it is the push along less the pull; at rest 0; sliding by mode = +-1, a block has the
     mean friction mu of its parts: under a sine C = c + mode mu s, k = pull + mode mu gn (theory
@@ -176,7 +179,7 @@ def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
 
 @borrowing
 def start(row: Row, push: float, load: float, forced: int) -> None:
-    """Let those parts of every resting chain slide whom the push moves.
+    """Set those parts of every resting chain in motion that the drive can move.
 
     In the direction of the push the values |D| - mu_s n are pooled; blocks above 0 start: those in
     front under a push forward, those behind under one backward. The block that moves most of the
@@ -193,6 +196,7 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
 
 @borrowing
 def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
+    """Set the parts of one resting chain in motion that the drive can move."""
     way = 1 if push > 0.0 else -1
     for i in range(first, end):
         # Pushed back, the accelerations -(|D| - mu n) do not fall towards the front, either.
@@ -203,7 +207,7 @@ def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_fo
 
 @borrowing
 def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> None:
-    """Set the mode of the parts that move, and open the contact to those that stay."""
+    """Set the mode of the moving parts of a chain, and open the contact to the resting ones."""
     farthest = end - 1 if way > 0 else first
     most = way * row.value[farthest]
     for i in range(first, end):
@@ -219,7 +223,7 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
 
 @borrowing
 def least_friction(row: Row, first: int, end: int, way: int) -> float:
-    """Return the static friction mu of the block of a resting chain that starts first one way.
+    """Return the static friction of the block of a resting chain that starts first in a direction.
 
     It starts where the push in its direction is mu n: pooled, that of the front or of the rear.
     """
@@ -231,7 +235,7 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
 
 @borrowing
 def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
-    """Let two parts and all that touch them strike; return the energy lost, the stop's impulse.
+    """Collide two parts with all that touch them; return the energy lost and the stop's impulse.
 
     Touching parts whose contact was open take part: pair by pair they would strike without end.
 
@@ -273,7 +277,7 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
 
 @borrowing
 def land(row: Row, impulse: float) -> float:
-    """Let all parts land with an impulse L per mass; return what a stop takes.
+    """Land all parts with an impulse L per mass on the floor; return the impulse on a stop.
 
     u - mu L sgn(u), pooled, and cut at 0: who would be turned round by friction stays. Parts on a
     stop are no faster than it.
@@ -307,5 +311,5 @@ def land(row: Row, impulse: float) -> float:
 
 @borrowing
 def sign(value: float) -> int:
-    """Return 1, 0 or -1."""
+    """Return the sign of a value: 1, 0 or -1."""
     return 1 if value > 0.0 else (-1 if value < 0.0 else 0)

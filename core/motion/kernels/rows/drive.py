@@ -21,30 +21,31 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
+    """Return a decorator that selects the sine's or the wave's function by the type of `drive`."""
     return by_type("drive", {Drive: for_sine, RowWave: for_wave})
 
 
 @_by_drive(sine.pushes, wave.pushes)
 def pushes(drive: Driven, pull: float, tau: float) -> tuple[float, float]:
-    """Return the push along, less a pull, and the load on the floor, 0 at least."""
+    """Return the push along the track, less a pull, and the load on the floor, at least 0."""
     raise NotImplementedError
 
 
 @_by_drive(sine.lift_off, wave.lift_off)
 def lift_off(drive: Driven, tau: float) -> float:
-    """Return the phase from tau on until parts on the floor lift off; inf if they never do."""
+    """Return the phase from tau until parts on the floor lift off; inf if they never do."""
     raise NotImplementedError
 
 
 @_by_drive(sine.is_lifted, wave.is_lifted)
 def is_lifted(drive: Driven, tau: float) -> bool:
-    """True where the push lifts parts off the floor."""
+    """True if parts on the floor lift off at a phase."""
     raise NotImplementedError
 
 
 @_by_drive(sine.flight, wave.flight)
 def flight(drive: Driven, tau: float) -> tuple[float, float]:
-    """Return how long a flight lasts that begins at tau, and the speed with which it ends.
+    """Return the duration (phase) of a flight that begins at tau, and its landing speed.
 
     Infinite and 0 where no landing is found.
     """
@@ -53,7 +54,7 @@ def flight(drive: Driven, tau: float) -> tuple[float, float]:
 
 @_by_drive(tables.backward_speed, wave.backward_speed)
 def backward_speed(drive: Driven) -> float:
-    """Return the velocity of what is at rest in space, seen from the track, at the phase 0."""
+    """Return the velocity relative to the track, at phase 0, of a body at rest in space."""
     raise NotImplementedError
 
 
@@ -61,7 +62,7 @@ def backward_speed(drive: Driven) -> float:
 def first_rise(
     drive: Driven, body: int, way: int, along: float, normal: float, level: float, tau: float
 ) -> float:
-    """Return the phase from tau on until a push rises above a level; inf if it never does.
+    """Return the phase from tau until a push rises above a level; inf if it never does.
 
     The push is `along` times that along the track and `normal` times that off the floor. Body and
     way say where a wave may keep what it finds.
@@ -74,7 +75,7 @@ def first_rise(
 
 @_by_drive(sine.set_flow, wave.set_flow)
 def set_flow(row: Row, drive: Driven, body: int, moves: bool, friction: float, drag: float) -> None:
-    """Set what drives a body: at rest nothing, else the pushes along + mode mu normal - k.
+    """Set the acceleration of a body: 0 at rest, else along + mode mu normal - k.
 
     `friction` is mode mu, 0 in the air and of a stop, `drag` is k.
     """
@@ -83,49 +84,49 @@ def set_flow(row: Row, drive: Driven, body: int, moves: bool, friction: float, d
 
 @_by_drive(sine.at_phase, wave.at_phase)
 def at_phase(drive: Driven, tau: float) -> Any:
-    """Return what the searches below need of the phase that they begin with."""
+    """Return the terms of a phase that several searches below share."""
     raise NotImplementedError
 
 
 @_by_drive(sine.stop_until, wave.stop_until)
 def stop_until(row: Row, drive: Driven, part: int, now: Any, span: float) -> float:
-    """Return the phase until the velocity of a part that slides is 0; inf if not within a span."""
+    """Return the phase until the velocity of a sliding part is 0; inf if not within a span."""
     raise NotImplementedError
 
 
 @_by_drive(sine.contact_until, wave.contact_until)
 def contact_until(row: Row, drive: Driven, contact: int, now: Any, span: float) -> float:
-    """Return the phase until an open gap closes; inf if not within a span of a turn at most."""
+    """Return the phase until an open gap closes; inf if not within a span of at most one turn."""
     raise NotImplementedError
 
 
 @_by_drive(sine.relative_push, wave.relative_push)
 def relative_push(row: Row, drive: Driven, contact: int, tau: float) -> float:
-    """Return what the push adds to the relative acceleration of two neighbours."""
+    """Return the drive's share in the relative acceleration of two neighbours."""
     raise NotImplementedError
 
 
 @_by_drive(sine.swung, wave.swung)
 def swung(drive: Driven, tau: float, span: float) -> Any:
-    """Return what `carried` needs of a phase: what the push adds to velocity and distance."""
+    """Return the velocity and distance that the drive adds over a phase, for `carried`."""
     raise NotImplementedError
 
 
 @_by_drive(sine.carried, wave.carried)
 def carried(row: Row, drive: Driven, body: int, by: Any, span: float) -> tuple[float, float]:
-    """Return by how much velocity and place of a body change over a phase."""
+    """Return the change of velocity and position of a body over a phase."""
     raise NotImplementedError
 
 
 @_by_drive(sine.swept, wave.swept)
 def swept(drive: Driven, tau: float, span: float) -> Any:
-    """Return what `gap_swept` needs of a phase: the integral of what the push adds to distance."""
+    """Return the integral of the distance that the drive adds over a phase, for `gap_swept`."""
     raise NotImplementedError
 
 
 @_by_drive(sine.gap_swept, wave.gap_swept)
 def gap_swept(row: Row, drive: Driven, contact: int, by: Any) -> float:
-    """Return the integral over a phase of what the push adds to a gap."""
+    """Return the drive's share in the integral of a gap over a phase."""
     raise NotImplementedError
 
 
@@ -134,7 +135,7 @@ def gap_swept(row: Row, drive: Driven, contact: int, by: Any) -> float:
 
 @_by_drive(sine.sizes, wave.sizes)
 def sizes(drive: Driven) -> tuple[float, float]:
-    """Return what the pushes along and normal to the floor are told in by the two below."""
+    """Return the amplitudes of which `along` and `normal` are multiples in the two below."""
     raise NotImplementedError
 
 

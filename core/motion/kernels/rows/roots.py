@@ -35,7 +35,7 @@ class Pull(NamedTuple):
 
 @borrowing
 def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]:
-    """Return the zeros of u' from tau on, within a span of a turn at most, where C sin(tau) = k.
+    """Return the zeros of u' = C sin(tau) - k after tau, within a span of at most one turn.
 
     In order; the span stands for one that is not within it.
     """
@@ -50,7 +50,7 @@ def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]
 
 @borrowing
 def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float) -> float:
-    """Return the zero of the velocity (order 0) or of the distance (1) between two phases.
+    """Return the zero of velocity (order 0) or distance (order 1) between two phases.
 
     Newton's iteration, by bisection where it leaves the bracket.
     """
@@ -91,7 +91,7 @@ def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float)
 def first_stop(
     v: float, way: int, C: float, k: float, tau: float, sine: float, cosine: float, span: float
 ) -> float:
-    """Return the phase until a velocity is 0, which has the sign of `way` but for rounding, or inf.
+    """Return the phase until a velocity in direction `way` is 0; inf if it is not within the span.
 
     Of no velocity, or a hair against its way, a part stops at once if C sin(tau) - k is against its
     way; else it starts, whatever rounding says.
@@ -120,7 +120,7 @@ def first_stop(
 def first_contact(
     g: float, v: float, C: float, k: float, tau: float, sine: float, cosine: float, span: float
 ) -> float:
-    """Return the phase until a gap g >= 0, which grows by v, becomes negative; else inf."""
+    """Return the phase until a gap g >= 0 with rate v becomes negative; inf if it does not."""
     if C == 0.0 and k == 0.0 and v >= 0.0:
         return math.inf
     # Its velocity falls by no more than |C| + k a phase.
@@ -150,7 +150,10 @@ def first_contact(
 def _closed(
     g: float, v: float, C: float, k: float, sine: float, cosine: float, low: float, high: float
 ) -> float:
-    """Return where a gap closes between two phases, to the second of which its way is one."""
+    """Return the phase at which a gap closes between two phases.
+
+    It moves one way up to the second.
+    """
     if low == 0.0 and g <= 0.0:
         return 0.0
     return refined(1, g, v, Pull(C, k, sine, cosine), low, high)
@@ -167,7 +170,7 @@ def first_beyond(A: float, B: float, tau: float) -> float:
 
 @borrowing
 def flight_time(s: float, gn: float, tau: float, most: int) -> float:
-    """Return how long parts are in the air that lift off at tau; inf if beyond so many turns.
+    """Return the duration (phase) of a flight that begins at tau; inf beyond `most` turns.
 
     Their height begins with 0, as does its rate: z'' = s sin(tau) - gn.
     """

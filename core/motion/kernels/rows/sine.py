@@ -19,7 +19,7 @@ Now = namedtuple("Now", "tau sine cosine")
 
 @borrowing
 def pushes(drive: Drive, pull: float, tau: float) -> tuple[float, float]:
-    """Return the push c sin(tau) - k along, and the load on the floor, 0 at least."""
+    """Return the push along the track, c sin(tau) - k, and the load on the floor, at least 0."""
     return drive.c * math.sin(tau) - pull, max(0.0, drive.gn - drive.s * math.sin(tau))
 
 
@@ -31,13 +31,13 @@ def lift_off(drive: Drive, tau: float) -> float:
 
 @borrowing
 def is_lifted(drive: Drive, tau: float) -> bool:
-    """True where the push lifts parts off the floor."""
+    """True if parts on the floor lift off at a phase."""
     return drive.s * math.sin(tau) > drive.gn
 
 
 @borrowing
 def flight(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return how long a flight lasts that begins at tau, and the speed with which it ends.
+    """Return the duration (phase) of a flight that begins at tau, and its landing speed.
 
     z'' = s sin(tau) - gn from z = z' = 0.
     """
@@ -57,19 +57,19 @@ def first_rise(
 
 @borrowing
 def set_flow(row: Row, drive: Drive, body: int, moves: bool, friction: float, drag: float) -> None:
-    """Set C and k of a body: C = c + mode mu s, 0 at rest."""
+    """Set the acceleration's coefficients C and k of a body: C = c + mode mu s, 0 at rest."""
     row.gain[body], row.drag[body] = drive.c + friction * drive.s if moves else 0.0, drag
 
 
 @borrowing
 def at_phase(drive: Drive, tau: float) -> Now:
-    """Return what searches from one phase need: its sine and cosine."""
+    """Return sine and cosine of the phase, which the searches below share."""
     return Now(tau, math.sin(tau), math.cos(tau))
 
 
 @borrowing
 def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> float:
-    """Return the phase until the velocity of a part that slides is 0; inf if it is not."""
+    """Return the phase until the velocity of a sliding part is 0; inf if not within the span."""
     return first_stop(
         row.speed[part], row.mode[part], row.gain[part], row.drag[part], now.tau, now.sine,
         now.cosine, span,
@@ -78,7 +78,7 @@ def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> floa
 
 @borrowing
 def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -> float:
-    """Return the phase until a gap becomes negative, at once where it is 0 and closes; else inf."""
+    """Return the phase until a gap becomes negative, 0 if it closes already; inf if never."""
     gain = row.gain[contact + 1] - row.gain[contact]
     drag = row.drag[contact + 1] - row.drag[contact]
     apart = row.speed[contact + 1] - row.speed[contact]
@@ -87,13 +87,13 @@ def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -
 
 @borrowing
 def relative_push(row: Row, drive: Drive, contact: int, tau: float) -> float:
-    """Return what the push adds to the relative acceleration of two neighbours."""
+    """Return the drive's share in the relative acceleration of two neighbours."""
     return (row.gain[contact + 1] - row.gain[contact]) * math.sin(tau)
 
 
 @borrowing
 def swung(drive: Drive, tau: float, span: float) -> tuple[float, float]:
-    """Return what sin(tau) adds to velocity and distance over a phase."""
+    """Return the velocity and distance that sin(tau) adds over a phase."""
     return swings(math.sin(tau), math.cos(tau), span)
 
 
@@ -101,7 +101,7 @@ def swung(drive: Drive, tau: float, span: float) -> tuple[float, float]:
 def carried(
     row: Row, drive: Drive, body: int, by: tuple[float, float], span: float
 ) -> tuple[float, float]:
-    """Return by how much velocity and place of a body change over a phase."""
+    """Return the change of velocity and position of a body over a phase."""
     return (
         row.gain[body] * by[0] - row.drag[body] * span,
         row.speed[body] * span + row.gain[body] * by[1] - row.drag[body] * (span * span / 2.0),
@@ -120,13 +120,13 @@ def swept(drive: Drive, tau: float, span: float) -> float:
 
 @borrowing
 def gap_swept(row: Row, drive: Drive, contact: int, by: float) -> float:
-    """Return the integral over a phase of what the push adds to a gap."""
+    """Return the drive's share in the integral of a gap over a phase."""
     return (row.gain[contact + 1] - row.gain[contact]) * by
 
 
 @borrowing
 def sizes(drive: Drive) -> tuple[float, float]:
-    """Return the amplitudes of both pushes: `along` and `normal` below are times these."""
+    """Return the amplitudes of both pushes, of which `along` and `normal` are multiples below."""
     return drive.c, drive.s
 
 
@@ -153,6 +153,7 @@ def above(
 
 @borrowing
 def _whole(gain: float, drag: float, tau: float, span: float) -> float:
+    """Return the integral of gain sin(x) - drag over a phase."""
     return gain * (math.cos(tau) - math.cos(tau + span)) - drag * span
 
 

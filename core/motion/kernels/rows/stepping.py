@@ -56,7 +56,7 @@ class Pushes(NamedTuple):
 
 @compiled
 def pushes_of(cell: Floats, steps: int) -> Pushes:
-    """Return the drive of a cell in so many steps of a period."""
+    """Return the drive of a cell, sampled in the middles of the steps of a period."""
     start, h = HEAD + 4 * int(cell[HEAD - 2]), TURN / steps
     along, normal, backward = np.zeros(steps), np.zeros(steps), np.zeros(steps)
     orders, levels = 0, 0
@@ -84,7 +84,7 @@ def pushes_of(cell: Floats, steps: int) -> Pushes:
 
 @compiled
 def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float) -> None:
-    """Set the speeds of a chain: forward PAVA(v - mu I), backward PAVA(v + mu I), else 0."""
+    """Set a chain's speeds after an impulse: v - mu I pooled forward, v + mu I backward, or 0."""
     for i in range(first, end):
         row.value[i] = v[i] - mu[i] * impulse
     pooled(row, first, end)
@@ -100,7 +100,7 @@ def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float)
 def stepped_chain(
     row: Row, first: int, end: int, push: float, impulse: float, held: bool, v: Floats, mu: Floats
 ) -> float:
-    """Set the speeds of touching parts after a step; return the impulse on the stop.
+    """Set the speeds of touching parts after a time step; return the impulse on the stop.
 
     Parts at rest have their static friction until they move.
     """
@@ -127,7 +127,7 @@ def stepped_chain(
 
 @compiled
 def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> None:
-    """Carry all parts over a step by the mean of both speeds; count what touches, add the gaps."""
+    """Move all parts over a step by their mean speeds; count contacts and add the gaps."""
     parts = row.mass.size
     for i in range(row.speed.size):
         way = 0.5 * h * (before[i] + row.speed[i])
@@ -149,7 +149,7 @@ def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> N
 
 @compiled
 def _touches_next(row: Row, v: Floats, i: int, span: float) -> bool:
-    """Return whether part i touches what is before it a span on: gap + span (v' - v) <= TOUCHES."""
+    """True if part i touches the next one after a span: gap + span (v' - v) <= TOUCHES."""
     return row.gap.size > i and row.gap[i] + span * (v[i + 1] - v[i]) <= TOUCHES
 
 
@@ -158,7 +158,7 @@ def stepped_period(
     row: Row, gs: float, gn: float, pushes: Pushes, height: float, rate: float, tally: Floats,
     swept: Floats, before: Floats, v: Floats, mu: Floats, past: Past, period: int,
 ) -> tuple[float, float]:  # fmt: skip
-    """Follow a row over a period; return height and its rate. Columns of the tally as `Tally`."""
+    """Follow a row over a period by time steps; return height and vertical velocity."""
     steps, parts = pushes.along.size, row.mass.size
     h = TURN / steps
     for k in range(steps):
@@ -191,7 +191,7 @@ def stepped_period(
 
 @compiled
 def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
-    """Write the results of a row by steps; return its status."""
+    """Follow a row by time steps until it repeats, write its results, and return its status."""
     row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[5])
     parts, gs, gn = row.mass.size, cell[2], cell[3]
     if row.stop == IN_SPACE:
@@ -221,7 +221,7 @@ def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
 
 @compiled
 def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of cells by so many steps, and by more than twice as many."""
+    """Fill the result table of cells by time stepping; two step sizes give the error."""
     coarse = np.zeros(table.shape[1])
     for number in range(cells.shape[0]):
         cell = cells[number]

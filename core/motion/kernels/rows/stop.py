@@ -19,7 +19,7 @@ NOT_PRESSED = Pressed(0.0, 0.0)
 def stop_pressed(
     row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
 ) -> Pressed:
-    """Return how the row presses on its stop over a phase in which no event is, per weight.
+    """Return force and contact measures of the row on its stop over a phase without events.
 
     In space, sliding: sum of m (-gs - mode mu n). In the air: sum of m times what the push exceeds
     the stop's acceleration by. On a stop of the track, at rest, the least force: the sum over the
@@ -45,7 +45,7 @@ def stop_pressed(
 
 @borrowing
 def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
-    """Return the least force of parts at rest on a stop of the track.
+    """Return the least force by which parts at rest press on a stop of the track.
 
     Blocks farther in front are the more slippery, and press first: at every time the force is the
     largest of the sums over the blocks from one on to the front, or 0.
@@ -69,7 +69,7 @@ def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first:
 
 @borrowing
 def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
-    """Return of a block of pooled parts the first, its friction and its mass."""
+    """Return the first part, the friction and the mass of a block of pooled parts."""
     begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
     for i in range(begin, row.last[number] + 1):
         mass += row.mass[i]

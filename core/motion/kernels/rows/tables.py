@@ -81,7 +81,7 @@ class Row(NamedTuple):
 
 @compiled
 def drive_of(cell: Floats) -> Drive:
-    """Return the drive of a cell; a sine has one step, of no level."""
+    """Return the drive of a cell; a sine has one step of level 0."""
     start = HEAD + 4 * int(cell[HEAD - 2])
     steps = int(cell[start + 1]) if cell.size > start else 0
     if steps == 0:
@@ -94,13 +94,13 @@ def drive_of(cell: Floats) -> Drive:
 
 @compiled
 def row_of(cell: Floats) -> Row:
-    """Return the row of a cell, at rest on the track."""
+    """Return the row of a cell, with all parts at rest on the track."""
     return row_at(cell, backward_speed(drive_of(cell)))
 
 
 @compiled
 def row_at(cell: Floats, backward: float) -> Row:
-    """Return the row of a cell, at rest on the track; what is at rest in space has a velocity."""
+    """Return the row of a cell at rest on the track; a stop at rest in space moves backward."""
     stop, room, parts = int(cell[HEAD - 4]), int(cell[HEAD - 2]), int(cell[HEAD - 1])
     static = cell[HEAD : HEAD + parts].copy()
     kinetic = cell[HEAD + room : HEAD + room + parts].copy()
@@ -126,7 +126,7 @@ def row_at(cell: Floats, backward: float) -> Row:
 
 @compiled
 def backward_speed(drive: Drive) -> float:
-    """Return the velocity of what is at rest in space, seen from the track, at the phase 0.
+    """Return the velocity relative to the track, at phase 0, of a body at rest in space.
 
     It is w with w' = c sin(tau) + level, without mean over a period.
     """

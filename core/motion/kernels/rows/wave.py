@@ -117,7 +117,7 @@ def waved_of(cell: Floats) -> RowWave:
 
 @borrowing
 def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: float) -> None:
-    """Fill one number of both pushes: with gravity, and, as the kinds of slips, without."""
+    """Fill one number of both pushes: with gravity, and without for the kinds of slip."""
     table[2 * AIR + part, column] = table[2 * FORWARD + part, column] = along
     table[2 * NORMAL + part, column] = table[2 * BACKWARD + part, column] = normal
 
@@ -126,7 +126,7 @@ def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: fl
 def of_kind(
     drive: RowWave, body: int, kind: int, along: float, normal: float, pull: float
 ) -> WaveDrive:
-    """Return the wave whose acceleration of a kind is a P(tau) + b S(tau) - k, passages filled.
+    """Return the wave with acceleration a P(tau) + b S(tau) - k of a kind, sign changes filled.
 
     Where a body asked for the same before, nothing is done anew. Of the pull `SLOPE` it is the
     derivative of the sums.
@@ -166,7 +166,7 @@ def of_kind(
 
 @borrowing
 def pushes(drive: RowWave, pull: float, tau: float) -> tuple[float, float]:
-    """Return the push P - k along, and the load on the floor, n - S, 0 at least."""
+    """Return the push along the track, P - k, and the load on the floor, n - S, at least 0."""
     push = acceleration(drive.base, FORWARD, tau) - pull
     return push, max(0.0, -acceleration(drive.base, NORMAL, tau))
 
@@ -190,13 +190,13 @@ def _until_rise(wave: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def is_lifted(drive: RowWave, tau: float) -> bool:
-    """True where the push lifts parts off the floor: S > n."""
+    """True if parts on the floor lift off at a phase: S > n."""
     return acceleration(drive.base, NORMAL, tau) > 0.0
 
 
 @borrowing
 def flight(drive: RowWave, tau: float) -> tuple[float, float]:
-    """Return how long a flight lasts that begins at tau, and the speed with which it ends."""
+    """Return the duration (phase) of a flight that begins at tau, and its landing speed."""
     span = landing(drive.base, 0.0, tau)
     if span < 0.0:
         return math.inf, 0.0
@@ -205,7 +205,7 @@ def flight(drive: RowWave, tau: float) -> tuple[float, float]:
 
 @compiled
 def backward_speed(drive: RowWave) -> float:
-    """Return the velocity of what is at rest in space, seen from the track, at the phase 0."""
+    """Return the velocity relative to the track, at phase 0, of a body at rest in space."""
     return -track_speed(drive.base, 0.0)
 
 
@@ -226,20 +226,20 @@ def first_rise(
 def set_flow(
     row: Row, drive: RowWave, body: int, moves: bool, friction: float, drag: float
 ) -> None:
-    """Set shares and pull of a body: none at rest, else 1 and mode mu, 0 in the air."""
+    """Set shares and pull of a body's acceleration: 0 at rest, else 1 and mode mu; 0 in the air."""
     row.gain[body], row.drag[body] = 1.0 if moves else 0.0, drag
     drive.share[body] = friction if moves else 0.0
 
 
 @borrowing
 def at_phase(drive: RowWave, tau: float) -> float:
-    """Return what searches from one phase need: the phase."""
+    """Return the phase, which is all that the searches below share."""
     return tau
 
 
 @borrowing
 def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
-    """Return the phase until the velocity of a part that slides is 0; inf if it is not.
+    """Return the phase until the velocity of a sliding part is 0; inf if not within the span.
 
     Until its acceleration a P + b S - k changes its sign, a part that it speeds up does not stop,
     and one without velocity that it slows down stops at once.
@@ -265,7 +265,7 @@ def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> 
 
 @borrowing
 def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
-    """Return the phase until a gap becomes negative, at once where it is 0 and closes; else inf.
+    """Return the phase until a gap becomes negative, 0 if it closes already; inf if never.
 
     Between two changes of sign of its acceleration its velocity runs one way, and between those and
     the zeros of the velocity the gap does.
@@ -302,7 +302,10 @@ def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: floa
 
 @borrowing
 def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: float) -> float:
-    """Return where a gap closes between two phases, to the second of which its way is one."""
+    """Return the phase at which a gap closes between two phases.
+
+    It moves one way up to the second.
+    """
     if low == 0.0 and g <= 0.0:
         return 0.0
     return landing_root(wave, g, v, tau, low, high)
@@ -310,7 +313,7 @@ def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: f
 
 @borrowing
 def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
-    """Return what the push adds to the relative acceleration of two neighbours."""
+    """Return the drive's share in the relative acceleration of two neighbours."""
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
     along, normal = acceleration(drive.base, FORWARD, tau), acceleration(drive.base, BACKWARD, tau)
@@ -319,7 +322,7 @@ def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
 
 @borrowing
 def swung(drive: RowWave, tau: float, span: float) -> Swung:
-    """Return what both pushes add to velocity and distance over a phase."""
+    """Return the velocities and distances that both pushes add over a phase."""
     swing, sway = flow(drive.base, FORWARD, 0.0, tau, span)
     normal_swing, normal_sway = flow(drive.base, BACKWARD, 0.0, tau, span)
     return Swung(swing, sway, normal_swing, normal_sway)
@@ -327,7 +330,7 @@ def swung(drive: RowWave, tau: float, span: float) -> Swung:
 
 @borrowing
 def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
-    """Return by how much velocity and place of a body change over a phase."""
+    """Return the change of velocity and position of a body over a phase."""
     a, b, k = row.gain[body], drive.share[body], row.drag[body]
     return (
         a * by.swing + b * by.normal_swing - k * span,
@@ -337,13 +340,13 @@ def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tupl
 
 @borrowing
 def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
-    """Return the integrals over a phase of the distances that both pushes add."""
+    """Return the integrals of the distances that both pushes add over a phase."""
     return _swept(drive.base, FORWARD, tau, span), _swept(drive.base, BACKWARD, tau, span)
 
 
 @borrowing
 def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
-    """Return P3(tau + D) - P3(tau) - P2(tau) D - P1(tau) D^2/2, each the integral of the next."""
+    """Return the third integral P3 from tau to tau + D, less its terms P2 D and P1 D^2/2 at tau."""
     if base.steps > 0:
         return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
     _, _, first, second = integrals(base, kind, tau)
@@ -363,7 +366,7 @@ def _third(base: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -> float:
-    """Return the integral over a phase of what the push adds to a gap."""
+    """Return the drive's share in the integral of a gap over a phase."""
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
     return a * by[0] + b * by[1]
@@ -374,7 +377,7 @@ def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -
 
 @borrowing
 def sizes(drive: RowWave) -> tuple[float, float]:
-    """Return 1: `along` and `normal` below are shares of both pushes."""
+    """Return 1, 1: `along` and `normal` are shares of both pushes below."""
     return 1.0, 1.0
 
 
@@ -397,7 +400,7 @@ def above(
 def highest(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of a P + b S - k over a phase: at an end, or where it turns."""
+    """Return the largest value of a P + b S - k over a phase: at its ends, or at an extreme."""
     if drive.base.steps > 0:
         step = step_at(drive.base, tau + 0.5 * span)
         levels = drive.base.table

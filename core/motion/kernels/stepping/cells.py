@@ -33,7 +33,7 @@ def run(
     scene: int, cell: Cell, rolling: float, absolute: bool, drive: Floats, steps: int,
     states: Floats, tallies: Floats, result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
-    """Run one cell from rest until it repeats; fill the result and return the status.
+    """Follow one cell from rest until the motion repeats; fill the result and return the status.
 
     Period by period, by `planar_period` or `spatial_period`, until `repeats`. The error in the
     result is the doubt about the transient's end only.
@@ -87,7 +87,7 @@ def run(
 
 @compiled
 def push_of(scene: int, cell: Cell) -> float:
-    """Return the largest change of the velocity along the track in a unit of phase.
+    """Return the largest change of the velocity along the track per unit of phase.
 
     p_x + sin(gamma) + mu_k (p_z + n), and mu_w (p_y + g_y) more at a wall (theory 13.1).
     """
@@ -104,7 +104,7 @@ def push_of(scene: int, cell: Cell) -> float:
 
 @compiled
 def buffer_of(waves: Floats) -> Floats:
-    """Return room for the drive of a cell under the plain sine, rows of `DRIVE`."""
+    """Return a buffer for the sine drives of a cell, rows of `DRIVE`."""
     columns = waves.shape[2]
     buffer = np.zeros((len(DRIVE), columns))
     buffer[DRIVE.length] = 2.0 * math.pi / columns
@@ -114,7 +114,7 @@ def buffer_of(waves: Floats) -> Floats:
 
 @compiled
 def drive_of(scene: int, cell: Cell, waves: Floats, row: int, buffer: Floats) -> Floats:
-    """Return the drive of a cell: that of its own wave, or the plain sine, put into the room.
+    """Return the drive of a cell: its own wave's, or the plain sine written into the buffer.
 
     (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the speed of the track (theory 13.1).
     """
@@ -136,7 +136,7 @@ def step_cells(
     scene: int, rolling: float, absolute: bool, steps: int, waves: Floats, shifted_waves: Floats,
     fine_waves: Floats, groups: Floats, table: Floats, status: Statuses, stop: Stop,
 ) -> None:  # fmt: skip
-    """Fill the table, columns as in `results`, and the statuses, one cell a row.
+    """Fill result table (columns as in `results`) and statuses, one cell per row.
 
     The waves are those of the coarser run, which has so many steps n, of one that starts half a
     step earlier, and of the finer, which has 2 n + 1. They hold the rows of `DRIVE` for each cell

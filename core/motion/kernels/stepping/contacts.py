@@ -59,7 +59,7 @@ class FloorLaws(NamedTuple):
 
 @compiled
 def floor_laws(cell: Cell, rolling: float) -> FloorLaws:
-    """Return the numbers of the floor among those of a cell, `Cell`."""
+    """Return the numbers of the floor out of a cell's numbers."""
     return FloorLaws(cell.restitution, cell.friction_static, cell.friction_kinetic, rolling)
 
 
@@ -94,7 +94,7 @@ It fails where the contacts have no solution that is known well enough.
 def friction_impulse(
     slip_1: float, slip_2: float, hold: float, slide: float, response: float
 ) -> tuple[float, float, bool]:
-    """Return the impulse of friction at one contact, two components, and whether it sticks.
+    """Return the friction impulse (two components) at one contact, and whether the contact sticks.
 
     The slip is that without the impulse; a unit impulse changes it by 1 and by `response`. It
     sticks if an impulse within the disc of radius `hold` can stop the slip; else the impulse is
@@ -127,7 +127,7 @@ def friction_impulse(
 def slip_along(
     slip: float, push: float, hold: float, slide: float, spare: float
 ) -> tuple[float, float]:
-    """Return slip along one axis after a step, and what static friction could still take.
+    """Return the slip along one axis after a step, and the unused rest of static friction.
 
     From the slip u, the free change h a (`push`), and the impulses H = `hold`, Q = `slide` that
     static and kinetic friction can give: 0 while |h a| <= H, else u + h a - Q sign(u).
@@ -161,7 +161,7 @@ def planar_step(
     z: float, ux: float, uz: float, spare: float, pressed: bool, ax: float, az: float, h: float,
     cell: Cell,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Return velocities along and normal, normal impulse and `spare`, a step later.
+    """Return both velocities, the normal impulse and `spare` after a step in the plane.
 
     v = u + h a + i where z + h u_z/2 <= 0, with the normal impulse that leaves v_z = -eps u_z
     (theory 13.9). Static friction holds a contact that stuck at the end of the step before, and one
@@ -186,7 +186,7 @@ def planar_step(
 
 @compiled
 def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Stepped:
-    """Return velocities, spin, normal impulse and `spare`, a step later; no wall.
+    """Return velocities, spin, normal impulse and `spare` after a step on a floor without wall.
 
     As `planar_step`, with a slip (u_x, u_y + spin) whose friction is the impulse (f_x, f_y) of
     `friction_impulse`: it changes the slip by (f_x, r f_y), r = 1 + m r^2/I, and the spin by
@@ -246,7 +246,7 @@ def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> St
 def held_state(
     vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
 ) -> Stepped:
-    """Return the state after a step in which the contact came to stick: no slip, exactly.
+    """Return the state after a step in which the contact began to stick: its slip is exactly 0.
 
     A cylinder rolls on with v_y - (v_y + spin)/(1 + m r^2/I), the rest of its slip.
     """
@@ -261,7 +261,7 @@ def rubbing(
     vx: float, floor_load: float, wall_load: float, spin: float, static: float, kinetic: float,
     wall_friction: float, rolling: float,
 ) -> tuple[float, float, float, float, bool]:  # fmt: skip
-    """Return velocity along, spin, both normals and whether it sticks, of a spinning cylinder.
+    """Return velocity, spin, both normal forces and sticking of a cylinder that spins at the wall.
 
     It keeps to floor and wall and rubs on both, each with the slip (u_x, spin), the wall's spin
     being negative; friction at each presses on the other or lifts it: n = n0 + mu_w S e_s and
@@ -287,7 +287,7 @@ def rubbing(
 
 @compiled
 def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Cornered:
-    """Return the state a step later, on the floor and at the wall as well.
+    """Return the state after a step on the floor and at the wall.
 
     A contact takes part where its gap is closed in the middle of the step, z + h u_z/2 <= 0 and
     y + h u_y/2 <= 0 (theory 13.9). A part that keeps to floor and wall without spin slips along one
@@ -333,7 +333,7 @@ def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: Flo
 def sweep_corner(
     wall: Wall, body: BodyState, spare: float, push: Push, laws: FloorLaws
 ) -> Cornered:
-    """Return the state after a step in which both floor and wall carry, by sweeps.
+    """Return the state after a step in which floor and wall both carry, by alternating sweeps.
 
     Projected Gauss-Seidel, each contact solved exactly in its turn: n = max(0, n - v_z - eps u_z),
     S = max(0, S - v_y - eps_w u_y), then the frictions by `friction_impulse`. Both normals come

@@ -25,7 +25,7 @@ def path(
     wall: bool, rolling: float, absolute: bool, group: Floats, phases: Floats, h: float,
     steps: int, start: Floats, wave: Floats, position: Floats, velocity: Floats, stop: Stop,
 ) -> None:  # fmt: skip
-    """Fill position and velocity (n, 3) at ascending phases, from x, y, z, u_x, u_y, u_z, spin.
+    """Fill positions and velocities (n, 3) at ascending phases, from an initial state.
 
     The wave holds the drive of one period from the first phase, without columns for the plain sine.
     Within a step the velocity is taken as linear, as the scheme itself does: u + s (v - u) and

@@ -26,7 +26,7 @@ def count(
     tally: Floats, share: float, normal: float, pressed: bool, vx: float, uz: float, z: float,
     still: float, fall: float,
 ) -> None:  # fmt: skip
-    """Count one step, by its share: which way it slid, whether it landed, how high it was.
+    """Add one step to the tally: slip direction, landings, height; `share` is its part of a step.
 
     Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight where the floor gives
     no impulse. An impact is a landing faster than `fall`, what gravity gives in a step.
@@ -49,7 +49,7 @@ def count(
 
 @compiled
 def planar_period(state: Floats, tally: Floats, cell: Cell, drive: Floats, usual: float) -> None:
-    """Advance a planar state by one period and tally it; a step is usually so long.
+    """Advance a planar state by one period and tally it; `usual` is the length of most steps.
 
     Each step from u to v moves the part by q + h (u + v)/2 (theory 13.9).
     """
@@ -82,7 +82,7 @@ def spatial_period(
     wall: bool, rolling: float, absolute: bool, state: Floats, tally: Floats, cell: Cell,
     drive: Floats, usual: float,
 ) -> None:  # fmt: skip
-    """Advance a state in space by one period and tally it, as `planar_period` does.
+    """Advance a state in space by one period and tally it; `usual` is the length of most steps.
 
     The spin of a cylinder that rolls across is no way across: `across` is 0 then.
     """
@@ -148,5 +148,5 @@ def acceleration(
 
 @compiled
 def after_jump(spare: float) -> float:
-    """Return `spare` where the push has jumped: the step before tells nothing of it."""
+    """Return `spare` reset where the drive has jumped: the last step no longer predicts it."""
     return math.inf if spare >= 0.0 else spare

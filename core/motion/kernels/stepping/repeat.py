@@ -29,7 +29,7 @@ Of the motions on the bowl of `tests/laws/test_stepping_labels.py` that repeat e
 
 @compiled
 def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> float:
-    """Return the distance of two states at the ends of periods, as far as it matters.
+    """Return the distance of the states at the ends of two periods, as far as it matters.
 
     The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and, by `wall_gap`, |dy|. A part in contact
     stays where it sank in, at most a step of its fall deep: no difference. The distance from the
@@ -50,7 +50,7 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 def limit(
     tallies: Floats, done: int, part: int, slows: float, rounding: float, period: float
 ) -> tuple[float, float]:
-    """Return the limit of the drifting mean velocity, and its distance from there.
+    """Return the limit of the drifting mean velocity, and the present distance from it.
 
     From the means v_1, v_2, v_3 of three parts of so many periods: a transient dies out as a power,
     with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. A drift
@@ -74,7 +74,7 @@ def settled(
     tallies: Floats, done: int, multiple: int, window: int, rounding: float, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
-    """True if the mean velocity has settled; its value and its doubt are then in the result.
+    """True if the mean velocity has settled; its value and error are then written into the result.
 
     Motion that keeps to the floor converges smoothly, and slowly where friction is small: its
     `limit` is extrapolated, and must itself stand still. A part that hops may land on steps that
@@ -107,7 +107,7 @@ def repeats(
     states: Floats, tallies: Floats, done: int, rounding: float, allowed: float, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Return after how many periods the motion repeats, and put its means into the result.
+    """Return the number of periods after which the motion repeats, and write its means.
 
     0 if it does not; see `distinct_from`. A state that comes back to rounding, `difference` <=
     `rounding`, repeats for ever. Else slips and landings fall on steps that vary, and the state
@@ -146,7 +146,7 @@ def repeats(
 
 @compiled
 def distinct_from(states: Floats, tallies: Floats, done: int, cycle: int, allowed: float) -> int:
-    """Return after how many periods the motion repeats as far as the method can tell.
+    """Return the number of periods of the shortest cycle that the method's error still allows.
 
     The smallest part of a cycle that repeats but for the method's own error, `difference` <= 3
     `allowed`, some times what one step changes: slips and landings fall on steps, so that a motion
@@ -171,7 +171,7 @@ def unsettled(
     scene: int, cell: Cell, states: Floats, tallies: Floats, done: int, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Return the status of a motion that did not repeat, by `ended`; put the spread of its batches.
+    """Return the status of a motion that did not repeat, and write the spread of its batches.
 
     Without a wall it runs away, too, where u_y grows on, by more than half as much as before over
     each quarter.

@@ -44,7 +44,7 @@ def advance(
     state: Floats, hold: Flags, tally: Floats, work: Work, phases: Floats, samples: Floats,
     spent: Floats,
 ) -> bool:  # fmt: skip
-    """Advance state and hold by one period of the drive and tally it; False if it takes too long.
+    """Advance state and friction by one period and tally them; False if it takes too many events.
 
     `samples` get a row for each of the `phases` within the period, ascending: place, velocity and
     mode. `spent` gets the energies of the period added, columns as in `SPENT`, if it has any.
@@ -102,7 +102,7 @@ def advance(
 
 @borrowing
 def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None:
-    """Count an event that ends a step, and mark it in the signature of the period.
+    """Count the event that ends a step, and add it to the period's signature.
 
     The signature is a hash of the events, S -> (31 S + 7 event + contacts) mod 1000003.
     """
@@ -120,7 +120,7 @@ def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None
 def meet(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats
 ) -> None:
-    """Change contacts at an event, by `change_contacts`.
+    """Change contacts at an event, after evaluating the free acceleration there.
 
     What an impact takes of the energy `kinetic` is counted, if that is asked for.
     """
@@ -132,7 +132,7 @@ def meet(
 
 @borrowing
 def after_jump(event: int) -> int:
-    """Return the event at a jump of the drive: after it the forces decide, unless it is an end.
+    """Return the event at a jump of the drive, after which the forces decide; an end stays one.
 
     `EVENT.start`, or the landing, bump or stop that came at once with the jump.
     """
@@ -155,7 +155,7 @@ def move(
     step: StepSettings, state: Floats, contacts: int, slips: bool, event: int, span: float,
     order: int, work: Work,
 ) -> None:  # fmt: skip
-    """Move a state to the end of a step: the series of place and velocity at t = span.
+    """Move a state to the end of a step by evaluating its series at t = span.
 
     0 normal to a contact that carries; the spin of a cylinder is its slip less u_y (theory 7.3).
     """
@@ -180,7 +180,7 @@ def move(
 
 @borrowing
 def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
-    """Count the phase of a step to its modes, and the largest height, where w falls through 0."""
+    """Add the phase of a step to its mode, and note the largest height, where w falls through 0."""
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
         place, speed = ROW.place + 2, ROW.velocity + 2
@@ -197,7 +197,7 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
 
 @borrowing
 def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
-    """Count the phase of a slip to forward and backward, where it may turn round along the track.
+    """Add the phase of a slip to forward and backward, also where it turns round along the track.
 
     It turns where u_x = 0, by `first_fall`. A slip straight across does not move along the track:
     it counts as stick.
@@ -232,7 +232,7 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 
 @borrowing
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
-    """Fill place, velocity and mode at a phase within a step, each series at t = `since`."""
+    """Fill position, velocity and mode at a phase within a step, by its series at t = `since`."""
     for axis in range(3):
         row[axis] = value(work, ROW.place + axis, order, since)
         row[3 + axis] = value(work, ROW.velocity + axis, order, since)

@@ -26,7 +26,7 @@ SAMPLE = 7
 
 @compiled
 def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
-    """Return place, velocity and mode at ascending phases from the start of a cycle, by `sample`.
+    """Return position, velocity and mode at ascending phases from the start of a cycle.
 
     Of a motion that does not repeat, from the end of the periods that it is followed for.
     """
@@ -58,7 +58,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop
 def spend_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle.
+    """Fill the energy table, columns as in `SPENT`, and statuses of cells; NaN without a cycle.
 
     The cycle is followed once more, from where the run to it found its start.
     """

@@ -25,7 +25,7 @@ NEAR_STOP = 3.0
 
 @borrowing
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
-    """Return the restitution of an impact: 0 where the hops to come shrink to nothing.
+    """Return the restitution of an impact: 0 where the following hops shrink to nothing.
 
     That is where T = 2 w/(L (1 - eps)), of the rebound w = eps `speed` under the load L, has w T <
     1e-13 and T < `ahead`/1000 (theory 13.5). Their impulses then add up to what the contact carries
@@ -48,7 +48,7 @@ def strike(
     bounce: float,
     rear: float,
 ) -> None:
-    """Change the velocities by impacts: at the floor with speed `floor`, at the wall with `wall`.
+    """Change the velocities by impacts: on the floor with speed `floor`, on the wall with `wall`.
 
     0 where there is none. Newton's law normal to each, u_n+ = -eps u_n- with restitution `bounce`
     and `rear`, Coulomb's along it: kinetic friction, |i_t| <= mu i_n, stops the slip if it can
@@ -91,7 +91,9 @@ def strike(
 def rub_floor(
     rolling: float, state: Floats, fx: float, fy: float, limit: float
 ) -> tuple[float, float]:
-    """Put the impulse of the floor's friction into the state in place of (fx, fy); return it.
+    """Replace the friction impulse (fx, fy) of the floor in the state by the present one.
+
+    Return it.
 
     The slip without it is (u_x - f_x, u_y + spin - r f_y), r = 1 + m r^2/I, by `impulse`.
     """
@@ -111,7 +113,7 @@ def rub_floor(
 def impulse(
     slip_1: float, slip_2: float, limit: float, response: float
 ) -> tuple[float, float, bool]:
-    """Return the impulse of friction on a slip, and whether it stops it: `friction_impulse`."""
+    """Return the friction impulse on a slip, and whether it stops the slip."""
     if slip_1 == 0.0 and slip_2 == 0.0:
         return 0.0, 0.0, limit > 0.0
     return friction_impulse(slip_1, slip_2, limit, limit, response)
@@ -148,7 +150,7 @@ def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) 
 
 @borrowing
 def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
-    """Change contacts as the event asks that ended the last stretch; `ROW.free` is at its phase.
+    """Change contacts as the last event demands; `ROW.free` must be evaluated at its phase.
 
     What opened or closed is told by the event: where it says that a force is 0 it is 0, whatever
     its rounded number.
@@ -173,7 +175,7 @@ def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, 
 
 @borrowing
 def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
-    """Return the slip of the contact; decide whether it sticks where it does not move.
+    """Return the slip of the contact; decide whether a contact without slip sticks.
 
     It sticks where |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L
     and the response r to friction across; a slip e changes at the rate D.e - mu_k L (e_1^2 + r
@@ -229,7 +231,7 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
 def closing(
     tolerance: float, size: float, rate: float, rub: float, need: float, speed: float
 ) -> tuple[bool, float]:
-    """Return the end of a slip by a straight line, if it does, and the size at which to ask again.
+    """Return the end of a slip along a straight line, if it has one, and when to check again.
 
     It may turn along the push first: what friction has left, s = mu_k L - |(D_1, D_2/r)|, is its
     least rate. It ends so where r^2 <= 3 tol s, and forces must not outgrow s while it closes,
@@ -246,7 +248,7 @@ def closing(
 
 @borrowing
 def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
-    """Set the slip to exactly 0; what a cylinder rolls with is kept, u_y - slip_2/(1 + m r^2/I)."""
+    """Set the slip to exactly 0, keeping a cylinder's rolling, u_y - slip_2/(1 + m r^2/I)."""
     state[STATE.ux] = 0.0
     if contacts == WALL:
         state[STATE.uz] = 0.0

@@ -91,7 +91,7 @@ class Settled(NamedTuple):
 
 @compiled
 def new_history(most: int, stop: Stop) -> History:
-    """Return room for so many periods, rows of `History`.
+    """Return buffers for the history of so many periods, rows of `History`.
 
     It is not touched before it is used.
     """
@@ -104,7 +104,7 @@ def new_history(most: int, stop: Stop) -> History:
 
 @compiled
 def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
-    """Return the distance of the end of one period from another's start, as far as it matters.
+    """Return the distance of one period's end from another's start, as far as it matters.
 
     The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and, by `wall_gap`, |dy|. The floor is the
     same everywhere, along and, without a wall, across. The distance from a wall does not matter to
@@ -132,7 +132,7 @@ def repeats(
     wall: bool, rolling: float, history: History, last: int, since: int, close: float,
     parted: float,
 ) -> int:  # fmt: skip
-    """Return after how many periods the motion repeats, 0 if it does not; `since` the last jump.
+    """Return the number of periods after which the motion repeats, 0 if not; `since` the last jump.
 
     The first m with `apart` <= `close`. Where a part of a cycle nearly repeats, by less than
     `parted`, it may be the same motion, not settled yet.
@@ -155,7 +155,7 @@ def repeats(
 def remaining(
     wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
 ) -> float:
-    """Return the distance of the state from its limit, as its changes shrink.
+    """Return the distance of the state from its limit, if its changes keep shrinking.
 
     d/(1 - q), q = d/d0 at most 0.999, with the change d over a cycle after d0, by `apart` (theory
     13.13).
@@ -173,7 +173,7 @@ def follow_period(
     cell: Cell, wall: bool, rolling: float, series: Series, period: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> bool:  # fmt: skip
-    """Follow a cell for one period more, and write its history; False if it takes too long.
+    """Follow a cell for one more period and record it; False if it takes too many events.
 
     By `advance`, from the place x = 0.
     """
@@ -221,7 +221,7 @@ def settle(
 def to_cycle(
     row: Floats, wall: bool, rolling: float, series: Series, history: History, work: Work
 ) -> tuple[Settled, Floats, Flags]:
-    """Follow the cell of a row from rest until it repeats; return state and hold at its cycle.
+    """Follow a cell from rest until it repeats; return state and friction at the cycle's start.
 
     By `settle`. Of one that does not repeat, those at the end. The table of a step is set for its
     drive.
@@ -239,7 +239,7 @@ def to_cycle(
 
 @compiled
 def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
-    """Return the repetition of a motion without jumps that comes nearer to a cycle, but slowly.
+    """Return the number of periods of a motion that approaches a cycle slowly, without jumps.
 
     Its change over a cycle, d, fell from d0 within the last L cycles: with the ratio of a cycle
     q = (d/d0)^(1/L) the state is still off by d q/(1 - q), less than `near`.
@@ -265,7 +265,7 @@ def approach(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, most_jumps: int,
     state: Floats, hold: Flags, history: History, work: Work,
 ) -> tuple[Settled, int]:  # fmt: skip
-    """Follow a cell until it repeats, for so many periods and jumps; return how many jumps too.
+    """Follow a cell until it repeats, with limits of periods and jumps; return the jumps used.
 
     The period is the map y -> f(y) of `follow_period`: it repeats by `repeats`, and is sped up by
     `jump` where |f(y) - y| of two periods of the same events shrinks slowly (theory 13.13).
@@ -307,14 +307,14 @@ def approach(
 
 @compiled
 def same_events(history: History, first: int, second: int) -> bool:
-    """True if two periods had the same events, in the same order: equal signatures of `TALLY`."""
+    """True if two periods had the same events in the same order: equal signatures of `TALLY`."""
     tallies = history.tallies
     return bool(tallies[first, TALLY.signature] == tallies[second, TALLY.signature])
 
 
 @compiled
 def first_coordinate(wall: bool, history: History, period: int) -> int:
-    """Return the first column of the state that takes part in mixing.
+    """Return the first column of the state that takes part in Anderson's mixing.
 
     `STATE.y` at a wall, else z.
     """
@@ -336,7 +336,7 @@ def step_size(wall: bool, history: History, period: int) -> float:
 
 @compiled
 def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> bool:
-    """Change the state to where the last periods lead by Anderson's mixing; False if nowhere.
+    """Move the state to the cycle predicted by Anderson's mixing; False if there is no prediction.
 
     With residuals f = end - start, the weights are those of the least squares of f_last - sum of
     weights times differences of f; the state is the same combination of the ends. By modified
@@ -362,7 +362,7 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
 
 @compiled
 def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple[Floats, int]:
-    """Return the weights of the last differences, and how many; none where they are too large.
+    """Return the weights of the last differences and their number; 0 where weights are too large.
 
     The least squares of |f_last - sum of w_j df_j|, by modified Gram and Schmidt: Q R w = f_last
     (see `jump`).

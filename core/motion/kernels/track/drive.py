@@ -24,7 +24,7 @@ ORDERS, STEPS, SIZE = range(3)
 
 @borrowing
 def set_drive(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill what the table of a step knows of the drive, from the row of the cell.
+    """Fill the drive's part of a step's table from a cell's row.
 
     Of a sine its size |(p_x, p_y, p_z)| and its lift-off at sin(tau) = n/p_z (theory 13.3); of a
     wave what `read_wave` fills.
@@ -45,7 +45,7 @@ def set_drive(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def read_wave(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill the coefficients of a wave, its size, and its lift-offs.
+    """Fill the coefficients of a wave, its size, and the phases of its lift-offs.
 
     Behind the cell a row has the counts of harmonics and of steps, the harmonics by axis, sine or
     cosine, and order, and the levels by axis with the ends of the steps.
@@ -74,7 +74,7 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
-    """Fill the velocity of the track along an axis at the start of each step; return the most.
+    """Fill the track's velocity along an axis at the start of each step; return the largest.
 
     v -> v - p D over each step, less the mean of that over the period (theory 13.14).
     """
@@ -94,7 +94,7 @@ def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
 
 @borrowing
 def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
-    """Fill the phases in [0, 2 pi) at which the push off the floor rises through the weight.
+    """Fill the phases in [0, 2 pi) at which the upward push rises through the weight.
 
     p_z(tau) = n, by `passages`. Their number comes first.
     """
@@ -111,20 +111,23 @@ def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
 
 @borrowing
 def size(work: Work) -> float:
-    """Return the size of the drive's velocity, |(p_x, p_y, p_z)| of a sine; a bound for a wave."""
+    """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)| of a sine.
+
+    A bound for a wave.
+    """
     return work[ROW.wave, SIZE]
 
 
 @borrowing
 def sine_slope(work: Work, tau: float) -> float:
-    """Return the derivative of the push by the phase over its size, cos(tau); NaN of a wave."""
+    """Return the derivative of the push by phase over its amplitude, cos(tau); NaN for a wave."""
     is_wave = work[ROW.wave, ORDERS] > 0.0 or work[ROW.wave, STEPS] > 0.0
     return math.nan if is_wave else math.cos(tau)
 
 
 @borrowing
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
-    """Fill the series at tau of the push per mass, and of the velocity of the track along itself.
+    """Fill the series at tau of the push per mass and of the track's velocity.
 
     The push is minus the acceleration of the track: of a sine (p_x, p_y, p_z) sin(tau).
     """
@@ -149,7 +152,7 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def fill_harmonics(tau: float, order: int, work: Work) -> None:
-    """Fill the series of a sum of sines.
+    """Fill the series at tau of a sum of sines.
 
     The derivatives of s sin(k tau) + c cos(k tau) are, over k^n, this, its quarter turn, minus
     this, and so on; the track has the velocity sum of (s cos(k tau) - c sin(k tau))/k (theory
@@ -181,7 +184,7 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def step_at(tau: float, work: Work) -> int:
-    """Return the number of the step in which tau lies, the first with tau < its end."""
+    """Return the number of the step at tau, the first with tau < its end."""
     last = int(work[ROW.wave, STEPS]) - 1
     for step in range(last):
         if tau < work[ROW.levels + 3, step]:
@@ -191,7 +194,7 @@ def step_at(tau: float, work: Work) -> int:
 
 @borrowing
 def fill_step(tau: float, order: int, work: Work) -> None:
-    """Fill the series of a push that is constant, p, until the next jump; the track has v - p D."""
+    """Fill the series of a constant push p up to the next jump; the track has velocity v - p D."""
     step = step_at(tau, work)
     for axis in range(3):
         work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
@@ -206,7 +209,7 @@ def fill_step(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def next_jump(tau: float, work: Work) -> float:
-    """Return the phase up to which the push does not jump, the end of the period at the latest.
+    """Return the phase of the next jump of the push, at most the end of the period.
 
     That of the step of `step_at`.
     """
@@ -217,19 +220,19 @@ def next_jump(tau: float, work: Work) -> float:
 
 @borrowing
 def is_wave(work: Work) -> bool:
-    """True if the drive is no plain sine: it has orders or steps, columns of `ROW.wave`."""
+    """True if the drive is not a plain sine: it has harmonics or steps."""
     return work[ROW.wave, ORDERS] + work[ROW.wave, STEPS] > 0.0
 
 
 @borrowing
 def jumps(work: Work) -> bool:
-    """True if the push jumps at all: it has steps, a column of `ROW.wave`."""
+    """True if the push has steps, so that it jumps."""
     return work[ROW.wave, STEPS] > 0.0
 
 
 @borrowing
 def to_lift_off(work: Work, tau: float) -> float:
-    """Return the phase from tau to where a part on the floor lifts off; infinite if nowhere.
+    """Return the phase from tau until a part on the floor lifts off; infinite if it never does.
 
     The least (tau_k - tau) mod 2 pi of `fill_lift_offs`. Where the push jumps it is not told: what
     happens there is seen from the forces after it.

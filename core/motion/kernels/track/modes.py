@@ -93,7 +93,7 @@ def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float
 def sooner(
     work: Work, row: int, order: int, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to the first fall of a series and its name, or what is known.
+    """Return the span to the first fall of a series and its event, or the earlier known event.
 
     `first_fall`.
     """
@@ -105,7 +105,7 @@ def sooner(
 def to_zero(
     work: Work, sign: float, row: int, order: int, began: bool, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to where a force, `sign` D, falls through 0, and its name, or what is known.
+    """Return the span to where a force, `sign` D, falls to 0 and its event, or the known event.
 
     By `sooner`. A force with which the step `began` is 0, whatever its rounded number.
     """
@@ -117,7 +117,7 @@ def to_zero(
 
 @borrowing
 def fill_position(work: Work, axis: int, start: float, order: int) -> None:
-    """Fill the series of a place from that of its velocity, q_(k+1) = u_k/(k + 1)."""
+    """Fill the series of a position from that of its velocity, q_(k+1) = u_k/(k + 1)."""
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
     for k in range(order):
@@ -133,14 +133,14 @@ def fill_multiple(work: Work, row: int, factor: float, other: int, order: int) -
 
 @borrowing
 def stand(work: Work, axis: int, order: int) -> None:
-    """Fill the velocity along an axis with 0, u_k = 0."""
+    """Fill the velocity along an axis with 0, u_k = 0: the part stands."""
     for k in range(order + 1):
         work[ROW.velocity + axis, k] = 0.0
 
 
 @borrowing
 def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
-    """Fill the series of a part that nothing carries.
+    """Fill the series of a part in free flight.
 
     u_(k+1) = D_k/(k + 1), where `bend` adds to D what a curve does. It ends where z falls through
     0, or y at a wall (theory 13.13).
@@ -169,7 +169,7 @@ def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[f
 def stick(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work
 ) -> tuple[float, int, int]:
-    """Fill those of a part that friction holds at floor, wall or both; a cylinder rolls across.
+    """Fill the series of a part that sticks to floor, wall or both; a cylinder rolls across.
 
     u = 0, of a cylinder u_y' = D_y (r - 1)/r, r = 1 + m r^2/I (theory 7.3). It ends at lift-off,
     where the force across falls through 0, D_y = 0, at a wall that comes to carry or lets go, or
@@ -211,7 +211,7 @@ def stick(
 def to_slip(
     step: StepSettings, cell: Cell, contacts: int, span: float, name: int, work: Work
 ) -> tuple[float, int]:
-    """Return the span to where friction gives way, and what happens there, or what is known.
+    """Return the span until friction gives way and the event there, or the known event.
 
     (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L; in the corner mu_s N + mu_w S = |D_x| (theory
     4.4).
@@ -242,7 +242,7 @@ def to_slip(
 def slide_in_corner(
     step: StepSettings, cell: Cell, state: Floats, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill those of a slip along floor and wall at once: in one direction only.
+    """Fill the series of a slip along floor and wall at once, which has one direction.
 
     u_x' = D_x -+ (mu_k N + mu_w S), N = -D_z and S = -D_y (theory 4.4, 13.13).
     """
@@ -278,7 +278,7 @@ def slide_in_corner(
 def slide(
     step: StepSettings, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill those of a slip on floor or wall, in two directions.
+    """Fill the series of a slip on floor or wall, in two directions.
 
     By `line_series` where it keeps its direction, `onset_series` where it begins, `last_of_slip`
     where it ends, else by `slide_series`. It ends at lift-off or where the load falls through 0,
@@ -340,7 +340,7 @@ def slide(
 
 @borrowing
 def contact_of(cell: Cell, rolling: float, on_floor: bool) -> Contact:
-    """Return the contact that slips, `Contact`.
+    """Return the record of the contact that slips.
 
     With r = 1 + m r^2/I at the floor and 1 at the wall.
     """

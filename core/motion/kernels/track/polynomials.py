@@ -20,7 +20,7 @@ SHARP = 1e-15
 
 @borrowing
 def value(table: Floats, row: int, order: int, t: float) -> float:
-    """Return a polynomial at t, a_0 + t (a_1 + t (a_2 + ...))."""
+    """Return the value of a polynomial at t, a_0 + t (a_1 + t (a_2 + ...))."""
     total = table[row, order]
     for k in range(order - 1, -1, -1):
         total = total * t + table[row, k]
@@ -29,7 +29,7 @@ def value(table: Floats, row: int, order: int, t: float) -> float:
 
 @borrowing
 def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -> float:
-    """Return the first t in [0, span] at which a polynomial comes down through 0, or `NEVER`.
+    """Return the first t in [0, span] at which a polynomial falls through 0; `NEVER` if none.
 
     A value of exactly 0 at the start is divided out: a fall at once is then one of what is left.
 
@@ -69,7 +69,7 @@ def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -
 
 @borrowing
 def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
-    """Return the root of a polynomial that falls all the way to it, twice its tangent's, at most.
+    """Return the root of a polynomial that falls all the way to it, at most twice the tangent's.
 
     `NEVER` where it may not fall so: a_1 + sum of k max(a_k, 0) t^(k-1) >= 0 up to there. By
     Newton's iteration within a bracket, t -> t - P/P'.
@@ -103,7 +103,7 @@ def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
 
 @borrowing
 def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
-    """Return the terms of negative coefficients above `low` at t, that one's power divided out.
+    """Return the polynomial's negative terms above power `low` at t, divided by t^`low`.
 
     sum of min(a_k, 0) t^(k - low), k > low. Even and odd powers for themselves: neither sum waits
     for the other.
@@ -120,7 +120,7 @@ def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> fl
 
 @borrowing
 def safe_step(table: Floats, row: int, degree: int, span: float) -> float:
-    """Return a step within which a polynomial, positive at 0, stays so; the span if all along.
+    """Return a step within which a polynomial that is positive at 0 stays positive.
 
     The bound a_0 + `negative_part` is concave: Newton's iteration comes to its root from the right,
     and the chord from 0 to any place t beyond crosses zero before it, at t a_0/(a_0 - bound(t)).

@@ -48,7 +48,7 @@ class Contact(NamedTuple):
 
 @borrowing
 def product(work: Work, a: int, b: int, k: int) -> float:
-    """Return the coefficient k of a product of the series of two rows, sum of a_i b_(k-i)."""
+    """Return coefficient k of the product of two series, sum of a_i b_(k-i)."""
     total = 0.0
     for i in range(k + 1):
         total += work[a, i] * work[b, k - i]
@@ -57,7 +57,7 @@ def product(work: Work, a: int, b: int, k: int) -> float:
 
 @borrowing
 def square_of(work: Work, a: int, k: int) -> float:
-    """Return the coefficient k of the square of a series, sum of a_i a_(k-i), each pair once."""
+    """Return coefficient k of the square of a series, sum of a_i a_(k-i), each pair once."""
     total, half = 0.0, (k + 1) // 2
     for i in range(half):
         total += work[a, i] * work[a, k - i]
@@ -66,7 +66,7 @@ def square_of(work: Work, a: int, k: int) -> float:
 
 @borrowing
 def bend(work: Work, along: float, curvature: float, k: int) -> None:
-    """Add what the curve does to order k, with the coefficient k of the velocity along.
+    """Add the effect of the track's curvature to coefficient k, from the velocity along.
 
     -kappa V^2 to D_y, V = u_x + v_track; `square_of` of its series (theory 13.1).
     """
@@ -79,7 +79,7 @@ def bend(work: Work, along: float, curvature: float, k: int) -> None:
 
 @borrowing
 def slide_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill slip, its square and the load, from the slip at the start, which must not be 0.
+    """Fill the series of slip, its square and the load, from an initial slip that is not 0.
 
     The slip's size r from r^2 = slip^2, and R = q L/r from R r = q L, coefficient by coefficient.
     All sums run over pairs i + j = k, several at a time: each waits for its own last term only.
@@ -142,7 +142,7 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 @borrowing
 def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
-    """True if a slip keeps its direction, since all that acts on it has that, too.
+    """True if a slip keeps its direction because all accelerations have the same direction.
 
     s_1 D_2 = s_2 D_1.
     """
@@ -159,7 +159,7 @@ def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
 
 @borrowing
 def line_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill slip, its size and the load of a slip that keeps its direction e until it stops.
+    """Fill slip, its size and the load of a slip with constant direction e until it stops.
 
     slip' = D - mu_k L (e_1, r e_2): friction then has one direction, and the series needs no
     quotient. Those of `slide_series` have rounding in their higher terms, over powers of the slip.
@@ -183,7 +183,7 @@ def line_series(contact: Contact, order: int, work: Work) -> None:
 def onset_series(
     contact: Contact, order: int, cosine: float, sine: float, start: float, work: Work
 ) -> None:
-    """Fill slip and load of a slip that begins with no size in a direction (cosine, sine).
+    """Fill slip and load of a slip that begins at 0 in the direction (cosine, sine).
 
     In polar form, slip = r (cos theta, sin theta), where theta' has a factor 1/r:
 
@@ -246,7 +246,7 @@ def onset_series(
 def last_of_slip(
     contact: Contact, cosine: float, sine: float, size: float, rate: float, work: Work
 ) -> None:
-    """Fill the slip of size `size` as a straight line to its end, (size - rate D) e."""
+    """Fill the last piece of a slip as a straight line to its end, (size - rate D) e."""
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
     if contact.curvature != 0.0:
@@ -256,7 +256,7 @@ def last_of_slip(
 
 @borrowing
 def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work) -> None:
-    """Fill the velocities of the part along the axes of the slip, from slip and acceleration.
+    """Fill the part's velocities along the axes of the slip, from slip and acceleration.
 
     Friction acts on the slip of a cylinder r times as much as on its velocity: u_2' = (slip_2' + (r
     - 1) D_2)/r.
@@ -275,7 +275,7 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 
 @borrowing
 def asymptotic_span(order: int, work: Work) -> float:
-    """Return the span in which a formal series is good: its terms must fall to the last.
+    """Return the span in which an asymptotic series is accurate: its terms fall up to the last.
 
     0.7 min |a_k|/|a_(k+1)| over the last half of them.
     """

@@ -54,7 +54,7 @@ RESTITUTION, WALL_RESTITUTION = (
 
 @compiled
 def never_settles(cell: Cell, wall: bool) -> bool:
-    """True if gravity along the track is more than friction can take, on the mean (theory 13.8).
+    """True if gravity along the track exceeds the mean friction available (theory 13.8).
 
     |sin(gamma)| > mu n + mu_w max(0, n_y): the floor's mean load is gravity's, and so is that of
     the wall of a straight track. Without a wall gravity across pulls as well.
@@ -74,7 +74,7 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 def without_repeating(
     cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
 ) -> int:
-    """Fill the result of a motion that did not repeat; return its status, by `ended`.
+    """Fill the result of a motion that did not repeat, and return its status.
 
     Its mean is that of batches of periods, and so is its error, `mean_error`; a mean that drifts is
     none (theory 13.13).
@@ -92,7 +92,9 @@ def without_repeating(
 
 @compiled
 def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
-    """Return the status of a cell that needs no motion, else `UNDECIDED`; whether anything rubs.
+    """Return the status of a cell that needs no simulation, else `UNDECIDED`.
+
+    And if it has friction.
 
     `runaway` where gravity along is more than friction: `never_settles`, or without any friction.
     """
@@ -111,7 +113,7 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
 
 @compiled
 def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
-    """Fill the result of a cell, from its row and from rest; the history has its last periods.
+    """Fill the result of a cell from rest, given its row; `history` receives its last periods.
 
     The mean over the cycle of `to_cycle`. Its error is 2 |v_other - v| of other runs, what the
     transient has left, and 2e-10 of the drive's speed (theory 13.13).
@@ -169,7 +171,7 @@ def followed_on(
     cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
     velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
-    """Return the distance of shorter series from a mean velocity, or NaN.
+    """Return the deviation of a mean velocity found with shorter series, or NaN.
 
     |v_12 - v| and what `remaining` says: they follow the cycle twice from its start. By how much
     less the state changes over the second time tells how far it still goes.
@@ -185,7 +187,7 @@ def followed_on(
 
 @compiled
 def changed(row: Floats, hairs: float) -> Cell:
-    """Return the cell of a row with restitutions e (1 - k 1e-12), k = `hairs`."""
+    """Return the cell of a row with restitutions reduced to e (1 - k 1e-12), k = `hairs`."""
     row = row.copy()
     row[RESTITUTION] *= 1.0 - hairs * HAIR
     row[WALL_RESTITUTION] *= 1.0 - hairs * HAIR
@@ -197,7 +199,7 @@ def settled_anew(
     row: Floats, wall: bool, rolling: float, settled: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return the distance of other runs from a mean velocity, and whether digits do not decide.
+    """Return the deviation of other runs from a mean velocity, and whether rounding decides.
 
     max |v_other - v|. They start from rest again, by shorter series and with a restitution that is
     a hair smaller, `changed`: which of several motions a part with rebounds falls into may hang on
@@ -230,7 +232,10 @@ def settled_velocity(
     cell: Cell, wall: bool, rolling: float, series: Series, done: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> tuple[float, int]:  # fmt: skip
-    """Return the mean velocity by other series, or NaN, and the periods; a run took `done`."""
+    """Return the mean velocity by other series (or NaN) and the periods.
+
+    `done` is what a run took.
+    """
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)
     if again.multiple == 0:
@@ -243,7 +248,7 @@ def settled_velocity(
 def solve_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table and status of cells; a row of `groups` holds the fields of `Cell`."""
+    """Fill table and statuses of cells; a row of `groups` holds the fields of `Cell`."""
     if groups.shape[0] == 0:
         return
     most = max(1, int(groups[:, GROUPS - 1].max()))

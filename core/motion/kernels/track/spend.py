@@ -16,7 +16,7 @@ from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
 
 @borrowing
 def kinetic(state: Floats, rolling: float) -> float:
-    """Return the kinetic energy per mass, relative to the track, of a cylinder with its spin.
+    """Return the kinetic energy per mass relative to the track, with the spin of a cylinder.
 
     (u.u + spin^2/(m r^2/I))/2 (theory 13.15).
     """
@@ -37,7 +37,7 @@ def spend(
     work: Work,
     spent: Floats,
 ) -> None:
-    """Add what the drive and friction do over a step from tau on, series filled up to an order.
+    """Add the work of drive and friction over a step from tau on to `spent`.
 
     The integrals of b.u, of b'.u (NaN of a wave: `planar.drive.push_slope`) and of friction. Where
     `spent` has no columns nothing is asked. The accelerations without contacts hold gravity, and
@@ -66,7 +66,7 @@ def spend(
 
 @borrowing
 def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> float:
-    """Return the power of friction at the contacts that slip, some phase after a step began.
+    """Return the power of friction at slipping contacts, some phase after a step began.
 
     mu_k N |slip| of the floor, mu_w S |slip| of the wall, N = -D_z and S = -D_y (theory 13.15).
     """

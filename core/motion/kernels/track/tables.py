@@ -94,13 +94,13 @@ Work: TypeAlias = Floats
 
 @compiled
 def new_work() -> Work:
-    """Return room for the series of a step, rows of `ROW`."""
+    """Return buffers for the series of a step, rows of `ROW`."""
     return np.zeros((ROW.rows, MAX_ORDER + 2))
 
 
 @compiled
 def at_rest() -> tuple[Floats, Flags]:
-    """Return state and hold of a part at rest on the floor, touching the wall.
+    """Return state and friction of a part at rest on the floor that touches the wall.
 
     Zeros, and `EVENT.start`: the forces decide what holds it.
     """

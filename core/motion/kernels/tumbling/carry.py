@@ -15,7 +15,7 @@ from core.motion.kernels.tumbling.tables import FLAT, FREE, STATE, Cell
 def rates(
     cell: Cell, support: int, sigma: int, time: float, pitch: float, pitch_rate: float, slip: float
 ) -> tuple[float, float, float]:
-    """Return accelerations along and in pitch, and the power that friction takes.
+    """Return accelerations along the plane and in pitch, and the power of friction.
 
     x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho under the forces n and t of
     `corner_force` or `flat_force`, and |t slip| (theory 2.2).
@@ -32,7 +32,7 @@ def rates(
 
 @compiled
 def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> None:
-    """Set `after` to the state after a free flight, in closed form (theory 13.2).
+    """Set `after` to the state after free flight, in closed form (theory 13.2).
 
     x + u t - g t^2/2 and u - g t, and of the drive P sin(w t + phi) the first and second integral.
     """
@@ -56,7 +56,7 @@ def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> N
 
 @compiled
 def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
-    """Put the state on its support: gap and its rate 0, and slip 0 where friction holds.
+    """Put the state exactly onto its support: gap and its rate 0, slip 0 where friction holds.
 
     y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin s on a corner (theory 2.1); on a side its
     height, without rise and pitch rate.
@@ -80,7 +80,7 @@ def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
 def carry(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats
 ) -> None:
-    """Set `after` to the state after a step with one support: Runge-Kutta of order 4.
+    """Set `after` to the state after a step on one support, by Runge-Kutta of order 4.
 
     Only pitch and slide are integrated; the rest follows from the support, so that nothing sinks.
     """

@@ -14,7 +14,7 @@ from core.motion.kernels.tumbling.tables import PATH_COLUMNS, STATE, cell_of
 
 @compiled
 def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of cells, from event to event, by `run_events`."""
+    """Fill the result table of cells by event-driven simulation."""
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
         cell = cell_of(cells[number])
@@ -27,7 +27,7 @@ def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) ->
 
 @compiled
 def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of cells, by time stepping, `run_steps`."""
+    """Fill the result table of cells by time stepping."""
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
         cell = cell_of(cells[number])
@@ -40,7 +40,7 @@ def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> 
 
 @compiled
 def path_events(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
-    """Write the path of one cell at the times into the rows, from event to event.
+    """Write the path of one cell at given times into rows, by event-driven simulation.
 
     By `run_events`.
     """
@@ -49,5 +49,5 @@ def path_events(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
 
 @compiled
 def path_steps(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
-    """Write the path of one cell at the times into the rows, by time stepping, `run_steps`."""
+    """Write the path of one cell at given times into rows, by time stepping."""
     run_steps(cell_of(row), np.empty(len(STATE)), times, rows, stop)

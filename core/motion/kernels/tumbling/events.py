@@ -40,7 +40,7 @@ LARGEST_TURN = 0.1  # rad a step: a corner that swings down and up again is not 
 def top_of(
     cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
 ) -> float:  # fmt: skip
-    """Return the largest height of the lowest corner in a step, found where it ceases to rise.
+    """Return the largest height of the lowest corner within a step.
 
     `lowest_gap` where `lowest_rate` falls through 0, by halving.
     """
@@ -63,7 +63,7 @@ def dips(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
-    """Return the time in a step after which a corner is in the plane; `step` if none is.
+    """Return the time within a step at which a corner reaches the plane; `step` if none does.
 
     For corners that sink at the start of the step, g_N' < 0, and rise at its end: at the zero of
     the line between both rates `gap_rate_of`.
@@ -85,7 +85,7 @@ def first_misfit(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
-    """Return the time in a step at which the state ceases to fit, and set `after` to it.
+    """Return the time within a step at which the support no longer fits; set `after` to that state.
 
     `after` holds the state at the end of the step, which does not fit. A corner that falls on the
     plane is followed back by Newton's method, which approaches from below a path that bends down;
@@ -125,7 +125,7 @@ def first_misfit(
 
 @compiled
 def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: int) -> float:
-    """Return the end of a step: a time step, to the next time of `times`, |xi'| dt <= 0.1 rad."""
+    """Return the end of a time step, limited by the next asked time and |xi'| dt <= 0.1 rad."""
     end, pitch_rate = min(time + cell.time_step, cell.duration), state[STATE.pitch_rate]
     if written < times.size:
         end = min(end, times[written])
@@ -136,7 +136,7 @@ def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: 
 
 @compiled
 def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
-    """Run one cell from event to event, and write its state at the times into the rows.
+    """Simulate one cell from event to event, and write its state at the times into the rows.
 
     A step with one support by `carry`, cut where it ceases to fit, `first_misfit`; then `strike`
     and `choose`, until it `rests_for_ever` (theory 13.11).

@@ -24,7 +24,7 @@ def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
 def free_corner(
     cell: Cell, time: float, s: float, c: float, pitch_rate: float
 ) -> tuple[float, float]:
-    """Return the acceleration of a corner without force, off the plane (chi) and along it.
+    """Return the acceleration of a free corner off the plane (chi) and along it.
 
     chi = a_y + rho xi'^2 sin s and a_t = a_x - rho xi'^2 cos s, with a of `free_acceleration`
     (theory 2.2).
@@ -49,7 +49,7 @@ def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> t
 
 @compiled
 def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
-    """Return m tau, the normal acceleration of a sliding corner per normal force and mass.
+    """Return m tau: the normal acceleration of a sliding corner per normal force and mass.
 
     m tau = 1 + kappa c (c - sigma mu_k s), c and s for cos s and sin s (theory 2.2).
     """
@@ -60,7 +60,7 @@ def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
 def corner_force(
     cell: Cell, corner: int, sigma: int, time: float, pitch: float, pitch_rate: float
 ) -> tuple[float, float]:
-    """Return normal and friction force per mass on a corner that is held or slides.
+    """Return normal and friction force per mass on a corner that sticks or slides.
 
     n = -chi/(m tau), t = -sigma mu_k n in slip (theory 2.3); `holding_force` where it is held.
     """
@@ -90,7 +90,7 @@ def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
 def side_forces(
     cell: Cell, quarter_turns: int, normal: float, friction: float
 ) -> tuple[float, float]:
-    """Return the normal forces at the right and the left end of a side that lies flat.
+    """Return the normal forces at the right and left end of a side that lies flat.
 
     (n -+ t height/half)/2: the moment of both about the centre is that of friction.
     """

@@ -11,13 +11,13 @@ from core.motion.kernels.tumbling.tables import STATE, Cell
 
 @compiled
 def corner_count(cell: Cell) -> int:
-    """Return the number of corners: 4, or 1 for a ball, `turning` = 0."""
+    """Return the number of corners: 4, or 1 for a ball (`turning` = 0)."""
     return 4 if cell.turning != 0.0 else 1
 
 
 @compiled
 def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
-    """Return sine and cosine of the angle s of a corner below the direction of transport.
+    """Return sine and cosine of the angle s of a corner below the transport direction.
 
     s is zeta + xi, pi - zeta + xi, pi + zeta + xi and -zeta + xi of the corners 0 to 3, with the
     pitch xi (theory 2.1); pi/2 of a ball.
@@ -57,7 +57,7 @@ def slip_of(cell: Cell, state: Floats, corner: int) -> float:
 
 @compiled
 def lowest_gap(cell: Cell, state: Floats) -> float:
-    """Return the gap of the lowest corner, min g_N of `gap_of`."""
+    """Return the height of the lowest corner above the plane, min g_N of `gap_of`."""
     least = gap_of(cell, state, 0)
     for corner in range(1, corner_count(cell)):
         least = min(least, gap_of(cell, state, corner))
@@ -66,7 +66,7 @@ def lowest_gap(cell: Cell, state: Floats) -> float:
 
 @compiled
 def lowest_rate(cell: Cell, state: Floats) -> float:
-    """Return the velocity off the plane of the lowest corner, its `gap_rate_of`."""
+    """Return the velocity of the lowest corner off the plane, its `gap_rate_of`."""
     lowest = 0
     for corner in range(1, corner_count(cell)):
         if gap_of(cell, state, corner) < gap_of(cell, state, lowest):
@@ -85,7 +85,7 @@ def side_below(pitch: float) -> int:
 
 @compiled
 def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
-    """Return half the length of a side and the height of the centre above it.
+    """Return half the length of a side, and the height of the centre above it.
 
     rho cos zeta and rho sin zeta, changed about on the other sides.
     """
@@ -98,7 +98,7 @@ def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
 
 @compiled
 def speed_scale(cell: Cell) -> float:
-    """Return the speed gained over a half diagonal, sqrt((|g| + |P|) rho)."""
+    """Return a speed scale: that gained over a half diagonal, sqrt((|g| + |P|) rho)."""
     most = math.hypot(cell.pull_along, cell.pull_normal)
     most += math.hypot(cell.drive_along, cell.drive_normal)
     return math.sqrt(most * cell.half_diagonal)

@@ -20,7 +20,7 @@ from core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
 
 @compiled
 def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
-    """Return the Delassus numbers of a corner, per mass (theory 1.3).
+    """Return the Delassus numbers of a corner per mass: velocity per impulse (theory 1.3).
 
     1 + kappa cos^2 s, kappa sin s cos s and 1 + kappa sin^2 s.
     """
@@ -30,7 +30,7 @@ def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
 
 @compiled
 def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float) -> None:
-    """Add an impulse per mass (i_n, i_t) at a corner to the state.
+    """Apply an impulse per mass (i_n, i_t) at a corner to the state.
 
     x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho (theory 2.2).
     """
@@ -45,7 +45,7 @@ def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangentia
 def arrest(
     nn: float, nt: float, tt: float, u_n: float, u_t: float, friction: float
 ) -> tuple[float, float]:
-    """Return the impulse that brings u_n <= 0 to 0, as `core.mechanics.impact` (theory 5.3).
+    """Return the impulse that brings u_n <= 0 to 0 with Coulomb friction (theory 5.3).
 
     i_n = (-u_n - G_nt i_t)/G_nn, with the i_t that stops the slip, u_t + G_nt i_n + G_tt i_t = 0,
     if it lies in the cone |i_t| <= mu i_n; else at the edge of that.
@@ -68,7 +68,7 @@ def arrest(
 def compress(
     cell: Cell, state: Floats, right: int, left: int, after: Floats
 ) -> tuple[float, float, float]:
-    """Set `after` to the state where no corner approaches; return normal impulses and friction.
+    """Set `after` to the state in which no corner approaches; return normal and friction impulses.
 
     `right` is the corner, or the right one of two that touch together; `left` is -1 for one corner.
     On a side both corners slide alike, so that friction is one force (theory 1.4, 5.3).
@@ -112,7 +112,7 @@ def compress(
 
 @compiled
 def strike(cell: Cell, state: Floats, after: Floats) -> bool:
-    """Put an impact into the state; return whether there was one.
+    """Apply an impact to the state; return True if there was one.
 
     Moreau's law scales the compression of `compress` by 1 + eps; that of Pfeiffer and Glocker adds
     an expansion with eps times the normal impulses (theory 5.3). Where a corner still approaches,

@@ -28,7 +28,7 @@ class TumblingRun(NamedTuple):
 
 @compiled
 def start_of(cell: Cell, state: Floats) -> None:
-    """Set the state to the start: pitch, velocities, and y = rho max sin s + gap."""
+    """Set the state to the start of a run: pitch, velocities, and y = rho max sin s + gap."""
     state[:] = 0.0
     state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
     state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward
@@ -41,7 +41,7 @@ def start_of(cell: Cell, state: Floats) -> None:
 
 @compiled
 def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
-    """Write time, centre, pitch, their rates, energy lost, lowest gap and touching corners.
+    """Write time, centre, pitch, their rates, lost energy, lowest gap and touching corners.
 
     Columns of `PATH`.
     """
@@ -61,7 +61,7 @@ def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) ->
 def record_until(
     cell: Cell, state: Floats, time: float, support: int, times: Floats, written: int, rows: Floats
 ) -> int:  # fmt: skip
-    """Write the state into the rows of the times up to `time`; return how many are written."""
+    """Write the state into the rows of the times up to `time`; return the number written."""
     while written < times.size and times[written] <= time:
         record(cell, state, times[written], support, rows[written])
         written += 1
@@ -72,7 +72,7 @@ def record_until(
 def record_rest(
     cell: Cell, state: Floats, support: int, times: Floats, written: int, rows: Floats
 ) -> None:  # fmt: skip
-    """Write the last state into the rows that are left, by `record`."""
+    """Write the final state into all remaining rows."""
     for row in range(written, times.size):
         record(cell, state, times[row], support, rows[row])
 
@@ -90,7 +90,7 @@ def side_of(cell: Cell, support: int, pitch: float) -> int:
 
 @compiled
 def fill(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
-    """Write the results of a run, the fields of `Tumble` without the status."""
+    """Write the results of a run: the fields of `Tumble` without the status."""
     row[COLUMN.pitch] = state[STATE.pitch]
     row[COLUMN.resting_side] = run.side
     row[COLUMN.settling_time] = run.settling_time

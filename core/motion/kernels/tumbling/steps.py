@@ -37,7 +37,7 @@ MAX_SWEEPS = 500  # over corners that touch at once; what they still change is a
 
 @compiled
 def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: Floats) -> None:
-    """Add the impulses of several corners: projected Gauss-Seidel, a corner at a time.
+    """Apply impulses at several corners by projected Gauss-Seidel, one corner at a time.
 
     `target` (2, 4) holds the velocities off and along the plane that the corners are to end at, at
     least; `impulse` (2, 4) is overwritten.
@@ -69,7 +69,7 @@ def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: 
 
 @compiled
 def slides_without_solution(cell: Cell, state: Floats, middle: Floats, near: Flags) -> bool:
-    """True if the one corner that is near slides where m tau <= 0, `response_of` (theory 2.3)."""
+    """True if the only near corner slides where m tau <= 0, so that there is no solution."""
     corner = int(np.argmax(near))
     s, c = corner_at(cell, corner, middle[STATE.pitch])
     slip = state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
@@ -83,7 +83,7 @@ def set_targets(
     cell: Cell, state: Floats, middle: Floats, step: float, upward: float, near: Flags,
     target: Floats,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Find the corners that are in the plane in the middle of a step, and where they are to end at.
+    """Find the corners in the plane amid a step, and their target velocities at its end.
 
     -eps g_N' off the plane, and after an impact -eps g_T' along it (theory 5.3). Fills `near` and
     `target`; `upward` is the size of the free acceleration off the plane. Returns how many corners
@@ -108,7 +108,7 @@ def set_targets(
 
 @compiled
 def carrying(impulse: Floats) -> int:
-    """Return the corner that carries the part, with a normal impulse i_n > 0; `FLAT` for two."""
+    """Return the corner with a normal impulse i_n > 0, which carries the part; `FLAT` for two."""
     support = FREE
     for corner in range(impulse.shape[1]):
         if impulse[0, corner] > 0.0:
@@ -118,7 +118,7 @@ def carrying(impulse: Floats) -> int:
 
 @compiled
 def drift(state: Floats, rates: Floats, time: float) -> None:
-    """Move centre and pitch of a state at the rates of another, for a time: q + t u."""
+    """Move a state's centre and pitch at the rates of another one for a time: q + t u."""
     state[STATE.along] += time * rates[STATE.along_rate]
     state[STATE.up] += time * rates[STATE.up_rate]
     state[STATE.pitch] += time * rates[STATE.pitch_rate]

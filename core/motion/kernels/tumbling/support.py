@@ -40,7 +40,7 @@ from core.motion.kernels.tumbling.tables import (
 
 @compiled
 def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> bool:
-    """True if the state still fits the support and the direction of slip.
+    """True if the state still fits its support and direction of slip.
 
     g_N >= 0 of all other corners, n >= 0, |t| <= mu_s n where it is held and sigma g_T' >= 0 where
     it slips, m tau > 0 of `response_of` (theory 2.3, 2.4).
@@ -79,7 +79,7 @@ def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> b
 
 @compiled
 def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
-    """Take a small rest of velocity from a corner by an impulse, which cannot add energy.
+    """Remove a small remaining velocity of a corner by an impulse, which cannot add energy.
 
     -u_n/G_nn, or G^-1 (-u_n, -u_t) with the slip, det G = 1 + kappa of `delassus`.
     """
@@ -97,7 +97,7 @@ def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
 
 @compiled
 def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[int, int]:
-    """Return support and direction of slip where one corner touches and does not approach.
+    """Return support and slip direction where one corner touches without approaching.
 
     Held where n_0 >= 0 and |t_0| <= mu_s n_0 of `holding_force`; else free where chi > 0, or it
     slips against t_0; `PARADOX` where m tau <= 0 (theory 2.3, 2.4).
@@ -129,7 +129,7 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
 
 @compiled
 def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
-    """Return support and direction of slip, and put the state on the support.
+    """Return support and slip direction, and put the state onto the support.
 
     From the touching corners that do not move off or on; the contact laws of accelerations decide,
     of two corners `flat_force` and `side_forces`, of one `choose_corner` (theory 2.3 and 2.4).

@@ -46,7 +46,7 @@ GROUPS = len(Cell._fields)
 
 @compiled
 def cell_of(row: Floats) -> Cell:
-    """Return the cell of a row, in the order of `Cell`."""
+    """Return a row as a `Cell`."""
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 

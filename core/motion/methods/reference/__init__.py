@@ -43,7 +43,7 @@ def reference_path(
     velocity: Sequence[float] = (0.0, 0.0, 0.0),
     spin: float = 0.0,
 ) -> Path:
-    """Return the positions of one part at given phases, to about twelve digits.
+    """Return the positions of one part at given phases, accurate to about twelve digits.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def reference_motion(
     max_periods: int = 100,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion of one part once it repeats, with its error; arrays of no dimension.
+    """Return the repeating motion of one part with its error; arrays without dimensions.
 
     `error` covers what is left of the transient, what the cycle changes if it is followed more
     finely, and rounding at every event, each with what the cycle makes of it. A motion that was
@@ -144,17 +144,17 @@ def reference_motion(
 
 
 def _is_finite(groups: Groups) -> bool:
-    """True if every number of a part is one, those of its drive included."""
+    """True if all numbers of a part and its drive are finite."""
     return all(np.isfinite(part).all() for part in _numbers(groups))
 
 
 def _numbers(groups: Groups) -> list[Array]:
-    """Return the numbers of a part and of its drive."""
+    """Return all numbers of a part and of its drive."""
     return [np.asarray(part) for part in (*groups.numbers, *(groups.wave or ()))]
 
 
 def _scatter(means: Array, most: float) -> float:
-    """Return the error of the mean of the means of single periods, at least `most` if they drift.
+    """Return the error of the mean of single periods' means; `most` at least if they drift.
 
     What 99.9 % of Student's distribution allow for the mean of up to 8 stretches, how far the
     second half is from the first one, and how far the part strays from a steady travel, over the
@@ -173,7 +173,7 @@ def _scatter(means: Array, most: float) -> float:
 
 
 def _nothing(status: str = "no_solution") -> Motion:
-    """Return the result of a cell without a solution, or without an answer."""
+    """Return the result of a cell that has no solution."""
     values = (np.asarray(math.nan) for _ in Motion._fields[:-1])
     return Motion._make((*values, np.asarray(STATUS[status], dtype=np.int8)))
 
@@ -187,16 +187,18 @@ def _result(
     multiple: int,
     status: str,
 ) -> Motion:
-    """Return the counts of the last periods as a result."""
+    """Return a motion whose shares and counts are those of the last periods."""
     tallies = run.tallies[-periods:]
     phase = 2.0 * math.pi * periods
     across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
     is_across_known = run.at_large(periods) and not run.laws.contacts.rolling
 
     def total(name: str) -> float:
+        """Return the sum of a tally over the last periods."""
         return sum(getattr(tally, name) for tally in tallies)
 
     def most(name: str) -> float:
+        """Return the largest value of a tally over the last periods."""
         return max((getattr(tally, name) for tally in tallies), default=math.nan)
 
     values = (
@@ -211,7 +213,7 @@ def _result(
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the equation: every cell of the groups broadcast, one after another."""
+    """Return the motion equation's function, which computes one cell after another."""
 
     def motion(*, groups: Groups, max_periods: Array, watch: Watch | None = None) -> Motion:
         """Return the motion from rest by collocation between events, theory 13.9.
@@ -242,13 +244,13 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _slides_away(part: Groups, contacts: Contacts) -> bool:
-    """True if no friction of the floor could balance gravity (theory 13.8)."""
+    """True if gravity exceeds the friction that the floor can give (theory 13.8)."""
     held = part.friction_static * part.gravity_number_normal
     return not contacts.wall and abs(part.gravity_number_along) > held
 
 
 def _price(cells: Priced) -> Price:
-    """Return the price: of a motion that repeats to find its cycle, of another all its periods."""
+    """Return the time to simulate a cell: until it repeats, or for all periods if it does not."""
     allowed = cells.setting("max_periods")
     wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
     waves = 1.0 + 2.0 * cells.orders

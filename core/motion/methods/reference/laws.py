@@ -73,7 +73,7 @@ class ReferenceLaws:
         self.response = 1.0 + contacts.rolling
 
     def pieces(self, begin: float, end: float) -> Iterator[tuple[ReferenceLaws, float]]:
-        """Yield the laws from a phase to another, from jump to jump, each with its end."""
+        """Yield the laws for each stretch between jumps of the drive, with the phase of its end."""
         for drive, reached in pieces(self.groups, begin, end):
             yield ReferenceLaws(self.groups, self.contacts, self.absolute_speed, drive), reached
 
@@ -87,7 +87,7 @@ class ReferenceLaws:
         return along - p.gravity_number_along, across, normal - p.gravity_number_normal
 
     def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
-        """Return forces and rates in a mode; `e` is the direction of the slip, if it slips."""
+        """Return contact forces and rates of velocity in a mode; `e` is the direction of slip."""
         p, (dx, dy, dz) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
             if not mode.slips:
@@ -114,7 +114,7 @@ class ReferenceLaws:
         return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
 
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
-        """Return the two components of the slip of the contact, or of both contacts at once."""
+        """Return the two components of the slip at one contact, or at both contacts."""
         if mode.floor and mode.wall:  # the floor has (u_x, spin), the wall (u_x, -spin)
             return float(state[UX]), float(state[SPIN])
         if mode.floor:
@@ -124,14 +124,14 @@ class ReferenceLaws:
     def sliding(
         self, phase: Numbers, mode: Mode, size: Numbers, angle: Numbers
     ) -> tuple[Numbers, Numbers]:
-        """Return the rate of a slip's size, and that of its angle times the size."""
+        """Return the rate of the slip's size, and the rate of its angle times its size."""
         e = np.cos(angle), np.sin(angle)
         ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
         second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
         return e[0] * ax + e[1] * second, e[0] * second - e[1] * ax
 
     def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-        """Return push (two components), what sliding takes of it, and what sticking could."""
+        """Return the push (two components) and the friction forces of sliding and of sticking."""
         p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
             side = -p.wall_friction * dy
@@ -141,19 +141,19 @@ class ReferenceLaws:
         return dx, dz, -p.wall_friction * dy, -p.wall_friction * dy
 
     def excess(self, phase: Numbers, mode: Mode) -> Numbers:
-        """Return by how much the push squared is more than friction holds, squared."""
+        """Return the push squared minus the static friction squared; positive where slip begins."""
         first, second, _, hold = self.impending(phase, mode)
         return first * first + (second / self.response) ** 2 - hold * hold
 
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
-        """Return the direction in which slip begins: the secular equation of theory 7.3."""
+        """Return the direction in which slip begins, by the secular equation of theory 7.3."""
         first, second, slide, _ = self.impending(phase, mode)
         if first == 0.0 == second:  # without friction slip begins before there is a push
             first, second, slide, _ = self.impending(phase + SOON, mode)
         return self.secular(first, second, slide)
 
     def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:
-        """Return the direction of the slip left by friction of the size `slide`."""
+        """Return the slip's direction under friction of size `slide`, by the secular equation."""
         response, size = self.response, math.hypot(first, second)
         if response == 1.0:
             return first / size, second / size
@@ -170,7 +170,7 @@ class ReferenceLaws:
         return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
 
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
-        """Return the impulse of friction that stops a slip, or as much as the disc allows."""
+        """Return the friction impulse that stops a slip, limited by the friction disc."""
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response
         e = self.secular(first, second, limit)

@@ -76,7 +76,7 @@ FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
 
 
 def fall_from_start(condition: Array) -> float:
-    """Return the share of the stretch at which a condition first falls through 0; else infinity.
+    """Return the point, from 0 to 1, at which a condition first falls through 0; else infinity.
 
     One that is 0 at the start but for rounding, and below it at the end, has fallen at the start.
     """
@@ -85,7 +85,7 @@ def fall_from_start(condition: Array) -> float:
 
 
 def sample(stretch: Stretch, phases: Array, end: float, rows: Array) -> None:
-    """Fill the states at those of some phases that a stretch reaches."""
+    """Fill the states at those phases that lie within a stretch."""
     for k in np.nonzero((phases > stretch.start) & (phases <= end))[0]:
         rows[k] = stretch.state((phases[k] - stretch.start) / stretch.length)
 
@@ -120,7 +120,7 @@ class Part:
     # --- modes
 
     def choose(self, opened: str) -> Mode:
-        """Return the mode in which the part goes on; `opened` names a contact just lost."""
+        """Return the contact mode in which the part continues; `opened` is a contact just lost."""
         self.settle()
         for _ in range(3):
             _, dy, dz = self.laws.free(self.phase, float(self.state[UX]))
@@ -147,7 +147,7 @@ class Part:
         raise FailedError
 
     def settle(self) -> None:
-        """Put a part that has stopped next to a contact, and is pressed on it, onto it.
+        """Put a part that has stopped beside a contact onto it, if it is pressed towards it.
 
         A slip along the wall may stop amid the last hops on the floor; it would begin anew with a
         phase that is longer than a hop, for ever.
@@ -162,7 +162,7 @@ class Part:
             s[Y], s[UY], self.on_wall = 0.0, 0.0, True
 
     def stop(self, mode: Mode) -> None:
-        """Take away a slip that is zero but for rounding."""
+        """Set a slip that is zero up to rounding to zero."""
         s, rolling = self.state, self.laws.contacts.rolling
         s[UX] = 0.0
         if mode.floor and mode.wall:
@@ -177,10 +177,11 @@ class Part:
     # --- events
 
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
-        """Return the first event of a stretch, from 0 to 1, and its name; 1 if none comes."""
+        """Return the first event of a stretch, as a point from 0 to 1, and its name; 1 if none."""
         events = [(1.0, "")]
 
         def ask(name: str, condition: Array) -> None:
+            """Add the first fall of a condition to the events."""
             events.append((fall_from_start(condition), name))
 
         phases = stretch.start + stretch.length * AT
@@ -206,7 +207,7 @@ class Part:
         return min(events, key=lambda one: one[0])
 
     def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
-        """Return the share of the stretch at which a part comes back to a contact; else infinity.
+        """Return the point, from 0 to 1, at which the part returns to a contact; else infinity.
 
         Of a part that starts at the contact, the distance is divided by its root at the start, a
         double one where the part has no speed there: small hops and grazes are so told from none.
@@ -218,7 +219,7 @@ class Part:
         return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
 
     def missed(self) -> str:
-        """Return the impact that is due at once, where another event came within its rounding.
+        """Return an impact that is due at once because another event hid it within rounding.
 
         The integrator sees an event only where its condition changes sign later on.
         """
@@ -230,7 +231,7 @@ class Part:
         return ""
 
     def happen(self, event: str, mode: Mode) -> str:
-        """Change the state as an event says; return which contact it opened, or "slip"."""
+        """Change the state by an event; return the contact that it opened, or "slip"."""
         if event:
             self.tally.events.append(event)
         if event == "lift":
@@ -255,7 +256,7 @@ class Part:
     # --- going on
 
     def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
-        """Go on to a phase, event by event; fill the rows of the asked phases passed.
+        """Advance to a phase, event by event; fill the rows of the asked phases on the way.
 
         Where the push jumps a stretch ends, and what the part does is asked anew.
         """
@@ -268,7 +269,7 @@ class Part:
             self.smoothly(reached, asked, rows)
 
     def rest_on(self, mode: Mode) -> bool:
-        """Note what the part is on; return whether a slip begins from rest."""
+        """Record the contacts that carry the part; return True if a slip begins from rest."""
         self.on_floor = mode.floor
         # Without slip a block stays at the wall though it does not press on it.
         held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
@@ -277,7 +278,7 @@ class Part:
         return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
 
     def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
-        """Go on to a phase up to which the push does not jump."""
+        """Advance to a phase up to which the drive has no jump."""
         opened, still = "", 0
         for _ in range(MAX_EVENTS):
             if self.phase >= end:
@@ -307,7 +308,7 @@ class Part:
         raise FailedError
 
     def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
-        """Return a stretch that the nodes resolve, about as long as they do.
+        """Return a solved stretch of motion whose length suits the integration nodes.
 
         A slip turns the faster the smaller it is: the length of the next stretch goes with it.
         """
@@ -331,7 +332,7 @@ class Part:
         return stretch
 
     def close(self, mode: Mode, end: float) -> bool:
-        """Follow a slip that turns and is nearly zero along a straight line to its stop.
+        """Follow a turning, nearly zero slip along a straight line until it stops.
 
         Only where friction takes more than the push: between what a slip takes and what friction
         holds, a slip may turn away from zero.
@@ -362,7 +363,7 @@ class Part:
         return True
 
     def impact(self, floor: bool, wall: bool) -> None:
-        """Apply the impulses of a landing or of an impact on the wall, or of both (theory 13.1)."""
+        """Apply the impulses of an impact on the floor, the wall, or both (theory 13.1)."""
         p, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
         _, dy, dz = self.laws.free(self.phase, float(s[UX]))
         target_z = (
@@ -426,7 +427,7 @@ class Part:
         return speed if speed > STOPPED else 0.0
 
     def falling(self, approach: float, damping: float, press: float) -> float:
-        """Return the speed after an impact whose restitution falls with it: 0 where it is tiny.
+        """Return the speed after an impact with speed-dependent restitution; 0 where it is tiny.
 
         Its hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
         """
@@ -438,7 +439,7 @@ class Part:
     # --- counting
 
     def note(self, mode: Mode, stretch: Stretch, at: float) -> None:
-        """Count a stretch up to a point, by the direction along the track."""
+        """Add a stretch, up to a point, to the tally, by its direction along the track."""
         tally, duration = self.tally, at * stretch.length
         if self.laws.contacts.wall:
             y = stretch.states[Y]
@@ -461,7 +462,7 @@ class Part:
                 )
 
     def count(self, mode: Mode, ux: float, duration: float) -> None:
-        """Add a duration to what the part does meanwhile."""
+        """Add a duration to the tally of the present kind of motion."""
         if not mode.floor:
             self.tally.flight += duration
         elif ux > STOPPED:

@@ -76,17 +76,18 @@ MEAN_TWICE = _FROM_POINTS @ np.tensordot(_WEIGHTS * (1.0 - _QUADRATURE), _SCALED
 
 
 def values(coefficients: Array, at: float) -> Array:
-    """Return the values of one polynomial or of a row of them at a point of 0 to 1."""
+    """Return the values of one or several polynomials at a point from 0 to 1."""
     angle = math.acos(min(1.0, max(-1.0, 2.0 * at - 1.0)))
     return coefficients @ np.cos(angle * _DEGREES)
 
 
 def _sense(rises: bool) -> int:
+    """Return 1 for rising, -1 for falling."""
     return 1 if rises else -1
 
 
 def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
-    """Yield the sign changes of a polynomial, in order, each with its sense (1 rising, else -1).
+    """Yield the roots of a polynomial in order, each with 1 (rising) or -1 (falling).
 
     A stretch is cut into halves until the coefficients prove that the polynomial keeps its sign
     there (the first is larger than all others together), or that its derivative does: then the
@@ -128,12 +129,12 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
 
 
 def first_fall(coefficients: Array) -> float:
-    """Return the first argument at which a polynomial falls through 0; else infinity."""
+    """Return the first point at which a polynomial falls through 0; else infinity."""
     return next((at for at, sense in crossings(coefficients) if sense < 0), math.inf)
 
 
 def _root(c: Array, slope: Array, low: float, high: float) -> float:
-    """Return the one root of a monotone polynomial: Newton's iteration, kept within bounds."""
+    """Return the root of a monotonic polynomial, by Newton's method within bounds."""
     left, right = 0.0, 1.0
     at = low / (low - high)
     for _ in range(100):

@@ -77,22 +77,22 @@ class Growth:
 
     @property
     def radius(self) -> float:
-        """The share of a change that one round leaves in the long run."""
+        """The factor by which a small change of the state shrinks in one cycle, in the long run."""
         if not np.all(np.isfinite(self.map)):
             return math.inf
         return float(np.abs(np.linalg.eigvals(self.map)).max(initial=0.0))
 
     @property
     def attracts(self) -> bool:
-        """True if changes die out."""
+        """True if small changes of the state die out."""
         return self.radius < ATTRACTS
 
     def lasting(self, change: Array) -> Array:
-        """Return the final shift of the cycle if each round changes the state by so much."""
+        """Return the shift of the cycle if a change is added to the state in every round."""
         return np.asarray(np.linalg.solve(np.eye(len(self.indices)) - self.map, change), np.float64)
 
     def weights(self) -> Array:
-        """Return by how much the travel of the cycle changes with a change in each round."""
+        """Return the change of the cycle's travel per change of the state in every round."""
         left = np.eye(len(self.indices)) - self.map.T
         return np.asarray(np.linalg.solve(left, self.travel), np.float64)
 
@@ -124,7 +124,7 @@ class ReferenceRun:
         self.refused, self.lingers = 0, False
 
     def follow(self) -> None:
-        """Follow one more period."""
+        """Follow the motion for one more period."""
         part = self.part
         part.tally, part.phase = Tally(), 0.0
         self.before.append(part.state.copy())
@@ -135,14 +135,14 @@ class ReferenceRun:
 
     @property
     def rests(self) -> bool:
-        """True if friction held the part for all of the last period."""
+        """True if friction held the part for the whole last period."""
         tally = self.tallies[-1]
         moved = tally.forward + tally.backward + tally.flight
         return moved == 0.0 and self.distance(1, self.indices(1)) == 0.0
 
     @property
     def slides_free(self) -> bool:
-        """True if there is no friction: the speed along is that of the start."""
+        """True if there is no friction, so that the part keeps its speed along the track."""
         p = self.laws.groups
         at_wall = self.laws.contacts.wall and p.wall_friction > 0.0
         return p.friction_static == 0.0 == p.friction_kinetic and not at_wall
@@ -150,7 +150,7 @@ class ReferenceRun:
     # --- coming back
 
     def indices(self, multiple: int) -> list[int]:
-        """Return the indices of the state that have to come back after so many periods.
+        """Return the indices of the state that must come back after `multiple` periods.
 
         The distance from the wall, too, unless the wall was untouched over the cycle and the part
         does not near it. Of a cylinder without a wall only the slip across plays a part.
@@ -169,16 +169,16 @@ class ReferenceRun:
         return not any(tally.at_wall for tally in self.tallies[-multiple:])
 
     def nearing(self, multiple: int) -> float:
-        """Return by how much the part came nearer to the wall in the last cycle."""
+        """Return how much nearer to the wall the part came during the last cycle."""
         change = float(self.before[-multiple][Y] - self.after[-1][Y])
         return change if change > SAME * self.scale else 0.0
 
     def drifts(self, periods: int) -> bool:
-        """True if the part has been on its way to the wall for so many periods."""
+        """True if the part has approached the wall for so many periods."""
         return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
 
     def comparable(self, state: Array) -> Array:
-        """Return a state as two are compared to see whether the motion repeats.
+        """Return a state in the form in which two states are compared.
 
         A cylinder that rolls has its slip in place of its speed across.
         """
@@ -188,7 +188,7 @@ class ReferenceRun:
         return state
 
     def off(self, multiple: int, back: int = 0) -> Array | None:
-        """Return by how much the state does not come back; None if no cycle is that long."""
+        """Return the amounts by which the state does not come back; None before a whole cycle."""
         last = len(self.after) - back
         first = last - multiple
         if first < self.plain_since:
@@ -196,12 +196,12 @@ class ReferenceRun:
         return self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
 
     def distance(self, multiple: int, indices: list[int], back: int = 0) -> float:
-        """Return the distance of the state from coming back, as a share of the drive's size."""
+        """Return the distance of the state from coming back, relative to the drive's size."""
         off = self.off(multiple, back)
         return math.inf if off is None else float(np.abs(off[indices]).max()) / self.scale
 
     def apart(self, multiple: int) -> float:
-        """Return the distance of the state from coming back after so many periods."""
+        """Return the distance of the state from coming back after `multiple` periods."""
         return self.distance(multiple, self.indices(multiple))
 
     def touches_alike(self, multiple: int) -> bool:
@@ -209,7 +209,7 @@ class ReferenceRun:
         return (self.part.on_floor, self.part.on_wall) == self.flags[-multiple]
 
     def cycle(self) -> int:
-        """Return after how many periods the motion repeats; 0 if that cannot be seen yet."""
+        """Return the number of periods after which the motion repeats; 0 if not known yet."""
         for multiple in range(1, min(MAX_MULTIPLE, len(self.after) - self.plain_since) + 1):
             indices = self.indices(multiple)
             apart = self.distance(multiple, indices)
@@ -225,7 +225,7 @@ class ReferenceRun:
 
     @property
     def is_on_its_way(self) -> bool:
-        """True if the motion was still nearing a cycle, or leaving one that does not attract.
+        """True if the motion was still approaching a cycle, or leaving an unstable one.
 
         Over the last quarter of the periods the same events came again and again, and the state
         came back ever more nearly, or ever less so.
@@ -245,7 +245,7 @@ class ReferenceRun:
     # --- looking ahead
 
     def hasten(self) -> None:
-        """Take a state that is nearer to the cycle, where the part is on its way to one."""
+        """Replace the state by one nearer to the cycle, if the motion approaches one."""
         if len(self.after) < self.look_at or self.slides_free:
             return
         for multiple in range(1, min(MAX_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
@@ -270,7 +270,7 @@ class ReferenceRun:
         return events[-multiple:] == events[-2 * multiple : -multiple]
 
     def drift(self, multiple: int) -> None:
-        """Leave out the cycles that repeat but for the distance from the wall, until it is near."""
+        """Skip cycles that repeat except for the distance from the wall, until it is near."""
         nearing = self.nearing(multiple)
         room = min(tally.nearest for tally in self.tallies[-multiple:])
         cycles = math.floor(room / nearing) - 1
@@ -279,7 +279,7 @@ class ReferenceRun:
             self.plain_since = len(self.after)
 
     def look(self, multiple: int) -> None:
-        """Take a step of Newton's iteration for the cycle, if it attracts."""
+        """Take one step of Newton's method towards the cycle, if it is attracting."""
         if not self.affords(multiple):
             return
         self.looks += 1
@@ -296,7 +296,7 @@ class ReferenceRun:
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
-        """True if looking at a cycle is worth its while; note it if it is."""
+        """True if measuring a cycle is worth its cost; records the attempt."""
         takes = multiple * (len(self.indices(multiple)) + 1)
         if self.looked + takes > len(self.after) + LOOKS:
             return False
@@ -304,7 +304,7 @@ class ReferenceRun:
         return True
 
     def comes_back(self, state: Array, multiple: int, indices: list[int], within: Array) -> bool:
-        """True if a state is possible, and a cycle from it ends so near to it."""
+        """True if a state is possible and a cycle from it ends within a distance of it."""
         if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
             return False
         try:
@@ -315,7 +315,7 @@ class ReferenceRun:
         return float(off[indices].max(initial=0.0)) <= float(within[indices].max(initial=0.0))
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
-        """Return the part after a cycle from some state."""
+        """Return the part after one cycle from a state."""
         part = Part(self.laws, state.copy(), care, self.watch)
         part.on_floor, part.on_wall = flags
         part.reach = self.part.reach
@@ -325,7 +325,7 @@ class ReferenceRun:
         return part
 
     def measured(self, multiple: int) -> Growth:
-        """Return the effect of small changes at the start of the last cycle on its end."""
+        """Return the matrix by which small changes at the cycle's start act on its end."""
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
         if self.laws.groups.planar:
@@ -349,7 +349,7 @@ class ReferenceRun:
     # --- the mean velocity
 
     def mean(self, multiple: int) -> tuple[float, float]:
-        """Return the mean velocity of the last cycle and its error, infinite if none attracts.
+        """Return the mean velocity of the last cycle with its error; infinite if not attracting.
 
         What is left of the transient, what the cycle changes if it is followed more finely, and
         rounding at every event all shift the state by a little in each round: the cycle moves by

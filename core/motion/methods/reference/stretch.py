@@ -86,14 +86,14 @@ class Stretch:
     tail: float = 0.0
 
     def state(self, at: float) -> Array:
-        """Return the state at a point of 0 to 1."""
+        """Return the state at a point from 0 to 1."""
         return values(self.states, at)
 
 
 def solve(
     laws: ReferenceLaws, mode: Mode, state: Array, start: float, length: float, begins: bool
 ) -> Stretch | None:
-    """Return a part's stretch in a mode; None if the iteration does not come to an end.
+    """Return the motion of a part over a stretch in a mode; None if the iteration fails.
 
     `begins` says that a slip starts from rest.
     """
@@ -133,7 +133,7 @@ def solve(
 def _slip(
     laws: ReferenceLaws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
 ) -> Slip | None:
-    """Return the slip at the nodes of an integration step; None if it cannot be found.
+    """Return the slip at the nodes of an integration step; None if the iteration fails.
 
     The slip keeps its direction if nothing turns it by more than `STRAIGHT`, else it turns. If the
     part `begins` to slip in this step, its direction is that of the push.
@@ -167,7 +167,7 @@ def _straight(
     start: tuple[float, float],
     rate: Array,
 ) -> Slip | None:
-    """Return a slip that keeps its direction."""
+    """Return a slip with constant direction."""
     size0, angle = start
     reach = length * NODES_INTEGRAL
     size = size0 + reach @ rate
@@ -197,7 +197,7 @@ def _turning(
     rate: Array,
     angular: Array,
 ) -> Slip | None:
-    """Return a slip that turns; `rate` and `angular` are guesses of its rates of change."""
+    """Return a slip that turns; `rate` and `angular` are initial guesses of its rates."""
     size0, angle0 = start
     reach = length * NODES_INTEGRAL
     jacobian = np.zeros((2 * NODES, 2 * NODES))

@@ -67,7 +67,7 @@ LOOSER = 10.0
 def followed(
     cell: Cell, solver: str, tolerance: float, max_periods: int, watch: Watch | None = None
 ) -> tuple[RegularisedRun, Orbit, float]:
-    """Return the run, the motion once it repeats, and how close two states then are."""
+    """Return the run, the motion once it repeats, and the tolerance at which states are equal."""
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
@@ -78,7 +78,7 @@ def followed(
 def _cells(
     part: Groups, slip: float, stiffness: float, softer: float, kept: Sequence[int]
 ) -> list[Cell]:
-    """Return a cell with its laws as asked for, then with laws once and twice as coarse."""
+    """Return a cell with the asked laws, then cells with laws once and twice as coarse."""
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
     drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
     coarser = [(COARSER**n * slip, stiffness / softer**n) for n in range(3)]
@@ -95,7 +95,7 @@ def _cell_motion(
     max_periods: int,
     watch: Watch,
 ) -> dict[str, float | str]:
-    """Return the fields of `Motion` for one cell, the status by its name."""
+    """Return the fields of `Motion` for one cell, with the name of its status."""
     nothing: dict[str, float | str] = {**dict.fromkeys(Motion._fields, math.nan), "multiple": 0}
     if cell.gravity[-1] <= 0:  # the part falls off the floor
         return {**nothing, "status": "runaway"}
@@ -238,7 +238,7 @@ def regularised_motion(
 
 
 def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
-    """Return the function for the price of one of the integrators.
+    """Return the function that estimates the time of a cell for one of the integrators.
 
     `seconds` are those of a part that slides under a sine by the settings by default; the others
     tell how that grows: with the order of the drive, where a part hops, and by the powers of the
@@ -246,6 +246,7 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
     """
 
     def price(cells: Priced) -> Price:
+        """Return the time to simulate cells, from their settings and periods."""
         allowed = cells.setting("max_periods")
         finer = (cells.setting("tolerance") / TOLERANCE) ** -tolerance
         finer = finer * (cells.setting("slip_speed") / SLIP_SPEED) ** -slip
@@ -261,7 +262,7 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
 
 
 def sprung(solver: str, softer: float = SOFTER) -> Follow:
-    """Return the equation of the motion on a sprung floor by one of the integrators."""
+    """Return the motion equation's function for a sprung floor, by one of the integrators."""
 
     def motion(
         *,
@@ -292,9 +293,10 @@ def sprung(solver: str, softer: float = SOFTER) -> Follow:
 
 
 def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
-    """Return the method by one of the integrators."""
+    """Return the method that uses one of the integrators."""
 
     def follow(contacts: Contacts) -> Follow:
+        """Return the motion equation's function; all contacts are treated alike."""
         del contacts
         return sprung(solver)
 

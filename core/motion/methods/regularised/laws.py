@@ -49,7 +49,7 @@ class RegularisedLaws:
 
     @cached_property
     def onset(self) -> float:
-        """Force of the spring, over the weight, at which the damper has set in.
+        """The spring force, over the weight, above which the damper acts fully.
 
         It sets in over the depth to which the weight presses the spring. If it set in at once, the
         force would jump at a landing, and integrators end there: the step that their tolerance asks
@@ -59,7 +59,7 @@ class RegularisedLaws:
         return max(1.0, 1e-4 * math.sqrt(self.stiffness))
 
     def friction(self, speed: float) -> tuple[float, float]:
-        """Return force/(normal force x speed), and its derivative by speed over speed.
+        """Return friction/(normal force x speed), and its derivative by speed over speed.
 
         The coefficient falls from the static to the kinetic one as a Gaussian of the speed. Its
         height and width are those for which the force has its maximum, the static coefficient
@@ -81,12 +81,12 @@ class RegularisedLaws:
         return value, slope
 
     def unclamped(self, height: float, velocity: float) -> float:
-        """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt)."""
+        """Return spring plus damper force over the weight, which may pull (Kelvin-Voigt)."""
         spring = -self.stiffness * height
         return spring - self.damping * min(1.0, spring / self.onset) * velocity
 
     def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
-        """Return the force of the floor over the weight, and its derivatives; it never pulls."""
+        """Return the floor's force over the weight, never negative, and its derivatives."""
         force = self.unclamped(height, velocity) if height < 0 else 0.0
         if force <= 0:
             return 0.0, 0.0, 0.0
@@ -98,7 +98,7 @@ class RegularisedLaws:
 
 
 def damping_ratio(restitution: float, stiffness: float) -> float:
-    """Return the damping ratio of a floor that never pulls, with the given restitution.
+    """Return the damping ratio that gives a floor without adhesion a restitution.
 
     With a damping ratio sin a an impact ends, when the force is 0, at the share
     exp(-(pi - 2a) tan a) of its speed; with cosh b at exp(-2b coth b). Both are independent of the
@@ -112,6 +112,7 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
         return 0.0
 
     def exponent(ratio: float) -> float:
+        """Return -ln of the restitution at a damping ratio."""
         if ratio < 1:
             angle = math.asin(ratio)
             return (math.pi - 2 * angle) * math.tan(angle)
@@ -132,7 +133,7 @@ def laws(
     slip_speed: float,
     stiffness: float,
 ) -> RegularisedLaws:
-    """Return the laws with the damping that gives the restitution."""
+    """Return the laws whose damping gives the restitution."""
     damping = 2 * damping_ratio(restitution, stiffness) * math.sqrt(stiffness)
     static = max(friction_static, friction_kinetic)
     return RegularisedLaws(friction_kinetic, static, slip_speed, stiffness, damping)
@@ -164,17 +165,17 @@ class Cell:
 
     @property
     def coordinates(self) -> int:
-        """2 in the plane, 3 in space."""
+        """The number of coordinates: 2 in the plane, 3 in space."""
         return len(self.drive)
 
     def rest(self) -> Array:
-        """Return the state at rest, sunk as deep as the weight asks, so that nothing bounces."""
+        """Return the state at rest, sunk into the floor by the weight so that nothing bounces."""
         state = np.zeros(2 * self.coordinates)
         state[self.coordinates - 1] = -self.gravity[-1] / self.laws.stiffness
         return state
 
     def push(self, phase: float) -> list[float]:
-        """Return the push of the drive."""
+        """Return the drive acceleration at a phase."""
         if self.piece is None:
             sine = math.sin(phase)
             return [d * sine for d in self.drive]
@@ -182,7 +183,7 @@ class Cell:
         return [along, normal] if self.coordinates == 2 else [along, across, normal]
 
     def pieces(self, begin: float, end: float) -> Iterator[tuple[Cell, float]]:
-        """Yield the cell from a phase to another, from jump to jump, each with its end."""
+        """Yield the cell for each stretch between jumps of the drive, with the phase of its end."""
         if self.wave is None:
             yield self, end
             return
@@ -191,16 +192,16 @@ class Cell:
 
     @property
     def swing(self) -> float:
-        """A bound of the speed of the track beside the floor."""
+        """An upper bound of the track's speed in the plane of the floor."""
         return math.hypot(*self.drive[:-1]) if self.wave is None else float(size(self.wave))
 
     @property
     def order(self) -> int:
-        """The highest multiple of the frequency in the drive."""
+        """The highest harmonic order of the drive."""
         return 1 if self.wave is None else max(1, int(self.wave.harmonics.shape[2]))
 
     def rate(self, phase: float, state: Array) -> list[float]:
-        """Return the derivative of the state (theory 13.1)."""
+        """Return the derivative of the state by phase (theory 13.1)."""
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()
         force, _, _ = self.laws.normal(position, velocity[-1])

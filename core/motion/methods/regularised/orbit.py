@@ -55,16 +55,16 @@ class _Period:
 
     @property
     def end(self) -> Array:
-        """State at the end."""
+        """The state at the end of the period."""
         return self.pieces[-1].solution.y[:, -1]
 
     @property
     def phases(self) -> Array:
-        """Phases of the steps, ascending; some may be equal."""
+        """The ascending phases of the integration steps; some may be equal."""
         return np.concatenate([piece.phase + piece.solution.t for piece in self.pieces])
 
     def at(self, phase: float) -> Array:
-        """Return the state at a phase; the options must have asked for dense output."""
+        """Return the state at a phase; needs dense output of the integrator."""
         piece = next(p for p in reversed(self.pieces) if p.phase <= phase)
         return piece.solution.sol(phase - piece.phase)
 
@@ -91,7 +91,7 @@ class RegularisedRun:
         }
 
     def rate(self, cell: Cell, phase: float, state: Array) -> list[float]:
-        """Return the derivative of the state; raise `SpentError` if no evaluation is left.
+        """Return the derivative of the state; raise `SpentError` if all evaluations are used.
 
         Raises `StoppedError` where the watch says so.
         """
@@ -103,7 +103,7 @@ class RegularisedRun:
         return cell.rate(phase, state)
 
     def period(self, state: Array) -> _Period:
-        """Return the motion over one period from the state, the position set back to 0.
+        """Return the motion over one period from a state, whose position is set to 0 first.
 
         No step leaps over a jump of the push.
         """
@@ -116,7 +116,7 @@ class RegularisedRun:
         return _Period(tuple(pieces))
 
     def _smoothly(self, cell: Cell, phase: float, end: float, start: Array) -> list[_Piece]:
-        """Return the motion from a phase to another, between which the push does not jump.
+        """Return the motion over phases in which the drive has no jump.
 
         A step may have to be shorter than ten spacings of the phase, where an integrator ends; it
         then goes on with the time counted from there, whose spacings are as short as need be.
@@ -131,9 +131,10 @@ class RegularisedRun:
         raise SpentError
 
     def _from(self, cell: Cell, phase: float, end: float, start: Array) -> Any:
-        """Return scipy's solution from a phase to another, or to where it ends."""
+        """Return scipy's solution between two phases, or up to where the integrator gives up."""
 
         def rate(since: float, state: Array) -> list[float]:
+            """Return the derivative of the state at a phase since the start."""
             return self.rate(cell, phase + since, state)
 
         return scipy.integrate.solve_ivp(
@@ -151,14 +152,14 @@ class Orbit:
     status: str
 
     def across(self, coordinates: int) -> float:
-        """Return the mean velocity across; 0 in the plane."""
+        """Return the mean velocity across the track; 0 in the plane."""
         if coordinates < 3:
             return 0.0
         return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
 
 
 def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: float) -> Orbit:
-    """Return the motion once it repeats, or what there is when the periods are used up."""
+    """Return the motion once it repeats, or the last state when all periods are used."""
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
     steep = math.hypot(*run.cell.gravity[:-1]) > weight * (1 + 1e-12)
@@ -167,10 +168,11 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
     states = [state]
 
     def gap(index: int, multiple: int) -> float:
+        """Return the largest difference of the states at the ends of two periods."""
         return float(np.max(np.abs(states[index] - states[index - multiple])))
 
     def repeats(multiple: int) -> bool:
-        """True if the gaps still to come are small, or nothing but the integrator's noise.
+        """True if the remaining differences are small, or integrator noise only.
 
         They are a geometric series of the rate at which they shrink. Noise does not add up over
         cycles as a drift does that hardly shrinks. Where friction changes less in a period than
@@ -189,6 +191,7 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
         )
 
     def mean(periods: int) -> float:
+        """Return the mean velocity over the last periods."""
         return float(np.mean([s[0] for s in states[-periods:]])) / PERIOD
 
     try:
@@ -211,12 +214,13 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
 def _crossings(
     function: Callable[[Array], float], state_at: Callable[[float], Array], phases: Array
 ) -> list[float]:
-    """Return the phases at which the function of the state changes its sign.
+    """Return the phases at which a function of the state changes sign.
 
     scipy's own search for events fails where an interpolant misses the end of a step by rounding.
     """
 
     def value(phase: float) -> float:
+        """Return the function's value at a phase."""
         return function(state_at(phase))
 
     values = [value(phase) for phase in phases]
@@ -228,21 +232,22 @@ def _crossings(
 
 
 def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
-    """Return the shares of the period and the impacts, over the periods until it repeats."""
+    """Return shares of the period and impact counts over the last cycle."""
     n = run.cell.coordinates
     law = run.cell.laws
     limit = PEAK * law.slip_speed
 
     def release(state: Array) -> float:
-        """Return a number that is negative where the floor presses."""
+        """Return a number that is negative where the floor presses on the part."""
         height = float(state[n - 1])
         return height if height >= 0 else -law.unclamped(height, float(state[-1]))
 
     def slip(state: Array) -> float:
+        """Return the slip speed less the limit below which the part counts as sticking."""
         return math.hypot(*state[n:-1]) - limit
 
     def along(state: Array) -> float:
-        """Return the slip along the track."""
+        """Return the slip velocity along the track."""
         return float(state[n])
 
     def climb(state: Array) -> float:
