@@ -30,7 +30,7 @@ def describe_all() -> list[dict[str, Any]]:
 
 
 def describe(name: str, variant: str | None = None, *, method: str | None = None) -> dict[str, Any]:
-    """Return everything about one scene: parameters, outputs, equations, regimes, validity.
+    """Return the description of a scene: parameters, outputs, equations, regimes, validity.
 
     With a method it describes the scene's motion in time, as `kind = "simulate"` studies it.
 
@@ -74,7 +74,7 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
 
 
 def _other_drives() -> list[dict[str, Any]]:
-    """Return the drives that may stand in the place of the plain sine, and their parameters."""
+    """Return the drives that may replace the plain sine, with their parameters."""
     kinds = {
         "harmonics": ("amplitude_", "phase_", "drive_factor"),
         "steps": ("acceleration_", "duration_", "drive_factor"),
@@ -90,14 +90,14 @@ def _other_drives() -> list[dict[str, Any]]:
 
 
 def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return the regimes that a variant can report, by value."""
+    """Return the regimes that a variant can report, by their value in files."""
     names = {condition.regime for condition in scene.conditions[variant]}
     names |= {condition.otherwise for condition in scene.conditions[variant]} - {""}
     return tuple(sorted(names | {"not_assessed"}, key=lambda name: REGIMES[name].value))
 
 
 def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
-    """Return the parameters that one output needs, itself, without its regime."""
+    """Return the parameters that one output needs, without those of its regime."""
     met = behind((output,), scene.producers(variant).get)
     needed = {name for name, equation in met.items() if equation is None}
     return tuple(name for name in QUANTITIES if name in needed)
@@ -106,7 +106,7 @@ def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...
 def asked_parameters(
     scene: Scene, variant: str, output: str, *, required: bool = False
 ) -> tuple[str, ...]:
-    """Return the parameters that a study of one output may give, for it and for its regime.
+    """Return the parameters that a study of one output may set, for it and its regime.
 
     With `required` those alone that it has to give. A simulation always follows the part, to tell
     how that ended.
@@ -123,6 +123,7 @@ def asked_parameters(
 
 
 def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:
+    """Return the description of a parameter: unit, bounds, default, examples."""
     quantity = QUANTITIES[name]
     default = scene.defaults_of(variant).get(name)
     replaces = [alias.gives for alias in ALIASES if name in alias.inputs]
@@ -143,6 +144,7 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
 
 
 def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
+    """Return the description of an output: unit, equation, threshold."""
     quantity = QUANTITIES[equation.gives]
     level, begins = LEVELS.get(equation.gives, (None, ""))
     return {

@@ -23,7 +23,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """Return the function compiled for scalars and arrays; it releases the interpreter's lock.
+    """Return a function compiled by numba; it releases Python's global lock.
 
     Kernels stay sequential: a pool of threads shares out the cells, so that two requests of one
     process can run at a time, a batch can be stopped between pieces, and results do not depend on
@@ -37,7 +37,7 @@ def compiled(function: Function) -> Function:
 
 
 def borrowing(function: Function) -> Function:
-    """Return the function compiled as by `compiled`; it may neither allocate nor return an array.
+    """Return a compiled function that neither allocates nor returns arrays.
 
     It takes its arrays on loan, and does not count their users, which takes half of the time of a
     short kernel.
@@ -46,17 +46,18 @@ def borrowing(function: Function) -> Function:
 
 
 def disjoint(function: Function) -> Function:
-    """Return the function compiled as by `borrowing`; its arrays may not overlap."""
+    """Return a compiled function as `borrowing` does, whose array arguments may not overlap."""
     return _compiled(function, _without_aliases, _nrt=False)
 
 
 def _without_aliases(flags: Any) -> None:
+    """Tell LLVM that array arguments do not overlap."""
     flags.noalias = True  # else each loop begins with a check of every pair of arrays
 
 
 @functools.cache
 def compiled_source(source: str) -> Any:
-    """Return the function of a source text, the only one in it, compiled as by `borrowing`.
+    """Return the compiled function of a source text that defines exactly one.
 
     Its arrays may not overlap. It may call `choose` (a selection, never a branch) and the functions
     of `math`. The code is cached as that of `compiled` is; a name tells the text.
@@ -73,12 +74,13 @@ def compiled_source(source: str) -> Any:
 
 @intrinsic
 def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
-    """Return one of two values; both are at hand, so that a row of cells needs no branch."""
+    """Return one of two values without a branch; both are computed."""
     del context
     truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
     result = types.boolean if truth else types.float64
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Generate the LLVM instruction `select`."""
         condition, *values = arguments
         taken = (
             context.cast(builder, value, kind, result)
@@ -91,10 +93,11 @@ def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
 
 @intrinsic
 def _bits(context: Any, value: Any) -> Any:
-    """Return the bits of a float as an integer."""
+    """Return the 64 bits of a float as an integer."""
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Generate the LLVM instruction `bitcast`."""
         return builder.bitcast(arguments[0], context.get_value_type(types.int64))
 
     return types.int64(types.float64), generate
@@ -106,9 +109,10 @@ bits: Any = _bits
 
 @intrinsic
 def _raised(context: Any, flag: Any) -> Any:
-    """True if the first byte of an array is not 0, as it is now and not as it was."""
+    """True if the first byte of an array is not 0 now; the read is never optimised away."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Generate an atomic load and a comparison."""
         array = context.make_array(signature.args[0])(context, builder, arguments[0])
         now = builder.load_atomic(array.data, "monotonic", 1)  # no loop keeps what it once read
         return builder.icmp_signed("!=", now, now.type(0))
@@ -121,13 +125,14 @@ raised: Any = _raised
 
 
 def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
-    """Return a decorator: compiled code that calls the function calls one of `ways` instead.
+    """Return a decorator: compiled code calls one of `ways`, chosen by the type of an argument.
 
     Which one, the type of an argument tells, a named tuple, when the caller is compiled. The
     function itself only says what all of them return; their arguments have its order.
     """
 
     def register(function: Function) -> Function:
+        """Return the function registered with the choice of its implementations."""
         place = list(inspect.signature(function).parameters).index(argument)
         chosen: Any = Choice(function, place, ways)
         return chosen
@@ -136,6 +141,7 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
 
 
 def _compiled(function: Any, change: Callable[[Any], None] | None = None, **options: bool) -> Any:
+    """Return a compiled function with the cache and options of vibrafeed."""
     options = {"nopython": True, "nogil": True, **options}
     return EntryDispatcher(function, {"error_model": "numpy", **options}, cache_of, change)
 
@@ -144,9 +150,11 @@ class _CompileTimer(event.Listener):
     """Has the stopwatch run while numba compiles what it did not find on the disk."""
 
     def on_start(self, event: event.Event) -> None:
+        """Start the stopwatch when numba begins to compile."""
         stopwatch.begin()
 
     def on_end(self, event: event.Event) -> None:
+        """Stop the stopwatch when numba has compiled."""
         stopwatch.end()
 
 

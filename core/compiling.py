@@ -23,14 +23,14 @@ class Stopwatch:
         self._listeners: list[Callable[[bool], object]] = []
 
     def begin(self) -> None:
-        """Begin to compile something, perhaps a part of what is compiled already."""
+        """Start a compilation, perhaps within another one."""
         self._depth += 1
         if self._depth == 1:
             self._began = time.perf_counter()
             self._tell(True)
 
     def end(self) -> None:
-        """End what was begun last."""
+        """End the compilation that was started last."""
         self._depth -= 1
         if not self._depth:
             self.spent += time.perf_counter() - self._began
@@ -43,7 +43,7 @@ class Stopwatch:
 
     @contextmanager
     def telling(self, listener: Callable[[bool], object]) -> Iterator[None]:
-        """Tell a function, until the block ends, when compiling begins (True) and ends (False)."""
+        """Call a function within the block whenever compiling begins (True) or ends (False)."""
         self._listeners.append(listener)
         try:
             yield
@@ -51,6 +51,7 @@ class Stopwatch:
             self._listeners.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
+        """Call all listeners with the state of compiling."""
         for told in tuple(self._listeners):
             told(compiles)
 
@@ -64,10 +65,11 @@ ONCE = "compiling once, some seconds; it is kept"
 
 @contextmanager
 def announced(write: Callable[[str], object]) -> Iterator[None]:
-    """Say, the first time that something is compiled within the block, that it is."""
+    """Write a message the first time that something is compiled within the block."""
     waiting = [ONCE]
 
     def tell(compiles: bool) -> None:
+        """Write the message once, when compiling begins."""
         if compiles and waiting:
             write(waiting.pop())
 

@@ -43,7 +43,7 @@ class Problem:
         return f"{self.place}: {self.message}. {self.fix}{'' if self.fix.endswith('?') else '.'}"
 
     def below(self, parent: str) -> Problem:
-        """Return the same problem with `place` in front of its own place."""
+        """Return the problem with its path below that of a parent section."""
         return replace(self, place=f"{parent}.{self.place}")
 
 
@@ -51,7 +51,7 @@ class VibrafeedError(Exception):
     """Base of every error that vibrafeed raises on purpose."""
 
     def _render_traceback_(self) -> list[str]:
-        """Return the message alone for a notebook; the stack is of no use there."""
+        """Return the message alone for notebooks, without the stack."""
         return [f"{type(self).__name__}: {self}"]
 
 

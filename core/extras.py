@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def installing(package: str, extra: str | None = None) -> str:
-    """Return the command that installs a package.
+    """Return the command that installs a package, alone or with an extra of vibrafeed.
 
     In a clone it is to be typed in its folder, and keeps to the versions that the tests pass with.
     Elsewhere it names the package itself: no index need know vibrafeed.

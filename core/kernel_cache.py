@@ -63,19 +63,19 @@ _user_caches = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-
 
 @functools.cache
 def packages() -> dict[str, Path]:
-    """Return the folders that kernels stand in, by name."""
+    """Return the folders of all kernel packages, by name."""
     files = sorted(CORE.glob("*/kernels/**/*.py"))
     return {package_of(file): file.parent for file in files}
 
 
 def package_of(file: Path) -> str:
-    """Return the name of the package of a kernel file: its folder, as `motion-planar`."""
+    """Return the package of a kernel's file: its folder, such as `motion-planar`."""
     return "-".join(part for part in file.parent.relative_to(CORE).parts if part != "kernels")
 
 
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
-    """Return the files that the code of a package depends on, in a fixed order."""
+    """Return all files that the code of a package depends on, in a fixed order."""
     files = {CORE / name for name in COMPILERS}
     if package != LOOPS:
         left = sorted(packages()[package].glob("*.py"))
@@ -90,7 +90,7 @@ def sources(package: str) -> tuple[Path, ...]:
 
 
 def imported(text: str) -> Iterator[Path]:
-    """Yield the files of ours that a module imports."""
+    """Yield the files of vibrafeed that a module imports."""
     for module, names, whole in IMPORT.findall(text):
         below = [f"{module}.{name}" for name in re.findall(r"\w+", names)]
         for dotted in (module or whole, *below):
@@ -102,7 +102,7 @@ def imported(text: str) -> Iterator[Path]:
 
 @functools.cache
 def digest(package: str) -> str:
-    """Return the name of all that the code of a package depends on, 16 hexadecimal digits."""
+    """Return a digest of everything that a package's code depends on, 16 hexadecimal digits."""
     settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
     content = hashlib.sha256(repr((versions, settings)).encode())
@@ -114,13 +114,13 @@ def digest(package: str) -> str:
 
 @functools.cache
 def root() -> Path:
-    """Return the folder of all packages: `NUMBA_CACHE_DIR`, or among the user's caches."""
+    """Return the folder of the kernel cache: `NUMBA_CACHE_DIR`, or in the user's cache."""
     return Path(_settings.CACHE_DIR or _user_caches.user_cache_dir)
 
 
 @functools.cache
 def folder(package: str) -> Path | None:
-    """Return the folder of the code of a package, made if need be.
+    """Return the cache folder of a package's code; create it if necessary.
 
     One that cannot be written is there to be read (an image may ship it); None if there is none.
     """
@@ -136,24 +136,24 @@ def folder(package: str) -> Path | None:
 
 @functools.cache
 def processor() -> str:
-    """Return the name of what code is compiled for: processor and instructions, 16 digits."""
+    """Return a digest of the processor and its instructions, 16 hexadecimal digits."""
     target: Any = cpu_target.target_context.codegen()
     return hashlib.sha256(repr(target.magic_tuple()).encode()).hexdigest()[:16]
 
 
 def loop_name(source: str) -> str:
-    """Return the file name that the text of a function gets which stands in no file."""
+    """Return the file name under which a generated function is cached."""
     return f"{LOOPS}-{hashlib.sha256(source.encode()).hexdigest()[:32]}"
 
 
 def is_on_disk(source: str) -> bool:
-    """True if the code of a source text has been compiled before, and kept."""
+    """True if the code of a source text is in the cache."""
     path = folder(LOOPS)
     return path is not None and any(path.glob(f"{loop_name(source)}.*"))
 
 
 def _forget_old(package: str, current: Path) -> None:
-    """Remove the folders of other digests of a package but the last used."""
+    """Remove outdated cache folders of a package, except the most recent one."""
     others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
     with contextlib.suppress(OSError):  # another process removes the same ones
         for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
@@ -169,7 +169,7 @@ class _CacheFolder(caching._CacheLocator):
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
-        """Return the place; None for a function of another file, or if there is no folder."""
+        """Return the cache folder of a kernel; None for other functions, or without a folder."""
         package = LOOPS
         if not file.startswith(LOOPS):
             path = Path(file).resolve()
@@ -180,15 +180,19 @@ class _CacheFolder(caching._CacheLocator):
         return None if place is None else cls(package, function, file, place)
 
     def get_cache_path(self) -> str:
+        """Return the folder of the cached code."""
         return str(self._path)
 
     def get_source_stamp(self) -> str:
+        """Return the stamp by which numba detects changed sources."""
         return digest(self._package)
 
     def get_disambiguator(self) -> str:
+        """Return the part of the file name that distinguishes kernels."""
         return f"{self._module}-{self._lineno}"  # two kernels may have files of one name
 
     def ensure_cache_path(self) -> None:
+        """Create the folder of the cached code."""
         self._path.mkdir(parents=True, exist_ok=True)
 
 
@@ -204,7 +208,7 @@ class _Cache(caching.FunctionCache):
     _impl_class = _Results
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Find the code of one signature.
+        """Return the cached code of one signature, if there is any.
 
         numba would first load all that it knows how to compile, and scipy with it: half a second.
         Code that is compiled needs the counts of users of arrays and no more.
@@ -214,12 +218,13 @@ class _Cache(caching.FunctionCache):
             return self._load_overload(signature, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, signature: Any, data: Any) -> None:
+        """Store compiled code; does nothing if the disk refuses."""
         with contextlib.suppress(OSError):
             super().save_overload(signature, data)  # type: ignore[no-untyped-call]
 
 
 def cache_of(function: Callable[..., Any]) -> Any:
-    """Return the cache of a function for numba; None if there is no folder for it."""
+    """Return numba's cache for a function; None if there is no folder."""
     try:
         return _Cache(function)  # type: ignore[no-untyped-call]
     except RuntimeError:

@@ -16,7 +16,7 @@ def lazily(
     homes: Mapping[str, tuple[str, ...]],
     modules: Mapping[str, str] = MappingProxyType({}),
 ) -> Callable[[str], Any]:
-    """Return the `__getattr__` of a package (PEP 562).
+    """Return a package's `__getattr__` that imports attributes on first use (PEP 562).
 
     Parameters
     ----------
@@ -30,6 +30,7 @@ def lazily(
     places = {name: module for module, names in homes.items() for name in names}
 
     def attribute(name: str) -> Any:
+        """Return an attribute of the package, importing its module."""
         if name in modules:
             return import_module(f"{package}.{modules[name]}")
         if name not in places:

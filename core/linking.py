@@ -42,11 +42,11 @@ class _Library(_NumbasLibrary):  # type: ignore[misc]
     """The code of one function, and the libraries whose functions it calls."""
 
     def _optimize_functions(self, module: Any) -> None:
-        """Do nothing to a function by itself; the whole is optimised."""
+        """Do nothing: functions are optimised after linking."""
         module.data_layout = self._codegen._data_layout
 
     def add_linking_library(self, library: Any) -> None:
-        """Note a library whose functions this one calls; a part of ours stays a part."""
+        """Note a library whose functions this one calls."""
         if not isinstance(library, _LinkedPart):
             library._ensure_finalized()
         self._linking_libraries.append(library)
@@ -59,11 +59,12 @@ class _LinkedPart(_Library):
 
     @property
     def has_dynamic_globals(self) -> bool:
+        """True if the code holds addresses of this process, so that it cannot be cached."""
         variables = self._final_module.global_variables
         return any(variable.name.startswith(GLOBALS) for variable in variables)
 
     def _get_module_for_linking(self) -> Any:
-        """Return the code, each function of which may be defined more than once, or dropped."""
+        """Return the code with linkage that allows duplicates and removal of its functions."""
         if self._shared_module is None:
             self._shared_module = self._final_module
             for function in self._final_module.functions:
@@ -76,7 +77,7 @@ class _Entry(_Library):
     """The code of a function for Python, with all that it calls."""
 
     def finalize(self) -> None:
-        """Link all that is called, directly or not, optimise it, and make machine code."""
+        """Link all called code, optimise it, and generate machine code."""
         self._linking_libraries = list(_reached(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
@@ -87,7 +88,7 @@ class _Entry(_Library):
 
 
 def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
-    """Return the libraries that one links, and those that its parts link, each once."""
+    """Return all libraries that one links, directly or not, each once."""
     for called in library._linking_libraries:
         if called not in known:
             known[called] = None
@@ -104,6 +105,7 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         self._library, self._change = library, change
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
+        """Compile the function for types of arguments into a library of ours."""
         flags: Any = Flags()  # type: ignore[no-untyped-call]
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_cfunc_wrapper = True
@@ -136,7 +138,7 @@ class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
         self._compiler = _Compiler(self._compiler, _LinkedPart, change)
 
     def add_overload(self, result: Any) -> None:
-        """Note what was compiled; Python never calls it."""
+        """Note compiled code; Python never calls it."""
         self.overloads[tuple(result.signature.args)] = result
 
 
@@ -171,17 +173,17 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
         self._keeper: Any = cache
 
     def compile(self, signature: Any) -> Any:
-        """Compile the function for types of arguments, or find it compiled."""
+        """Compile the function for argument types, or load it from the cache."""
         if self._keeper is not None:
             self._cache, self._keeper = self._keeper(self.py_func) or self._cache, None
         return super().compile(signature)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return the template by which a caller's compiler types a call."""
+        """Return numba's template for typing a call of the function."""
         return self._part.get_call_template(args, kws)
 
     def get_overload(self, signature: Any) -> Any:
-        """Return the key by which a caller's compiler finds the code."""
+        """Return numba's key for the function's code."""
         return self._part.get_overload(signature)
 
 
@@ -209,24 +211,25 @@ class Choice:
         self._numba_type_ = dispatched(self)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call the function itself."""
+        """Call the Python function."""
         return self.py_func(*arguments)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return the template by which a caller's compiler types a call."""
+        """Return numba's template for typing a call of the chosen function."""
         return self._way(args).get_call_template(args, kws)
 
     def get_overload(self, signature: Any) -> Any:
-        """Return the key by which a caller's compiler finds the code."""
+        """Return numba's key for the chosen function's code."""
         return self._way(signature).get_overload(signature)
 
     def _way(self, types: Any) -> Any:
+        """Return the function chosen by the types of arguments."""
         return self._ways[types[self._position].instance_class]
 
 
 @contextmanager
 def _without_collecting() -> Iterator[None]:
-    """Suspend the search for garbage, which takes a fifth of the time of compiling."""
+    """Suspend garbage collection in the block, which takes a fifth of compile time."""
     enabled = gc.isenabled()
     gc.disable()
     try:

@@ -59,7 +59,7 @@ LIMITS = (
 
 
 def build(resolution: str = "full", watch: Watch | None = None) -> Table:
-    """Return the table of an atlas.
+    """Return the table of a newly computed atlas.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def build(resolution: str = "full", watch: Watch | None = None) -> Table:
 
 
 def _computed(axes: Axes, watch: Watch) -> Cells:
-    """Return the cells of all nodes, slab by slab."""
+    """Return the computed cells of all nodes, slab by slab."""
     shape = tuple(one.size for one in axes)
     rows = max(1, SLAB // int(np.prod(shape[1:])))
     parts = []
@@ -95,24 +95,25 @@ def _computed(axes: Axes, watch: Watch) -> Cells:
 
 
 def _rounded(cells: Cells) -> Cells:
-    """Return cells with as many digits as are kept, the same on every processor."""
+    """Return cells rounded to the stored digits, so that every processor gives the same."""
     shares = [np.round(getattr(cells, name), SHARE_DIGITS) for name in SHARES]
     return Cells._make((np.round(cells.velocity, VELOCITY_DIGITS), *shares, cells.pattern))
 
 
 def _rounded_up(error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an error rounded up to the stored digits."""
     # A second difference of rounded values is a number of few digits and a rounding.
     scale = 10.0**ERROR_DIGITS
     return np.asarray(np.ceil(np.round(error * scale, 3)) / scale)
 
 
 def _errors(cells: Cells, axes: Axes) -> list[NDArray[np.float64]]:
-    """Return for each axis the largest error of linear interpolation beside each node."""
+    """Return, for each axis, the largest error of linear interpolation next to each node."""
     return [_bend(cells.velocity, cells.pattern, axes[k], k) for k in range(len(axes))]
 
 
 def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
-    """Return the largest error of any share beside each node, over all axes together."""
+    """Return the largest interpolation error of any share next to each node, over all axes."""
     largest = np.zeros(cells.pattern.shape)
     for name in SHARES:
         values = getattr(cells, name)
@@ -124,7 +125,7 @@ def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
 def _bend(
     values: NDArray[np.float64], pattern: NDArray[np.int8], nodes: NDArray[np.float64], axis: int
 ) -> NDArray[np.float64]:
-    """Return |f[x-, x, x+]| h^2/4 at each node, h the larger gap beside it.
+    """Return the interpolation error |f[x-, x, x+]| h^2/4 at each node, h the larger gap beside it.
 
     A node that has no neighbours of its pattern on both sides takes what a neighbour of its pattern
     has; NaN where there is none.
@@ -152,9 +153,11 @@ def _labelled(
     errors: dict[str, NDArray[np.float64]],
     share_error: NDArray[np.float64],
 ) -> Table:
+    """Return the table of an atlas: axes, values, errors and attributes."""
     dims = tuple(AXES)
 
     def stored(values: NDArray[Any], **attributes: Any) -> TableVariable:
+        """Return a variable of the atlas with reals in 32 bits."""
         kept = values.astype(np.float32) if values.dtype.kind == "f" else values
         return TableVariable(dims, kept, attributes)
 

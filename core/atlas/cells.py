@@ -40,12 +40,12 @@ class Cells(NamedTuple):
 
 
 def follow(numbers: Numbers, watch: Watch | None = None) -> Motion:
-    """Return the exact motion of parts with these numbers."""
+    """Return the exact motion of parts with these dimensionless numbers."""
     return planar_motion(groups_at(numbers), **EVENTS.defaults, watch=watch)
 
 
 def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
-    """Return the exact values at some numbers."""
+    """Return the exact velocities, shares and patterns of parts with these numbers."""
     motion = follow(numbers, watch)
     unit = np.hypot(numbers.throw_number, numbers.throw_number / numbers.angle_number)
     shares = [getattr(motion, name) for name in SHARES]
@@ -53,7 +53,10 @@ def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
 
 
 def pattern_of(motion: Motion) -> NDArray[np.int8]:
-    """Return the pattern of motions: a motion that repeats each period, or rests, has one."""
+    """Return the pattern of motions as bits of the modes that occur.
+
+    0 if a motion does not repeat.
+    """
     bits = sum(np.where(getattr(motion, name) > 0, bit, 0) for name, bit in BITS.items())
     sound = np.isin(motion.status, [STATUS["periodic"], STATUS["at_rest"]])
     ways: NDArray[np.int8] = np.where(sound & (motion.multiple == 1), bits, 0).astype(np.int8)
@@ -61,6 +64,7 @@ def pattern_of(motion: Motion) -> NDArray[np.int8]:
 
 
 def _regime(pattern: int) -> int:
+    """Return the regime of a pattern of modes."""
     name = "slip"
     if pattern == 0:
         name = "unresolved"
@@ -80,5 +84,5 @@ REGIMES_STORED = ("stick", "slip", "stick_slip", "hopping", "hop_after_hop", "un
 
 
 def regime_of(pattern: NDArray[np.int8]) -> NDArray[np.int8]:
-    """Return the regime of patterns, as simulations name it."""
+    """Return the regime of each pattern, with the names that simulations use."""
     return np.asarray(_OF_PATTERN[pattern])

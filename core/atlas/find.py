@@ -63,7 +63,7 @@ class AtlasValues(NamedTuple):
 
 
 def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
-    """Return the values of an atlas at some numbers, arrays of shape (n,)."""
+    """Return the interpolated values of an atlas at some numbers, arrays of shape (n,)."""
     pieces = [
         _piece(atlas, Numbers(*(one[start : start + PIECE] for one in numbers)))
         for start in range(0, max(1, numbers.throw_number.size), PIECE)
@@ -72,6 +72,7 @@ def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
 
 
 def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
+    """Return the interpolated values of an atlas at a piece of the numbers."""
     count = numbers.throw_number.size
     outside = np.logical_or.reduce(list(out_of_range(numbers).values()))
     base = np.zeros(count, dtype=np.intp)
@@ -104,7 +105,7 @@ def _corners(
     steps: list[int],
     pattern: NDArray[np.int8],
 ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.bool_]]:
-    """Return the interpolated values, the largest errors of corners, and where patterns agree."""
+    """Return interpolated values, the largest errors at the corners, and where patterns agree."""
     count = base.size
     values = np.zeros((count, len(VALUES)))
     errors = np.zeros((count, len(ERRORS)), dtype=np.float32)
@@ -139,7 +140,10 @@ def _with_status(
     atlas: Atlas,
     nearest: NDArray[np.intp],
 ) -> AtlasValues:
-    """Return the values with their status, NaN where there is none; rest where friction decides."""
+    """Return the values with their status.
+
+    NaN outside the atlas, 0 where friction holds the part.
+    """
     status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
     held = rests(numbers) & ~outside
     answered = held | (agrees & ~outside)

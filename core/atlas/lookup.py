@@ -203,7 +203,7 @@ def lookup_rows(
 
 
 def advice(looked_up: Table) -> list[str]:
-    """Return in words what the atlas did not answer, and what to do; nothing if it did."""
+    """Return sentences on cells that the atlas could not answer and what to do; empty if none."""
     status = looked_up.variables["lookup_status"].values
     lines = []
     near = int((status == STATUS["near_border"]).sum())
@@ -229,10 +229,12 @@ def advice(looked_up: Table) -> list[str]:
 
 
 def _cells(count: int) -> str:
+    """Return a number of cells with the verb, such as `2 cells are`."""
     return "1 cell is" if count == 1 else f"{count:,} cells are"
 
 
 def _span(values: NDArray[np.float64]) -> str:
+    """Return the range of some values in words."""
     known = values[~np.isnan(values)]
     if not known.size:
         return "has no value"
@@ -241,7 +243,7 @@ def _span(values: NDArray[np.float64]) -> str:
 
 
 def _prepared(parameters: Mapping[str, Any]) -> Simulation:
-    """Return the simulation of some parameters; raise `StudyError` for what no atlas answers."""
+    """Return the simulation of some parameters; raise `StudyError` for cases outside any atlas."""
     content = {
         "kind": "simulate",
         "scene": SCENE,
@@ -271,7 +273,7 @@ def _prepared(parameters: Mapping[str, Any]) -> Simulation:
 def _readable(
     parameters: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the values of the named parameters, of those that are sound."""
+    """Return the values of those named parameters that are valid."""
     columns = {}
     for name in names:
         with suppress(UnitError):
@@ -284,7 +286,7 @@ def _readable(
 
 
 def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
-    """Return the problems of values for which an atlas does not hold, whatever the others are."""
+    """Return the problems of parameter values for which an atlas does not hold."""
     problems = []
     if np.any(arrays.get("restitution", 0.0)):
         message = "an atlas holds for parts that do not rebound: restitution 0"
@@ -298,12 +300,13 @@ def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
 
 
 def _refuse(problems: list[Problem]) -> None:
+    """Raise `StudyError` if there are problems."""
     if problems:
         raise StudyError(problems)
 
 
 def _before_motion(prepared: Simulation, parameters: Mapping[str, Array]) -> Known:
-    """Return the quantities that a plan knows without following the part."""
+    """Return the quantities of a plan that are computed before the motion."""
     known: Known = {name: np.asarray(value) for name, value in prepared.plan.defaults.items()}
     known |= {name: parameters[name] for name in prepared.plan.parameters}
     for equation in prepared.plan.equations:
@@ -323,7 +326,7 @@ def _looked_up(
     coordinates: Mapping[str, TableVariable],
     simulate: bool,
 ) -> Table:
-    """Return the table of a look-up over cells of some shape."""
+    """Return the table of a look-up for cells of some shape."""
     groups: Groups = known["groups"]
     rows, _ = table((*groups.numbers, np.zeros(shape)))
     flat, _ = groups_of(rows[:, :-1], waved=False)
@@ -347,6 +350,7 @@ def _looked_up(
     scale = np.broadcast_to(known["velocity_scale"], shape).ravel()
 
     def laid_out(values: NDArray[Any], attributes: Mapping[str, Any]) -> TableVariable:
+        """Return a variable of the look-up in the shape of the cells."""
         return TableVariable(dims, values.reshape(shape), attributes)
 
     variables = {
@@ -372,7 +376,7 @@ def _looked_up(
 
 
 def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
-    """Return the values in the axes of the track: the mirror image is turned back."""
+    """Return values in the axes of the track; mirrored cells are turned back."""
     back = unit < 0
     return values._replace(
         velocity=np.where(back, -values.velocity, values.velocity) + 0.0,
@@ -382,6 +386,7 @@ def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
 
 
 def _status_attributes() -> dict[str, Any]:
+    """Return the attributes of the status of a look-up."""
     return {
         "long_name": "Status of the look-up",
         "standard_name": "status_flag",
@@ -392,6 +397,7 @@ def _status_attributes() -> dict[str, Any]:
 
 
 def _attributes(atlas: Atlas) -> dict[str, Any]:
+    """Return the attributes of a look-up's table."""
     made = atlas.attributes
     return {
         "Conventions": CONVENTIONS,

@@ -24,7 +24,7 @@ Axes = tuple[NDArray[np.float64], ...]
 
 
 def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
-    """Return the nodes of the four axes, of a grid of `most` nodes or somewhat fewer.
+    """Return the nodes of the four axes for a grid of at most `most` nodes.
 
     `probes` is the number of lines along each axis on which it is measured what interpolation
     leaves.
@@ -77,7 +77,7 @@ def _first() -> Axes:
 def _middles(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the values that halve intervals; the angle number spans decades."""
+    """Return the midpoints of intervals, geometric ones for the angle number."""
     if list(AXES)[axis] == "angle_number":
         return np.asarray(np.sqrt(lower * upper))
     return np.asarray((lower + upper) / 2.0)
@@ -86,7 +86,7 @@ def _middles(
 def _costs(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64], lines: Numbers
 ) -> NDArray[np.float64]:
-    """Return the cost of intervals of an axis in a look-up: an error, or a border for one."""
+    """Return the cost of each interval of an axis in look-ups: interpolation errors and borders."""
     middle = _middles(axis, lower, upper)
     stops = np.stack([lower, middle, upper], axis=-1)
     fields = [np.broadcast_to(one[:, None, None], (one.size, *stops.shape)) for one in lines]
@@ -101,5 +101,5 @@ def _costs(
 
 
 def _often(asked: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the share of look-ups that fall between the nodes of an axis."""
+    """Return the share of look-ups that fall into each interval between the nodes of an axis."""
     return np.asarray(np.histogram(asked, nodes)[0] / asked.size)

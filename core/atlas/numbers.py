@@ -41,7 +41,7 @@ class AtlasAxis:
     largest: float
 
     def attributes(self) -> dict[str, Any]:
-        """Return its attributes in a dataset."""
+        """Return the attributes of the axis in a dataset."""
         return {"units": "1", "long_name": self.label, "comment": self.definition}
 
 
@@ -71,7 +71,7 @@ HOP_AFTER_HOP = float(np.hypot(1.0, np.pi))
 
 
 def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
-    """Return the numbers of parts, and the unit of their velocities in g/w.
+    """Return the four atlas numbers of parts, and the unit of their velocity in g/w.
 
     The unit is below 0 where the drive points back: that is the mirror image, in which forward and
     backward are exchanged. Where the numbers have no value they are infinite or NaN.
@@ -94,7 +94,7 @@ def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
 
 
 def groups_at(numbers: Numbers) -> Groups:
-    """Return groups of a part with these numbers: unit load, unit kinetic friction."""
+    """Return the groups of parts with these numbers, with unit load and unit kinetic friction."""
     throw, angle, slope, ratio = numbers
     return Groups(
         drive_number_along=throw / angle,
@@ -120,7 +120,7 @@ def rests(numbers: Numbers) -> Mask:
 
 
 def out_of_range(numbers: Numbers) -> dict[str, NDArray[np.bool_]]:
-    """Return for each number where it lies outside the atlas."""
+    """Return, for each number, a mask of the values outside the atlas."""
     return {
         name: ~((values >= axis.least) & (values <= axis.largest))
         for (name, axis), values in zip(AXES.items(), numbers, strict=True)

@@ -26,7 +26,7 @@ ONE_FRICTION = 0.5
 
 
 def practical(shares: NDArray[np.float64]) -> Numbers:
-    """Return numbers of the practical range, those that the atlas covers.
+    """Return atlas numbers of practical parts and drives, from shares of their ranges.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def practical(shares: NDArray[np.float64]) -> Numbers:
 
 
 def spread_out(count: int) -> NDArray[np.float64]:
-    """Return points of the unit cube in seven dimensions, evenly spread, shape (count, 7)."""
+    """Return evenly spread points of the unit cube in seven dimensions, shape (count, 7)."""
     dims = 7
     root = 1.0
     for _ in range(60):  # x^(dims + 1) = x + 1

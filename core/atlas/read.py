@@ -49,12 +49,12 @@ class Atlas:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Nodes of each axis."""
+        """The number of nodes on each axis."""
         return tuple(axis.size for axis in self.axes)
 
 
 def of_table(table: Table) -> Atlas:
-    """Return the atlas that a table holds.
+    """Return the atlas in a table.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def of_table(table: Table) -> Atlas:
 
 
 def open_atlas(path: str | os.PathLike[str]) -> Atlas:
-    """Return the atlas in a NetCDF file or Zarr group, for many look-ups.
+    """Return the atlas in a NetCDF file or Zarr group, loaded for many look-ups.
 
     Parameters
     ----------

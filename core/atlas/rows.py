@@ -21,7 +21,7 @@ _HEADING = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])])?\s*")
 
 
 def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
-    """Return the parameters of a CSV file by column, in the units of studies.
+    """Return the parameters in a CSV file by column, in the units of studies.
 
     Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. A cell
     may have a unit of its own, as in a study; else the heading's counts.
@@ -53,7 +53,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
 
 
 def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
-    """Return heading and rows of a CSV file, and what parts their cells."""
+    """Return heading, rows, and column separator of a CSV file."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -86,7 +86,7 @@ def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
 def _column(
     name: str, unit: str, cells: list[str], decimal_commas: bool, problems: list[Problem]
 ) -> tuple[float, ...]:
-    """Return the values of a column; what is wrong is added to the problems."""
+    """Return the values of a column, adding problems of single cells to `problems`."""
     quantity, known, values = QUANTITIES[name], {}, []
     for number, cell in enumerate(cells, 1):
         if cell not in known:  # columns repeat values: a text with a unit takes long to read

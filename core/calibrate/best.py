@@ -35,7 +35,7 @@ class LeastSquares:
     watch: Watch
 
     def polished(self, start: Array) -> Array:
-        """Return the nearest best point, or `start` if no better one is found.
+        """Return the best point near `start` by least squares; `start` if none is better.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class LeastSquares:
         return model.lower + optimum.x * model.width
 
     def _residuals(self, shares: Array) -> Array:
-        """Return residuals over errors at points, shape (points, runs + unknowns)."""
+        """Return the residuals over their errors at points, shape (points, runs + unknowns)."""
         model, where = self.model, self.model.runs.measured
         points = model.lower + shares * model.width
         found = model.predict(points, Watch(stop=self.watch.stop, deadline=self.watch.deadline))

@@ -76,11 +76,11 @@ class PosteriorBoxes:
         return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
 
     def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> PosteriorBoxes:
-        """Return some of the boxes."""
+        """Return a selection of the boxes."""
         return PosteriorBoxes(*(getattr(self, field.name)[where] for field in fields(self)))
 
     def joined(self, other: PosteriorBoxes) -> PosteriorBoxes:
-        """Return these and other boxes."""
+        """Return these boxes and further ones together."""
         both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return PosteriorBoxes(*(np.concatenate(pair) for pair in both))
 
@@ -111,7 +111,7 @@ class Explored:
 
 
 def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
-    """Return the grid of a posterior of `most` points at most.
+    """Return the adaptive grid of a posterior, of at most `most` points.
 
     Raises
     ------
@@ -142,13 +142,14 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
 
 
 def points_of(likelihood: Likelihood, centre: Array) -> Array:
-    """Return points of the unknowns from shares of the way from bound to bound."""
+    """Return the values of the unknowns at shares of the way between their bounds."""
     model = likelihood.model
     points: Array = model.lower + centre * model.width
     return points
 
 
 def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
+    """Return the first, regular grid of boxes."""
     count = len(likelihood.model.unknowns)
     halvings = int(np.log2(most / FIRST_SHARE) / count)
     halvings = max(2, min(FINEST_FIRST, halvings))
@@ -175,7 +176,7 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
 
 
 def _bend(values: Array, axis: int) -> Array:
-    """Return by how much values of neighbours leave a straight line, within half of their way."""
+    """Return how far values leave a straight line between neighbours, within half a cell."""
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
     bend: Array = 0.25 * np.diff(near, 2, axis=axis)
@@ -183,7 +184,7 @@ def _bend(values: Array, axis: int) -> Array:
 
 
 def _softened(shown: Array) -> Array:
-    """Return the observed regimes in the first boxes: a border may lie between two of them."""
+    """Return the probability of the observed regimes in the first boxes, blurred across borders."""
     soft = shown
     for axis in range(shown.ndim - 1):
         near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
@@ -193,7 +194,7 @@ def _softened(shown: Array) -> Array:
 
 
 def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
-    """Return the halves along each unknown of some boxes."""
+    """Return both halves of some boxes along each unknown."""
     count = parents.centre.shape[1]
     signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
     step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
@@ -229,14 +230,14 @@ def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> Pos
 
 
 def _log_mass(likelihood: Likelihood, boxes: PosteriorBoxes) -> Array:
-    """Return the mass of boxes, each with each size of the discrepancy, as logarithms."""
+    """Return the logarithm of the mass of each box, for each size of the discrepancy."""
     points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
     log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
     return log + boxes.log_volume[:, np.newaxis]
 
 
 def _sizes(log: Array) -> Array:
-    """Return the probability of each size of the discrepancy, by the masses of boxes."""
+    """Return the probability of each size of the discrepancy, from the masses of the boxes."""
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
@@ -245,7 +246,7 @@ def _sizes(log: Array) -> Array:
 
 
 def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
-    """Return the gain from refining boxes, shape (boxes,)."""
+    """Return the expected gain from halving each box, shape (boxes,)."""
     runs = likelihood.model.runs
     top = log.max()
     if not np.isfinite(top):

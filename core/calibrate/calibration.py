@@ -46,32 +46,32 @@ class Calibration(Prepared):
 
     @property
     def model(self) -> Model:
-        """The motions of all runs."""
+        """The model that predicts all runs."""
         return self.likelihood.model
 
     @property
     def method(self) -> Method:
-        """The method that follows the motions."""
+        """The method that simulates the motions."""
         return methods_of(self.plan.scene.name)[self.plan.variant]
 
     @property
     def points(self) -> int:
-        """Most points of the unknowns."""
+        """The largest number of grid points of the unknowns."""
         return self.study.points
 
     @property
     def cells(self) -> int:
-        """Most motions that are followed."""
+        """The largest number of motions that are simulated."""
         return self.points * len(self.model.runs) + self.asked
 
     @property
     def asked(self) -> int:
-        """Motions of candidates."""
+        """The number of motions simulated for candidates of further runs."""
         return ENSEMBLE * self.candidates.cells if self.candidates else 0
 
     @property
     def stored(self) -> int:
-        """As in `Prepared`: the points of the largest variable."""
+        """The number of points of the largest variable."""
         return AXIS[len(self.model.names)] ** len(self.model.names)
 
     @cached_property
@@ -102,7 +102,10 @@ class Calibration(Prepared):
 
     @property
     def pairs(self) -> list[tuple[str, str]]:
-        """The pairs of unknowns whose density is told; that of two alone is `log_density`."""
+        """The pairs of unknowns with a two-dimensional density.
+
+        None where `log_density` shows it.
+        """
         names = self.model.names
         return [*combinations(names, 2)] if len(names) > 2 else []
 
@@ -130,7 +133,7 @@ class Calibration(Prepared):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """The length of each dimension; of modes the most that are told."""
+        """The length of each dimension; for modes the largest number that is stored."""
         names = self.model.names
         sizes = {RUN: len(self.model.runs), MODE: MAX_MODES}
         sizes |= dict.fromkeys(names, AXIS[len(names)])
@@ -151,40 +154,40 @@ class Calibration(Prepared):
 
     @property
     def computed_bytes(self) -> int:
-        """As in `Prepared`."""
+        """The bytes of the result as computed."""
         return self.bytes
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
-        """No axis: a calibration is one whole."""
+        """The axes along which a calibration can be cut into pieces: none."""
         return ()
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """Seconds of a motion as is likely, and at most."""
+        """The likely and the largest time of a motion [s]."""
         return price_of(self.method, self.plan, self.grid)
 
     @property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The likely time of a motion on one core [s]."""
         return self._price[0] + POINT_SECONDS + FEW_SECONDS / self.cells
 
     @property
     def most_seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The largest time of a motion on one core [s]."""
         return self._price[1] + POINT_SECONDS + FEW_SECONDS / self.cells
 
     @property
     def verified_by(self) -> str:
-        """Nothing: a study that asks for it is refused."""
+        """The method that verifies results: none, so that studies asking for it are refused."""
         return ""
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """As in `Prepared`."""
+        """The time of verifying a cell: 0, as calibrations are not verified."""
         return 0.0
 
     def what_fits(self, share: float) -> str:
-        """Return a sentence that says which study is about that share of this one."""
+        """Return a sentence that says how to shrink the study to a share of its size."""
         del share
         return "Calibrate fewer unknowns, or fewer candidates"

@@ -19,7 +19,7 @@ BIT = np.log(2.0)
 
 
 def columns_of(grid: Grid) -> dict[str, Array]:
-    """Return the parameters of every candidate, in the units of studies, each of shape (count,)."""
+    """Return the parameters of every candidate run, in the units of studies, of shape (count,)."""
     axes = [grid.coordinate(name) for name in grid.axes]
     mesh = np.meshgrid(*axes, indexing="ij") if axes else []
     found = {name: values.ravel() for name, values in zip(grid.axes, mesh, strict=True)}
@@ -27,7 +27,7 @@ def columns_of(grid: Grid) -> dict[str, Array]:
 
 
 def typical_error(posterior: Posterior) -> float:
-    """Return the standard deviation that another measurement would have."""
+    """Return the standard deviation expected of one more measurement."""
     runs = posterior.likelihood.model.runs
     known = runs.error[runs.measured]
     scatter = float(posterior.sizes @ np.square(posterior.likelihood.scatter.sizes))
@@ -38,7 +38,7 @@ def typical_error(posterior: Posterior) -> float:
 def information(
     model: Model, posterior: Posterior, grid: Grid, watch: Watch
 ) -> tuple[Array, Array, Array, Array]:
-    """Return the information that measuring the speed of each candidate would add.
+    """Return the information that measuring each candidate run would add [bit].
 
     It is the entropy of the speed that would be measured, less that of its error: by so much the
     entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics
@@ -72,7 +72,7 @@ def information(
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
-    """Return the information of some candidates in bits, and the deviations that they leave.
+    """Return the information of candidates in bits, and the remaining deviations of the unknowns.
 
     Arrays have shape (ensemble, some), `points` (ensemble, unknowns); the deviations have shape
     (unknowns, some), as shares of those before.
@@ -103,7 +103,7 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:
-    """Return the deviations that some measurements leave, over those before, (unknowns, some).
+    """Return the remaining deviations after measurements, over those before, (unknowns, values).
 
     E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2 / sum_i p_i(y)), with the
     density p_i(y) of the measured speed y that point i of the ensemble predicts, shape (ensemble,

@@ -26,13 +26,13 @@ LITTLE = 0.1  # bit
 
 
 def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
-    """Return a value in the unit in which a person reads it."""
+    """Return a value with its unit as readable text."""
     shown = units.of(unit, abs(value))
     return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
 
 
 def rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
-    """Return a value with the digits that its deviation leaves it."""
+    """Return a value as text, rounded to the digits that its standard deviation justifies."""
     shown = units.of(unit, abs(value))
     value, deviation = shown.factor * value, abs(shown.factor * deviation)
     digits = 3
@@ -64,7 +64,7 @@ class Findings:
         self.output = QUANTITIES[self.model.runs.output]
 
     def sentences(self) -> list[str]:
-        """Return them all, the most important first."""
+        """Return all findings as sentences, the most important first."""
         return [
             *self._explained(),
             *self._estimates(),
@@ -77,9 +77,11 @@ class Findings:
         ]
 
     def _value(self, name: str) -> float:
+        """Return the value of a variable without dimensions."""
         return float(self.arrays[name])
 
     def _explained(self) -> Iterator[str]:
+        """Yield sentences if no values explain the runs or the grid is too coarse."""
         if not np.isfinite(self.posterior.explored.log_mass.max()):
             yield "No values of the unknowns explain the observations: widen their ranges"
         if self.posterior.explored.left > 0.3:
@@ -89,6 +91,7 @@ class Findings:
             )
 
     def _estimates(self) -> Iterator[str]:
+        """Yield a sentence with best value and interval of each unknown."""
         several = len(self.arrays["mode_share"]) > 1
         for unknown in self.model.unknowns:
             deviation = self._value(f"deviation_{unknown.name}")
@@ -100,6 +103,7 @@ class Findings:
             yield f"{unknown.label} ({unknown.name}): {told_best}{low} to {high} with 95 %"
 
     def _modes(self) -> Iterator[str]:
+        """Yield a sentence on separate regions that explain the runs equally."""
         shares = self.arrays["mode_share"]
         if len(shares) < 2:
             return
@@ -114,7 +118,7 @@ class Findings:
 
     @cached_property
     def _pairs(self) -> dict[tuple[str, str], str]:
-        """The sentences on pairs of unknowns that the runs do not tell apart."""
+        """The sentences on pairs of unknowns that the runs cannot separate."""
         if len(self.arrays["mode_share"]) > 1:
             return {}
         pairs = combinations(enumerate(self.model.unknowns), 2)
@@ -124,11 +128,11 @@ class Findings:
 
     @property
     def unsettled(self) -> set[str]:
-        """Unknowns that the runs do not tell apart from others: a best value says little."""
+        """The unknowns that the runs cannot separate from others: their best values mean little."""
         return {name for names in self._pairs for name in names}
 
     def _alone(self) -> Iterator[str]:
-        """Yield the unknowns that the runs do not determine."""
+        """Yield a sentence for each unknown that the runs do not determine."""
         yield from self._pairs.values()
         named = self.unsettled
         for one in self.model.unknowns:
@@ -137,6 +141,7 @@ class Findings:
                 yield f"The runs say next to nothing about {one.name}: it is as it was given"
 
     def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
+        """Return a sentence on two correlated unknowns: their ratio, product or correlation."""
         points, weights = self.posterior.points, self.posterior.weights
         correlation = self._value(f"correlation_{unknown.name}_{other.name}")
         first, second = points[:, j], points[:, k]
@@ -165,6 +170,7 @@ class Findings:
         return ""
 
     def _bounds(self) -> Iterator[str]:
+        """Yield a sentence for each unknown whose likely values reach a bound."""
         for unknown in self.model.unknowns:
             axis, density = self.arrays[unknown.name], self.arrays[f"density_{unknown.name}"]
             for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
@@ -179,6 +185,7 @@ class Findings:
                     yield f"{unknown.name} may lie beyond {beyond}"
 
     def _scatter(self) -> Iterator[str]:
+        """Yield sentences on the scatter of the runs and the discrepancy of the model."""
         runs = self.model.runs
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:
@@ -204,6 +211,7 @@ class Findings:
             )
 
     def _far(self) -> Iterator[str]:
+        """Yield sentences on runs far from the prediction, or with another observed regime."""
         over = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
         far = [f"{k + 1} ({over[k]:.1f} errors)" for k in np.argsort(-over) if over[k] > FAR]
         if far:
@@ -215,6 +223,7 @@ class Findings:
                 yield f"Not as it was seen: run {', '.join(odd[:5])}"
 
     def _next(self) -> Iterator[str]:
+        """Yield a sentence on the candidate run that would add most information."""
         grid = self.prepared.candidates
         if grid is None:
             return
@@ -240,7 +249,7 @@ class Findings:
         )
 
     def _narrower(self, candidate: int) -> str:
-        """Return the expected width of the interval that a measurement narrows most."""
+        """Return the interval expected after a measurement, for the unknown that narrows most."""
         shares = {
             narrowest: self.arrays[f"{LEFT}{narrowest.name}"].ravel()[candidate]
             / self._value(f"deviation_{narrowest.name}")
@@ -256,6 +265,7 @@ class Findings:
 
 
 def _deviation_before(unknown: Unknown) -> float:
+    """Return the standard deviation of an unknown before the runs."""
     uniform = unknown.width / np.sqrt(12.0)
     return float(
         min(uniform, unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf)
@@ -263,11 +273,13 @@ def _deviation_before(unknown: Unknown) -> float:
 
 
 def _deviation(values: Array, weights: Array) -> float:
+    """Return the standard deviation of weighted values."""
     mean = weights @ values
     return float(np.sqrt(weights @ np.square(values - mean)))
 
 
 def _joint_unit(first: str, second: str, mark: str) -> str:
+    """Return the unit of a ratio or a product of two quantities."""
     read = ["" if unit == "1" else SI.get(unit, unit) for unit in (first, second)]
     if mark == "/" and read[0] == read[1]:
         return ""
@@ -277,5 +289,5 @@ def _joint_unit(first: str, second: str, mark: str) -> str:
 
 
 def summary(sentences: Sequence[str]) -> str:
-    """Return sentences as one text, a line each."""
+    """Return sentences as one text, one per line."""
     return "\n".join(f"{sentence}." for sentence in sentences)

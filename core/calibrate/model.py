@@ -66,12 +66,12 @@ class Unknown:
 
     @property
     def unit(self) -> str:
-        """Its unit."""
+        """The unit of the unknown."""
         return quantity_of(self.table, self.parameter).unit
 
     @property
     def label(self) -> str:
-        """A label in a few words."""
+        """A short label of the unknown."""
         label = QUANTITIES[self.parameter].label
         lowered = label[0].lower() + label[1:]
         return {"offsets": f"Offset of the {lowered}", "factors": f"Factor of the {lowered}"}.get(
@@ -80,21 +80,22 @@ class Unknown:
 
     @property
     def width(self) -> float:
-        """The distance between its bounds."""
+        """The distance between the bounds."""
         return self.upper - self.lower
 
     @property
     def lower(self) -> float:
-        """Its least value."""
+        """The lower bound."""
         return self._ends[0]
 
     @property
     def upper(self) -> float:
-        """Its largest value."""
+        """The upper bound."""
         return self._ends[1]
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
+        """Return the bounds of the unknown; those of a normal prior are cut."""
         if not isinstance(self.prior, Normal):
             return self.prior.lower, self.prior.upper
         quantity = quantity_of(self.table, self.parameter)
@@ -106,13 +107,16 @@ class Unknown:
         return max(lower, mean - far), min(upper, mean + far)
 
     def deviations_from_mean(self, values: Array) -> Array:
-        """Return the distance of values from the mean, in deviations; 0 where none is given."""
+        """Return the distance of values from the prior mean in deviations.
+
+        0 without a normal prior.
+        """
         if not isinstance(self.prior, Normal):
             return np.zeros(np.shape(values))
         return np.asarray((np.asarray(values) - self.prior.mean) / self.prior.deviation)
 
     def log_prior(self, values: Array) -> Array:
-        """Return the logarithm of the density before, but for a constant."""
+        """Return the logarithm of the prior density, up to a constant."""
         return -0.5 * np.square(self.deviations_from_mean(values))
 
 
@@ -157,7 +161,7 @@ class Runs:
 
     @property
     def errors_known(self) -> bool:
-        """True if the errors of the measured values are known."""
+        """True if the errors of the measured values are given."""
         return bool(np.any(self.error[self.measured] > 0))
 
 
@@ -180,7 +184,7 @@ class Predicted(NamedTuple):
     rests: Mask
 
     def shows(self, seen: str) -> Mask:
-        """True where a part does what was seen."""
+        """True where a part shows the observed behaviour."""
         return {
             "hops": self.hops,
             "does not hop": ~self.hops & ~np.isnan(self.value),
@@ -229,7 +233,7 @@ class Model:
     def predict(
         self, points: Array, watch: Watch, columns: Mapping[str, Array] | None = None
     ) -> Predicted:
-        """Return the predictions of motions at points of the unknowns.
+        """Return the predicted values and regimes of all runs at points of the unknowns.
 
         Parameters
         ----------
@@ -258,6 +262,7 @@ class Model:
     def _predict(
         self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
     ) -> Predicted:
+        """Return the predictions at a piece of the points."""
         given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
             known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
@@ -285,7 +290,7 @@ class Model:
         )
 
     def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
-        """Return the parameters of the plan, SI units, which broadcast to (points, runs)."""
+        """Return the parameters of the plan in SI units, which broadcast to (points, runs)."""
         known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
         known |= {name: values[np.newaxis] for name, values in columns.items()}
         for k, unknown in enumerate(self.unknowns):
@@ -299,7 +304,7 @@ class Model:
         return {name: parameter_to_si(name, np.asarray(value)) for name, value in known.items()}
 
     def log_prior(self, points: Array) -> Array:
-        """Return the logarithm of the density before, but for a constant, shape (points,)."""
+        """Return the logarithm of the prior density, up to a constant, shape (points,)."""
         log: Array = np.zeros(len(points))
         for k, one in enumerate(self.unknowns):
             log = log + one.log_prior(points[:, k])
@@ -310,7 +315,7 @@ class Model:
         return log
 
     def _friction(self, name: str, points: Array) -> NDArray[np.float64] | float | None:
-        """Return a coefficient at points, if the study gives it by itself."""
+        """Return a friction coefficient at points, if the study sets it separately."""
         if name in self.names:
             return points[:, self.names.index(name)]
         return self.shared.get(name)

@@ -65,23 +65,23 @@ class Posterior:
     sizes: Array
 
     def quantiles(self, values: Array, shares: Sequence[float]) -> Array:
-        """Return quantiles of values at the points, shape (shares, ...)."""
+        """Return quantiles of values over the posterior, shape (shares, ...)."""
         columns = values.reshape(len(values), -1)
         found = [weighted_quantiles(column, self.weights, shares) for column in columns.T]
         return np.stack(found, axis=-1).reshape(len(shares), *values.shape[1:])
 
     def mean(self, values: Array) -> Array:
-        """Return the mean of values at the points."""
+        """Return the posterior mean of values."""
         mean: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
         return mean
 
     def covariance(self) -> Array:
-        """Return the covariance of the unknowns, shape (unknowns, unknowns)."""
+        """Return the covariance matrix of the unknowns, shape (unknowns, unknowns)."""
         away = self.points - self.mean(self.points)
         return np.einsum("p,pi,pj->ij", self.weights, away, away)
 
     def ensemble(self, count: int) -> Array:
-        """Return points of equal weights, shape (count, unknowns)."""
+        """Return a sample of points with equal weights, shape (count, unknowns)."""
         places = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
         chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
@@ -90,7 +90,7 @@ class Posterior:
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
-    """Return the points of a posterior: some in each box that has a share of the mass."""
+    """Return the posterior as weighted points, several in each box that has mass."""
     boxes, log_mass = explored.boxes, explored.log_mass
     top = log_mass.max()
     mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(boxes))
@@ -118,7 +118,7 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
 
 def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return points relative to the centres of their boxes, and the number of the box of each.
+    """Return points relative to the centres of their boxes, and each point's box.
 
     A set that fills a cube evenly is shifted by other numbers in every box.
     """
@@ -134,7 +134,7 @@ def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
-    """Return quantiles of values, shape (points,), that have weights; NaN values have no share."""
+    """Return quantiles of weighted values, shape (points,); NaN values are ignored."""
     order = np.argsort(values)
     values, weights = values[order], weights[order]
     finite = np.isfinite(values)
@@ -147,7 +147,7 @@ def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -
 
 
 def axes_of(posterior: Posterior) -> list[Array]:
-    """Return values of each unknown, evenly spaced, which hold all but the tails of the mass."""
+    """Return evenly spaced values of each unknown that cover all but the tails of the mass."""
     model = posterior.likelihood.model
     count = AXIS[len(model.unknowns)]
     ends = posterior.quantiles(posterior.points, (TAIL, 1.0 - TAIL))
@@ -164,7 +164,7 @@ def axes_of(posterior: Posterior) -> list[Array]:
 
 
 def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
-    """Return the logarithm of the density on a grid of the unknowns, 0 at most.
+    """Return the logarithm of the posterior density on a grid of the unknowns, at most 0.
 
     The values of motions follow from the box that a point lies in, and its slopes.
     """
@@ -189,7 +189,7 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
 
 
 def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
-    """Return the number of the box that each point lies in."""
+    """Return the index of the box in which each point lies."""
     box = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(boxes.halvings).tolist():
         ours = np.flatnonzero(boxes.halvings == halvings)
@@ -203,7 +203,7 @@ def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
-    """Return a number for each point: that of the box of so many halvings in which it lies."""
+    """Return the key of the box, of this many halvings, in which each point lies."""
     keys = np.zeros(len(share), dtype=np.int64)
     for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
         keys = (keys << halvings) + column
@@ -211,20 +211,20 @@ def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
 
 
 def marginal(posterior: Posterior, axis: Array, k: int) -> Array:
-    """Return the density of one unknown at evenly spaced values, per its unit."""
+    """Return the posterior density of one unknown at evenly spaced values, per its unit."""
     found = np.pad(_binned(posterior, [axis], [k]), len(SMOOTH) // 2, mode="symmetric")
     return np.asarray(np.convolve(found, SMOOTH, mode="valid")) / (axis[1] - axis[0])
 
 
 def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:
-    """Return the density of two unknowns at evenly spaced values, per their units."""
+    """Return the posterior density of two unknowns at evenly spaced values, per their units."""
     found = _binned(posterior, [axes[first], axes[second]], [first, second])
     steps = [axes[k][1] - axes[k][0] for k in (first, second)]
     return found / (steps[0] * steps[1])
 
 
 def _binned(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
-    """Return the mass about the points of a grid of some unknowns.
+    """Return the mass in the cells of a grid of some unknowns.
 
     Each point shares its weight among the values beside it, so that the density is as smooth as
     the points allow.
@@ -307,7 +307,7 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    """Return labels of the modes that are heavy enough, from 1 on, and 0 elsewhere."""
+    """Return labels from 1 on for modes of sufficient mass, 0 elsewhere."""
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
     heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]
@@ -317,6 +317,7 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
+    """Return share, best point and mean of each labelled mode, the heaviest first."""
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)
     modes = []

@@ -30,7 +30,7 @@ MAX_UNKNOWNS = 4
 
 
 def prepare(study: CalibrateStudy) -> Calibration:
-    """Return the calibration of a study.
+    """Return the prepared calibration of a study; raise `StudyError` with every problem.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield the problems of sections that a study of this kind may not have."""
+    """Yield problems of sections that a calibration cannot have."""
     if study.verify is not None:
         message = "a calibration is not verified cell by cell"
         fix = "Leave it out, and simulate the best values with verify"
@@ -102,6 +102,7 @@ def _misused(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
+    """Return the unknowns of a study, with their priors."""
     found = []
     for name, prior in study.priors().items():
         table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
@@ -124,7 +125,7 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
-    """Return the parameters that runs have of their own, and which runs lack some."""
+    """Return the parameters that differ between runs, and problems of runs that lack them."""
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
     problems = []
@@ -145,7 +146,7 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    """Return the observed output, and the problems of rows that hold nothing or too much."""
+    """Return the measured output, and problems of runs with none or several outputs."""
     problems = []
     for k, row in enumerate(rows, 1):
         given = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -163,7 +164,7 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
-    """Return the standard deviation of every run, 0 where none is known, and what is wrong."""
+    """Return the standard deviation of each run, 0 where unknown, and the problems found."""
     errors, lacking, problems = [], [], list[Problem]()
     for k, run in enumerate(study.observations, 1):
         value = getattr(run, output)
@@ -188,7 +189,7 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
 def _open(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield unknowns whose parameter is known, and offsets and factors of what is not there."""
+    """Yield problems of unknowns that are given anyway, and of offsets of missing parameters."""
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
@@ -240,6 +241,7 @@ def _spans(
 def _problems_of_candidates(
     asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
+    """Yield problems of candidate runs: unknown parameters, or too many."""
     for name in asked:
         if name not in columns:
             fix = "Range over parameters that differ between the runs"
@@ -252,7 +254,7 @@ def _problems_of_candidates(
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield the problems of settings that the scene and the method do not take."""
+    """Yield problems of settings that the scene or the method does not take."""
     if scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
         yield Problem("scene", f"a part of {scene.name} has no conveying velocity", fix)
@@ -264,7 +266,7 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    """Return a scene that lets ranges of both frictions overlap: points out of order count 0."""
+    """Return the scene without the constraint that static friction is the larger."""
     names = STATIC_ABOVE_KINETIC.parameters
     both = [spans.get(name) for name in names]
     if not any(isinstance(one, Span) for one in both):
@@ -274,7 +276,7 @@ def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
 
 
 def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
-    """Yield the problem of runs without errors that are too few for their own scatter."""
+    """Yield a problem if runs without errors are too few to estimate their scatter."""
     if study.error is not None or any(run.error is not None for run in study.observations):
         return
     measured = sum(

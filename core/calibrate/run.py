@@ -43,7 +43,7 @@ SHARES = (0.16, 0.84, 0.025, 0.975)
 
 
 def compute(prepared: Calibration, watch: Watch) -> Computed:
-    """Return every variable of a calibration, in the units of studies; see `tabulate`."""
+    """Return the arrays of every variable of a calibration, in the units of studies."""
     share = prepared.points * len(prepared.model.runs) / prepared.cells
     likelihood = prepared.likelihood
     explored = explore(likelihood, prepared.points, watch.part(share))
@@ -93,7 +93,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
 
 
 def _summed_up(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
-    """Return means, deviations, intervals and correlations, and what is told of the scatter."""
+    """Return means, deviations, intervals, correlations, and the scatter of the runs."""
     model, arrays = prepared.model, dict[str, Array]()
     points = posterior.points
     quantiles = posterior.quantiles(points, (0.5, *SHARES))
@@ -124,7 +124,7 @@ def _summed_up(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
 def _best(
     prepared: Calibration, posterior: Posterior, axes: list[Array], watch: Watch
 ) -> dict[str, Array]:
-    """Return the most likely values of each mode, to the last digit, and those of the best."""
+    """Return the most likely point of each mode, refined by least squares, and the best of all."""
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
     if model.runs.errors_known and posterior.sizes[0] > 0.5:
@@ -141,7 +141,7 @@ def _best(
 def _by_run(
     prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return the measured and the predicted values of each run."""
+    """Return measured and predicted values of each run."""
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
@@ -172,6 +172,7 @@ def _by_run(
 
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
+    """Return the posterior densities of each unknown and of pairs."""
     names = prepared.model.names
     densities = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
     for one, other in prepared.pairs:
@@ -184,7 +185,7 @@ def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -
 def _coordinates(
     prepared: Calibration, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
-    """Return the axes of a result, and the parameters of the runs."""
+    """Return the coordinates of the result: axes of unknowns, and parameters of the runs."""
     model = prepared.model
     coordinates = {
         one.name: TableVariable((one.name,), arrays[one.name], _unknown_attributes(one))
@@ -208,6 +209,7 @@ def _coordinates(
 
 
 def _unknown_attributes(unknown: Any) -> dict[str, Any]:
+    """Return unit and label of an unknown as attributes."""
     return {"units": unknown.unit, "long_name": unknown.label}
 
 

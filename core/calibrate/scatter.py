@@ -45,7 +45,7 @@ class Scatter:
 
     @classmethod
     def of(cls, model: Model, *, wanted: bool) -> Scatter:
-        """Return the sizes for the runs of a calibration; only 0 if it is not `wanted`."""
+        """Return the sizes of the discrepancy to consider; only 0 unless `wanted`."""
         runs = model.runs
         if not runs.measured.any() or (runs.errors_known and not wanted):
             return cls(np.zeros(1), np.zeros(1))
@@ -62,7 +62,7 @@ class Scatter:
         return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
 
     def finer(self, likely: Array) -> Scatter:
-        """Return sizes that are close to each other where they are likely.
+        """Return discrepancy sizes that are denser where they are likely.
 
         `likely` are shares of the sizes after something was measured, shape (sizes,).
         """
@@ -110,7 +110,7 @@ class Likelihood:
         points: Array,
         within: Array | float = 0.0,
     ) -> Array:
-        """Return logarithms of densities at points, each with each size of the discrepancy.
+        """Return log likelihoods at points, for each size of the discrepancy.
 
         Parameters
         ----------
@@ -148,7 +148,7 @@ class Likelihood:
         return np.asarray(log)
 
     def shown(self, predicted: Predicted) -> Array:
-        """Return 1 where parts do as observed in the watched runs, else 0."""
+        """Return 1 where parts show the observed regime of a run, else 0."""
         columns = [
             predicted.shows(word)[:, k] for k, word in enumerate(self.model.runs.seen) if word
         ]
@@ -158,7 +158,7 @@ class Likelihood:
 
 
 def summed(log: Array) -> Array:
-    """Return the logarithm of the sum over the last axis of what logarithms tell."""
+    """Return the logarithm of a sum over the last axis, given logarithms of the terms."""
     top = log.max(axis=-1, keepdims=True)
     top = np.where(np.isfinite(top), top, 0.0)
     with np.errstate(divide="ignore"):

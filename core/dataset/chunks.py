@@ -57,7 +57,7 @@ class ChunkFile:
         self._buffers: dict[str, NDArray[Any]] = {}
 
     def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
-        """Write the arrays of a tile; return the lengths of its chunks, and a checksum of them."""
+        """Write the arrays of a tile; return the lengths of its chunks, and their checksum."""
         lengths, checksum = [], 0
         for name, chunks in self._encoded(tile, arrays).items():
             target = self._file[name].id
@@ -69,7 +69,7 @@ class ChunkFile:
         return lengths, checksum
 
     def pass_over(self, tile: Tile, lengths: Sequence[int]) -> int:
-        """Take a tile for written whose chunks have these lengths; return their checksum."""
+        """Record a tile as written, given the lengths of its chunks; return their checksum."""
         self._disk.passing = np.zeros(max(lengths), dtype=np.uint8)
         left = iter(lengths)
         for name in tile.field.names:
@@ -86,7 +86,7 @@ class ChunkFile:
         os.fdatasync(self._disk.descriptor)
 
     def close(self, attributes: Mapping[str, float] | None = None) -> None:
-        """Make the file whole; global attributes that are numbers, and are there, take new ones."""
+        """Finish the file; numeric global attributes that exist get new values."""
         import h5py
 
         for name, value in (attributes or {}).items():
@@ -97,7 +97,7 @@ class ChunkFile:
         self.leave()
 
     def leave(self) -> None:
-        """Give the file up as it is."""
+        """Close the file without finishing it."""
         self._disk.is_open = False  # HDF5 writes what it keeps, to nowhere
         self._file.close()
         self._pool.shutdown(cancel_futures=True)
@@ -114,7 +114,7 @@ class ChunkFile:
     def _encoded(
         self, tile: Tile, arrays: Mapping[str, NDArray[Any]]
     ) -> dict[str, Iterator[tuple[Box, Any]]]:
-        """Have the chunks of all arrays of a tile encoded; they come in the order of the file."""
+        """Return the encoded chunks of all arrays of a tile, in the order of the file."""
         layout = tile.field.layout
         chunks = list(layout.chunks(tile.box))
         encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
@@ -127,7 +127,7 @@ class ChunkFile:
         return encoded
 
     def _buffer(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-        """Return room for the chunks of a tile, the same again: new memory costs as much as a copy.
+        """Return a reusable buffer for the chunks of a tile, since new memory is slow.
 
         What it held is on its way to the disk when the next tile comes.
         """
@@ -136,6 +136,7 @@ class ChunkFile:
         return self._buffers[name][: shape[0]]
 
     def _encoder(self, name: str) -> Encode:
+        """Return the encoder of an array, by the filters in the file."""
         if name not in self._encoders:
             settings = self._file[name].id.get_create_plist()
             filters = [settings.get_filter(k)[0] for k in range(settings.get_nfilters())]
@@ -144,13 +145,14 @@ class ChunkFile:
 
 
 def encoder(filters: Sequence[int]) -> Encode:
-    """Return the function that makes the bytes of a chunk, for HDF5's filters of an array."""
+    """Return the function that encodes a chunk for an array's HDF5 filters."""
     if not filters:
         return lambda values, box, buffer: chunk_of(values, box, buffer).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
 
     def deflated(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> Any:
+        """Return a chunk shuffled and compressed."""
         chunk = chunk_of(values, box, buffer)
         if chunk.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
             octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.itemsize)
@@ -161,7 +163,7 @@ def encoder(filters: Sequence[int]) -> Encode:
 
 
 def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[Any]:
-    """Return `buffer`, filled with a chunk of a tile; what is beyond the end of an axis is 0."""
+    """Return `buffer`, filled with one chunk of a tile; cells beyond an axis are 0."""
     part = values[tuple(slice(*ends) for ends in box)]
     if part.shape == buffer.shape:
         buffer[...] = part
@@ -172,7 +174,7 @@ def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[An
 
 
 def inside(chunk: Box, tile: Box) -> Box:
-    """Return the slice of a chunk in the array of its tile."""
+    """Return the slice of a chunk within the array of its tile."""
     return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
 
 
@@ -193,22 +195,30 @@ class _Disk:
         self._trouble: OSError | None = None
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Set the position in the file."""
         start = {os.SEEK_SET: 0, os.SEEK_CUR: self._at}.get(whence)
         self._at = offset + (os.fstat(self.descriptor).st_size if start is None else start)
         return self._at
 
     def tell(self) -> int:
+        """Return the position in the file."""
         return self._at
 
     def read(self, length: int) -> bytes:
+        """Return bytes at the position."""
         return os.pread(self.descriptor, length, self._at)
 
     def readinto(self, buffer: memoryview) -> int:
+        """Read bytes at the position into a buffer."""
         done = os.preadv(self.descriptor, [buffer], self._at)
         self._at += done
         return done
 
     def write(self, data: memoryview) -> int:
+        """Write bytes at the position, or only check them if they are passed over.
+
+        Keep any error.
+        """
         length = len(data)
         if not self.is_open:
             return length
@@ -224,18 +234,20 @@ class _Disk:
         return length
 
     def check(self) -> None:
-        """Raise what went wrong; on its way through HDF5 its reason would be lost."""
+        """Raise the error of an earlier write, which HDF5 would have replaced."""
         if self._trouble is not None:
             raise self._trouble
 
     def _is_passed(self, data: memoryview) -> bool:
+        """True if these bytes are the passed-over chunk."""
         if self.passing is None:
             return False
         return np.frombuffer(data, np.uint8).ctypes.data == self.passing.ctypes.data
 
     def truncate(self, size: int) -> None:
+        """Cut the file to a size."""
         if self.is_open:
             os.ftruncate(self.descriptor, size)
 
     def flush(self) -> None:
-        """Do nothing: what was written is with the system."""
+        """Do nothing: written data is already with the system."""

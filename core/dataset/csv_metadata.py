@@ -16,12 +16,12 @@ from core.dataset.frame import Frame, FrameColumn, heading
 
 
 def metadata_path(path: Path) -> Path:
-    """Return the name of the file beside a CSV file."""
+    """Return the path of the metadata file beside a CSV file."""
     return path.with_name(f"{path.name}-metadata.json")
 
 
 def csv_metadata(frame: Frame, name: str) -> bytes:
-    """Return the file beside the CSV file of that name.
+    """Return the JSON metadata (CSV on the Web) of a CSV file.
 
     The study is among the notes as an object; `study_sha256` is the hash of its canonical text.
     """
@@ -39,6 +39,7 @@ def csv_metadata(frame: Frame, name: str) -> bytes:
 
 
 def _column(column: FrameColumn) -> dict[str, Any]:
+    """Return the metadata of one column."""
     attributes = column.variable.attributes
     kind = column.variable.values.dtype.kind
     description = {
@@ -54,4 +55,5 @@ def _column(column: FrameColumn) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
+    """Return a numpy value as a plain Python value."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

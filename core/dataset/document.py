@@ -23,6 +23,7 @@ def to_document(table: Table) -> dict[str, Any]:
 
 
 def _document(variable: TableVariable) -> dict[str, Any]:
+    """Return a variable as a dictionary: dimensions, attributes, flags, data."""
     attributes = dict(variable.attributes)
     values, meanings = attributes.pop("flag_values", None), attributes.pop("flag_meanings", "")
     if values is not None:

@@ -15,7 +15,7 @@ PARTIAL = ".partial"  # ends those of what a run that was stopped can go on with
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Yield a temporary name; what stands there takes its place when the block ends well.
+    """Yield a temporary path; the file takes its final name when the block ends without error.
 
     Raises
     ------
@@ -37,14 +37,14 @@ def whole(path: Path) -> Iterator[Path]:
 
 
 def settle(temporary: Path, path: Path) -> None:
-    """Give a finished file or folder its name, once it is on the disk."""
+    """Move a finished file or folder to its final path, after flushing it to disk."""
     sync(temporary)
     temporary.replace(path)
     sync(path.parent)
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or the list of a folder, is on the disk."""
+    """Wait until a file, or a folder's list, is on disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -60,21 +60,21 @@ class Behind:
         self._last: Future[None] | None = None
 
     def start(self, wait: Callable[..., None], *arguments: object) -> None:
-        """Begin to wait, once the wait before has ended; raises what that one raised."""
+        """Start a wait in the background, after the previous one; raises the error of that one."""
         self.end()
         self._last = self._thread.submit(wait, *arguments)
 
     def end(self) -> None:
-        """Wait until nothing is left to do."""
+        """Wait until the background wait has ended."""
         last, self._last = self._last, None
         if last is not None:
             last.result()
 
     def close(self) -> None:
-        """Wait until nothing is left to do, and take no more."""
+        """Wait until the background wait has ended, and accept no more."""
         self._thread.shutdown()
 
 
 def partial(path: Path) -> Path:
-    """Return the folder of what is there of a result before it is complete."""
+    """Return the folder for the pieces of an incomplete result."""
     return path.with_name(f".{path.name}{PARTIAL}")

@@ -27,11 +27,11 @@ MAKER: Final = "vibrafeed "  # begins the attribute `source` of all that is ours
 
 
 def _nothing() -> None:
-    """Take what is always there."""
+    """Do nothing: the format needs no package."""
 
 
 def _everything(rows: int, size: int) -> None:
-    """Hold any number of rows and bytes."""
+    """Accept any number of rows and bytes."""
 
 
 @dataclass(frozen=True)
@@ -71,18 +71,18 @@ class Format:
 
 
 def suffix_of(where: str) -> str:
-    """Return the suffix by which a place is written; whatever is at a URL is a Zarr group."""
+    """Return the suffix that selects the format of an output; URLs are Zarr groups."""
     return ZARR if "://" in where else Path(where).suffix.lower()
 
 
 def known_suffixes() -> str:
-    """Return the suffixes of all formats, for messages."""
+    """Return the suffixes of all formats as text for messages."""
     *first, last = FORMATS
     return f"{', '.join(first)} or {last}"
 
 
 def write_result(table: Table, where: str, *, history: str, compression: bool = True) -> None:
-    """Write a table in the format that the suffix of a place names; all of it or nothing.
+    """Write a table in the format of the output's suffix; the file appears only when complete.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def write_result(table: Table, where: str, *, history: str, compression: bool = 
 
 
 def read_result(where: str, *, most_bytes: int | None = None) -> Table:
-    """Return the table in a NetCDF file or Zarr group of ours.
+    """Return the table in a NetCDF file or Zarr group that vibrafeed has written.
 
     Parameters
     ----------
@@ -137,18 +137,22 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
 
 
 def _with_history(table: Table, history: str) -> Table:
+    """Return the table with a `history` attribute."""
     return replace(table, attributes={**table.attributes, "history": history})
 
 
 def _write_netcdf(table: Table, where: str, history: str, compression: bool) -> None:
+    """Write a table as NetCDF."""
     write_netcdf(table, Path(where), history=history, compression=compression)
 
 
 def _write_zarr(table: Table, where: str, history: str, compression: bool) -> None:
+    """Write a table as a Zarr group."""
     write_zarr(table, where, history=history)
 
 
 def _write_csv(table: Table, where: str, history: str, compression: bool) -> None:
+    """Write a table as CSV with its metadata file."""
     frame, path = Frame.of(_with_history(table, history)), Path(where)
     with whole(metadata_path(path)) as beside, whole(path) as temporary:
         beside.write_bytes(csv_metadata(frame, path.name))
@@ -157,19 +161,23 @@ def _write_csv(table: Table, where: str, history: str, compression: bool) -> Non
 
 
 def _write_parquet(table: Table, where: str, history: str, compression: bool) -> None:
+    """Write a table as Parquet."""
     _write_pieces(Frame.of(_with_history(table, history)).parquet(), Path(where))
 
 
 def _write_xlsx(table: Table, where: str, history: str, compression: bool) -> None:
+    """Write a table as an Excel workbook."""
     _write_pieces(workbook.xlsx(Frame.of(_with_history(table, history))), Path(where))
 
 
 def _write_pieces(pieces: Iterator[bytes], path: Path) -> None:
+    """Write pieces of bytes to a file that appears when complete."""
     with whole(path) as temporary, temporary.open("wb") as file:
         file.writelines(pieces)
 
 
 def _write_mat(table: Table, where: str, history: str, compression: bool) -> None:
+    """Write a table as a MAT file."""
     matlab.write_mat(_with_history(table, history), Path(where), compression=compression)
 
 

@@ -44,7 +44,10 @@ class Frame:
 
     @classmethod
     def of(cls, table: Table, *, most: int | None = None) -> Frame:
-        """Return the rows of a table; raise `LimitError` if they are more than `most`."""
+        """Return the rows of a table, one per cell.
+
+        Raise `LimitError` if there are more than `most`.
+        """
         columns = (*table.coordinates.values(), *table.variables.values())
         sizes: dict[str, int] = {}
         for column in columns:
@@ -57,12 +60,12 @@ class Frame:
 
     @property
     def rows(self) -> int:
-        """Number of rows, without the headings."""
+        """The number of rows without the heading."""
         return math.prod(self.sizes.values())
 
     @property
     def note(self) -> str:
-        """The number of cells that describe no real part, and their regimes; empty if none do."""
+        """A sentence on cells whose regime describes no real part; empty if there are none."""
         regime = self.table.variables.get("regime")
         if regime is None or "flag_values" not in regime.attributes:
             return ""
@@ -76,7 +79,7 @@ class Frame:
 
     @property
     def about(self) -> dict[str, Any]:
-        """The attributes of the whole, with what it cost and what is to be noted."""
+        """The attributes of the table, with cost and notes."""
         note = {"note": self.note} if self.note else {}
         return {**self.table.attributes, **self.table.price, **note}
 
@@ -113,7 +116,7 @@ class Frame:
 
     @cached_property
     def columns(self) -> list[FrameColumn]:
-        """The columns, in their order."""
+        """The columns in their order."""
         return [
             FrameColumn(name, variable)
             for name, variable in (*self.table.coordinates.items(), *self.table.variables.items())
@@ -131,7 +134,7 @@ class Frame:
 
 
 def check_rows(sizes: Mapping[str, int], most: int | None) -> None:
-    """Raise `LimitError` if a table over dimensions of these sizes has more than `most` rows."""
+    """Raise `LimitError` if a table with dimensions of these sizes has more than `most` rows."""
     rows = math.prod(sizes.values())
     if most is not None and rows > most:
         fix = "Take the NetCDF file, or Zarr, or slices over fewer axes"
@@ -139,7 +142,7 @@ def check_rows(sizes: Mapping[str, int], most: int | None) -> None:
 
 
 def pyarrow() -> Any:
-    """Return pyarrow with its Parquet; raise `MissingPackageError` if it is not installed."""
+    """Return the package pyarrow; raise `MissingPackageError` if it is not installed."""
     try:
         import pyarrow.parquet
     except ImportError:
@@ -157,12 +160,12 @@ class FrameColumn:
 
     @cached_property
     def words(self) -> list[str]:
-        """The meanings of the values of a flag; none of anything else."""
+        """The words of a flag's values; empty for other columns."""
         return str(self.variable.attributes.get("flag_meanings", "")).split()
 
     @cached_property
     def values(self) -> NDArray[Any]:
-        """The values as rows show them: words where it is a flag."""
+        """The values as shown in rows: words for a flag."""
         if self.texts is not None:
             return self.texts
         if not self.words:
@@ -172,7 +175,7 @@ class FrameColumn:
 
     @cached_property
     def codes(self) -> NDArray[np.int8]:
-        """The position of the word of each value of a flag, or one more if it has none."""
+        """The position of each flag value's word; one beyond the last if it has none."""
         known = np.asarray(self.variable.attributes["flag_values"])
         found = np.full(256, known.size, dtype=np.int8)
         found[known.astype(np.uint8)] = np.arange(known.size)
@@ -180,13 +183,13 @@ class FrameColumn:
 
 
 def heading(column: FrameColumn) -> str:
-    """Return the name of a column with its unit, if it has one."""
+    """Return the name of a column, with its unit in brackets."""
     unit = column.variable.attributes.get("units", "1")
     return column.name if unit in ("", "1") else f"{column.name} [{unit}]"
 
 
 def _texts(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the fields of values, in the same shape; numbers as short as tells them apart."""
+    """Return values as CSV fields, in the same shape; numbers with the fewest exact digits."""
     flat = values.reshape(-1)
     write: Callable[[Any], str] = repr
     if flat.dtype == object:
@@ -199,10 +202,12 @@ def _texts(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _number(value: float) -> str:
+    """Return a number with the fewest exact digits; empty for NaN."""
     return repr(value) if value == value else ""
 
 
 def _quoted(text: object) -> str:
+    """Return a text as a CSV field, quoted if necessary."""
     told = str(text)
     return '"' + told.replace('"', '""') + '"' if set(told) & set(',"\r\n') else told
 
@@ -217,31 +222,37 @@ class _Sink:
         self._size = 0
 
     def write(self, piece: Any) -> int:
+        """Append bytes; return their number."""
         self.pieces.append(bytes(piece))
         self._size += len(self.pieces[-1])
         return len(self.pieces[-1])
 
     def tell(self) -> int:
+        """Return the number of bytes written so far."""
         return self._size
 
     def flush(self) -> None:
+        """Do nothing: the bytes are in memory."""
         pass
 
     def close(self) -> None:
+        """Do nothing: the bytes stay until they are taken."""
         pass
 
     def taken(self) -> bytes:
-        """Return the rows that were written since the last call."""
+        """Return the bytes written since the last call."""
         pieces, self.pieces = self.pieces, []
         return b"".join(pieces)
 
 
 def _parquet(frame: Frame) -> Iterator[bytes]:
+    """Return the pieces of a Parquet file; fails at once without pyarrow."""
     arrow = pyarrow()  # now, not when the first piece is asked for
     return _parquet_pieces(arrow, frame)
 
 
 def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
+    """Yield the pieces of a Parquet file, a block of rows each."""
     columns = frame.columns
     schema = arrow.schema(
         [
@@ -260,6 +271,7 @@ def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
 
 
 def _type(arrow: Any, column: FrameColumn) -> Any:
+    """Return the Arrow type of a column."""
     if column.words:
         return arrow.dictionary(arrow.int8(), arrow.string())
     dtype = column.variable.values.dtype
@@ -269,7 +281,7 @@ def _type(arrow: Any, column: FrameColumn) -> Any:
 
 
 def _array(arrow: Any, frame: Frame, column: FrameColumn, start: int) -> Any:
-    """Return some rows of a column; what has no value is null in words, and NaN in numbers."""
+    """Return some rows of a column as an Arrow array; missing words are null, numbers NaN."""
     if not column.words:
         piece = frame.piece(column, start, PARQUET_ROWS)
         piece = piece.astype(piece.dtype.newbyteorder("="), copy=False)
@@ -282,5 +294,5 @@ def _array(arrow: Any, frame: Frame, column: FrameColumn, start: int) -> Any:
 
 
 def _metadata(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Return attributes as texts; what only numbers of flags need is left out."""
+    """Return attributes as texts, without those that describe flags."""
     return {n: str(v) for n, v in attributes.items() if not n.startswith("flag_")}

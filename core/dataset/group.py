@@ -23,7 +23,7 @@ _LINKS = ("coordinates", "ancillary_variables")
 
 
 def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
-    """Write a table as a Zarr group, in a folder or at a URL; it opens only when it is whole.
+    """Write a table as a Zarr group, in a folder or at a URL; it can be opened once complete.
 
     Parameters
     ----------
@@ -102,11 +102,13 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
 
 
 def _dims(array: zarr.Array[Any]) -> tuple[str, ...]:
+    """Return the names of an array's dimensions."""
     names = getattr(array.metadata, "dimension_names", None) or ()
     return tuple(str(name) for name in names)
 
 
 def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
+    """Return the values of an array, in the machine's byte order."""
     values = np.asarray(array[...])
     if values.dtype.kind in "UT":
         return values.astype(object)
@@ -114,6 +116,7 @@ def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
 
 
 def _attributes(raw: Any) -> dict[str, Any]:
+    """Return the attributes of an array without links."""
     attributes = {name: value for name, value in dict(raw).items() if name not in _LINKS}
     with contextlib.suppress(KeyError):
         attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)

@@ -81,11 +81,11 @@ class GrowingNetcdf:
 
     @property
     def missing(self) -> Iterator[int]:
-        """The tiles that are not written, in their order."""
+        """The indices of the tiles that are not written, in order."""
         return iter(range(self.done, len(self.tiles)))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write a tile; `seconds` is what all tiles so far cost."""
+        """Write a tile; `seconds` is the cost of all tiles so far."""
         assert self._file is not None
         lengths, checksum = self._file.write(self.tiles[index], arrays)
         self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
@@ -96,7 +96,7 @@ class GrowingNetcdf:
             self._behind.start(self._sync)
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Give the file its name; `price` are numbers among its attributes that are known now."""
+        """Finish the file and give it its name; `price` are attributes known only now."""
         assert self._file is not None
         self._behind.end()
         self._file.close(price)
@@ -106,7 +106,7 @@ class GrowingNetcdf:
         shutil.rmtree(self._folder)
 
     def close(self) -> None:
-        """Leave things so that another run can go on."""
+        """Close the file so that another run can continue."""
         self._behind.close()
         if self._file is not None:
             self._sync()
@@ -115,12 +115,13 @@ class GrowingNetcdf:
         self._journal.close()
 
     def _sync(self) -> None:
+        """Wait until file and journal are on disk."""
         assert self._file is not None
         self._file.sync()
         self._journal.sync()
 
     def _is_of(self, identity: Mapping[str, str]) -> bool:
-        """True if what is there was begun by an equal run, and its start is whole."""
+        """True if the unfinished file was begun by the same study and its head is intact."""
         if not self._journal.records:
             return False
         known = dict(self._journal.records[0])
@@ -129,6 +130,7 @@ class GrowingNetcdf:
         return known == identity and start.exists() and _digest(start) == digest
 
     def _begin(self, identity: Mapping[str, str], begin: Callable[[Path], None]) -> None:
+        """Begin a new file: write its head and the first record of the journal."""
         self._journal.keep(0)
         start = self._folder / "start"
         start.unlink(missing_ok=True)
@@ -139,7 +141,7 @@ class GrowingNetcdf:
         self._sync()
 
     def _go_on(self) -> None:
-        """Take the tiles that the journal tells of for written, up to the first that is not."""
+        """Take over the tiles that the journal records, up to the first damaged one."""
         records = self._journal.records[1:]
         while (good := self._passed(records)) < len(records):
             records = records[:good]
@@ -148,7 +150,7 @@ class GrowingNetcdf:
         self.seconds = float(records[-1]["seconds"]) if records else 0.0
 
     def _passed(self, records: list[dict[str, Any]]) -> int:
-        """Return the number of tiles that the file holds as they were written."""
+        """Return the number of recorded tiles that the file contains undamaged."""
         file = self._open()
         for number, record in enumerate(records):
             if file.pass_over(self.tiles[number], record["lengths"]) != record["checksum"]:
@@ -156,7 +158,7 @@ class GrowingNetcdf:
         return len(records)
 
     def _open(self, *, new: bool = False) -> ChunkFile:
-        """Open the file as it was before its first chunk; what lies behind stays where it is."""
+        """Open the file for chunks, as it was before the first one."""
         if self._file is not None:
             self._file.leave()
         data = self._folder / "data"
@@ -169,5 +171,6 @@ class GrowingNetcdf:
 
 
 def _digest(path: Path) -> str:
+    """Return the SHA-256 of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

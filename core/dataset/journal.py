@@ -48,12 +48,12 @@ class Journal:
         self.keep(len(self.records))
 
     def keep(self, count: int) -> None:
-        """Forget all records but the first ones."""
+        """Remove all records but the first `count`."""
         del self.records[count:], self._ends[count + 1 :]
         self._file.truncate(self._ends[-1])
 
     def add(self, record: dict[str, Any]) -> None:
-        """Add a record; it is with the system then, and on the disk after `sync`."""
+        """Append a record; it is safely on disk only after `sync`."""
         text = json.dumps(record).encode()
         self._file.write(b"%08x %s\n" % (zlib.crc32(text), text))
         self._file.flush()
@@ -63,11 +63,12 @@ class Journal:
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """Let others have it."""
+        """Close the file and release its lock."""
         self._file.close()
 
 
 def _record(line: bytes) -> dict[str, Any] | None:
+    """Return the record in a line; None if the line is damaged."""
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(text):
         return None

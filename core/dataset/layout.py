@@ -41,30 +41,30 @@ class Layout:
 
     @classmethod
     def of(cls, shape: Sequence[int]) -> Layout:
-        """Return the layout of an array of some shape: the same one for all who ask."""
+        """Return the chunk and tile layout for an array shape; equal shapes get equal layouts."""
         lengths = tuple(max(1, n) for n in shape)  # an axis may have no values
         chunk = chunk_shape(lengths, CHUNK_CELLS)
         return cls(tuple(shape), chunk, _tile_shape(lengths, chunk, TILE_CELLS))
 
     @cached_property
     def counts(self) -> tuple[int, ...]:
-        """Number of tiles along each dimension."""
+        """The number of tiles along each dimension."""
         return tuple(-(-n // length) for n, length in zip(self.shape, self.tile, strict=True))
 
     @property
     def tiles(self) -> int:
-        """Number of tiles."""
+        """The number of tiles."""
         return math.prod(self.counts)
 
     @property
     def stored(self) -> int:
-        """Number of values in all chunks, with those that pad the chunks at the ends of axes."""
+        """The number of values in all chunks, padding included."""
         return math.prod(
             -(-n // length) * length for n, length in zip(self.shape, self.chunk, strict=True)
         )
 
     def box(self, index: int) -> Box:
-        """Return the box of a tile: start and stop on each axis."""
+        """Return start and stop of a tile on each axis."""
         at = np.unravel_index(index, self.counts) if self.shape else ()
         return tuple(
             (int(k) * length, min((int(k) + 1) * length, n))
@@ -72,7 +72,7 @@ class Layout:
         )
 
     def chunks(self, box: Box) -> Iterator[Box]:
-        """Yield the boxes of the chunks of a tile, in the order of the array."""
+        """Yield start and stop of each chunk of a tile, in C order."""
         steps = (
             [(start, min(start + length, stop)) for start in range(begin, stop, length)]
             for (begin, stop), length in zip(box, self.chunk, strict=True)
@@ -108,7 +108,7 @@ class Tile:
 
     @property
     def cells(self) -> int:
-        """Number of points."""
+        """The number of points."""
         return math.prod(stop - start for start, stop in self.box)
 
     @property
@@ -157,16 +157,16 @@ class Tiles:
 
     @property
     def cells(self) -> int:
-        """Number of points of all fields together: the work."""
+        """The number of points of all fields together."""
         return sum(math.prod(field.layout.shape) for field in self.fields)
 
     def stored(self, widths: Mapping[str, int]) -> int:
-        """Return the bytes of all chunks uncompressed; `widths` are those of one value."""
+        """Return the uncompressed bytes of all chunks; `widths` are bytes per value."""
         return sum(f.layout.stored * sum(widths[name] for name in f.names) for f in self.fields)
 
 
 def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return the shape of the chunks of an array, of `most` values or somewhat fewer.
+    """Return the chunk shape of an array, with at most `most` values.
 
     All axes are cut alike as far as they are long enough: a reader who frees any two of them then
     reads as little beside what was asked for as can be. Where chunks so cut would hold much padding
@@ -196,7 +196,7 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
 
 
 def _cut_alike(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return lengths as nearly equal as the axes allow, each axis in nearly equal pieces."""
+    """Return piece lengths as nearly equal as the axes allow."""
     lengths = [1] * len(shape)
     budget = most
     # Short axes first: what they leave over goes to the long ones.
@@ -209,12 +209,12 @@ def _cut_alike(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
 
 
 def _padding(size: int, length: int) -> float:
-    """Return the values that pieces of one length hold, over those of the axis."""
+    """Return the ratio of padded to real values for pieces of a length."""
     return -(-size // length) * length / size
 
 
 def _tile_shape(shape: tuple[int, ...], chunk: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return the shape of tiles: trailing axes as long as they may be, tiles nearly equal."""
+    """Return the tile shape: whole trailing axes where possible, tiles nearly equal."""
     budget = max(1, most // math.prod(chunk))
     tile: list[int] = []
     for size, length in zip(reversed(shape), reversed(chunk), strict=True):

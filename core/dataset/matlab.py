@@ -22,13 +22,13 @@ LONGEST: Final = 63  # characters of a name in MATLAB
 
 
 def check_bytes(size: int) -> None:
-    """Raise `LimitError` if no MAT file holds so many bytes of values."""
+    """Raise `LimitError` if a MAT file cannot hold this many bytes."""
     if size > MAX_BYTES:
         raise LimitError("bytes in a MAT file", size, MAX_BYTES, "Write NetCDF: MATLAB reads it")
 
 
 def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
-    """Write a table as a MAT file, all of it or nothing.
+    """Write a table as a MAT file, which appears only when complete.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
 
 
 def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
-    """Return a name that MATLAB allows for each name, all different; most are as they were."""
+    """Return distinct names that MATLAB allows, unchanged where possible."""
     renamed: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)
@@ -89,13 +89,13 @@ def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
 
 
 def _array(variable: TableVariable) -> NDArray[Any]:
-    """Return values as MATLAB has them: numbers as double, texts as a cell array."""
+    """Return values for MATLAB: numbers as double, texts as a cell array."""
     values = variable.values
     return values if values.dtype == object or values.dtype.kind == "f" else values.astype(float)
 
 
 def _list(texts: Iterable[str]) -> NDArray[Any]:
-    """Return a cell array of one row."""
+    """Return texts as a MATLAB cell array of one row."""
     known = list(texts)
     cells = np.empty((1, len(known)), dtype=object)
     cells[0, :] = known
@@ -105,6 +105,7 @@ def _list(texts: Iterable[str]) -> NDArray[Any]:
 def _texts(
     variables: Mapping[str, TableVariable], named: Mapping[str, str], attribute: str
 ) -> dict[str, str]:
+    """Return a text attribute of each variable, by MATLAB name."""
     return {
         named[name]: str(one.attributes[attribute])
         for name, one in variables.items()
@@ -113,7 +114,7 @@ def _texts(
 
 
 def _flags(variable: TableVariable) -> dict[str, float]:
-    """Return the value that stands for each word of a flag."""
+    """Return the value of each word of a flag."""
     words = str(variable.attributes.get("flag_meanings", "")).split()
     named = names_in_matlab(words)
     values = np.asarray(variable.attributes["flag_values"]).tolist()
@@ -121,6 +122,7 @@ def _flags(variable: TableVariable) -> dict[str, float]:
 
 
 def _about(table: Table) -> dict[str, Any]:
+    """Return the attributes of the table, by MATLAB name."""
     attributes = {**table.attributes, **table.price}
     named = names_in_matlab(attributes)
     return {

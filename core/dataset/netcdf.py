@@ -35,7 +35,7 @@ def write_netcdf(
     level: int = COMPRESSION_LEVEL,
     significant_bits: int | None = None,
 ) -> None:
-    """Write a table as a CF NetCDF-4 file, all of it or nothing.
+    """Write a table as a CF NetCDF-4 file, which appears only when complete.
 
     The file appears under its name only when it is complete and on the disk. Without `history`, two
     writes of equal results are equal to the byte: what the run cost is left out too.
@@ -77,7 +77,7 @@ def write_netcdf(
 
 
 def define(path: Path, table: Table, *, history: str | None, compression: bool) -> None:
-    """Make the NetCDF file of a table without its arrays; their chunks are to follow.
+    """Create the NetCDF file of a table without array values, which are written chunk by chunk.
 
     What has no dimension, coordinates and texts are in it. The price is written only with a
     `history`, as by `write_netcdf`.
@@ -86,7 +86,7 @@ def define(path: Path, table: Table, *, history: str | None, compression: bool) 
 
 
 def tiles_of(table: Table) -> Tiles:
-    """Return the tiles of the arrays of a table, texts left out."""
+    """Return the tiles of a table's arrays, without texts."""
     arrays = {n: v for n, v in table.variables.items() if v.values.dtype != object}
     sizes = {
         dim: size
@@ -97,7 +97,7 @@ def tiles_of(table: Table) -> Tiles:
 
 
 def is_large(tiles: Tiles) -> bool:
-    """True if the chunks of a result are written past the libraries.
+    """True if a result is so large that its chunks are written without the NetCDF library.
 
     Small ones do not repay it. It follows from the study alone, as does every byte of its file.
     """
@@ -113,7 +113,7 @@ class _Storage:
     significant_bits: int | None = None
 
     def of(self, values: NDArray[Any]) -> dict[str, Any]:
-        """Return the library's arguments for an array."""
+        """Return the library's storage arguments for an array."""
         settings: dict[str, Any] = {}
         if self.compression and values.ndim:
             settings = {"compression": "zlib", "complevel": self.level}
@@ -128,7 +128,7 @@ PLAIN = _Storage(compression=False)
 def _define(
     path: Path, table: Table, history: str | None, storage: _Storage, *, empty: bool = False
 ) -> None:
-    """Write a table by the library; `empty` leaves out the values of arrays."""
+    """Create a file with the library; `empty` leaves the values of arrays out."""
     import netCDF4  # a process that writes nothing does not load it
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
@@ -138,6 +138,7 @@ def _define(
 def _fill(
     file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage, *, empty: bool
 ) -> None:
+    """Write attributes, dimensions, coordinates and variables into an open file."""
     file.setncatts(_attributes(table.attributes))
     if history is not None:
         file.setncatts({"history": history, **_attributes(table.price)})
@@ -153,7 +154,7 @@ def _fill(
 
 
 def _links(table: Table, name: str) -> dict[str, str]:
-    """Return the attributes that name what else holds of a variable: coordinates and regime."""
+    """Return the attributes that link a variable to its coordinates and regime."""
     dims, regime = set(table.variables[name].dims), table.variables.get("regime")
     others = [n for n, one in table.coordinates.items() if one.dims != (n,)]
     near = [n for n in others if set(table.coordinates[n].dims) <= dims]
@@ -170,6 +171,7 @@ def _add(
     links: Mapping[str, str],
     storage: _Storage,
 ) -> netCDF4.Variable[Any]:
+    """Create a variable in the file with attributes and storage."""
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     if variable.values.dtype == object:  # texts, of any length: the library compresses none
         created = file.createVariable(name, str, variable.dims)
@@ -188,9 +190,10 @@ def _add(
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as the library takes them: arrays, numbers, and text as UTF-8 strings."""
+    """Return attributes in the types that the library takes."""
 
     def taken(value: Any) -> Any:
+        """Return one attribute in a type that the library takes."""
         if isinstance(value, np.ndarray | float):
             return value
         return np.int32(value) if isinstance(value, int) else str(value)

@@ -22,7 +22,7 @@ NO_CHUNK = np.iinfo(np.uint64).max
 
 
 def pack(document: Mapping[str, Any], tile: Tile, values: NDArray[Any], key: str) -> bytes:
-    """Return the shard with a tile of an array, by the array's document and the shard's key."""
+    """Return the Zarr shard that contains a tile of an array."""
     import zarr
     from zarr.buffer.cpu import Buffer
 
@@ -35,13 +35,13 @@ def pack(document: Mapping[str, Any], tile: Tile, values: NDArray[Any], key: str
 
 
 def index_length(layout: Layout) -> int:
-    """Return the bytes at the end of a shard that tell where its chunks are."""
+    """Return the size of the index at the end of a shard [bytes]."""
     chunks = math.prod(t // c for t, c in zip(layout.tile, layout.chunk, strict=True))
     return 16 * chunks + 4
 
 
 def is_whole(index: bytes, size: int) -> bool:
-    """True if the index of a shard is sound, and tells of all its bytes."""
+    """True if the index of a shard is valid and covers all its bytes."""
     if int(google_crc32c.value(index[:-4])).to_bytes(4, "little") != index[-4:]:
         return False
     places = np.frombuffer(index[:-4], "<u8").reshape(-1, 2)

@@ -20,7 +20,7 @@ _OWN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "coordinates", "anc
 
 
 def attributes_of_file(path: Path) -> dict[str, object]:
-    """Return the global attributes of a NetCDF file; none if it is something else.
+    """Return the global attributes of a NetCDF file; none for any other file.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def attributes_of_file(path: Path) -> dict[str, object]:
 def read_netcdf(
     path: Path, *, most_rows: int | None = None, most_bytes: int | None = None
 ) -> Table:
-    """Return the table in a file that `write_netcdf` has written.
+    """Return the table in a NetCDF file that `write_netcdf` wrote.
 
     It is read by h5py, which, unlike the NetCDF library, any thread may use.
 
@@ -81,13 +81,14 @@ def read_netcdf(
 
 
 def check_size(size: int, most: int | None) -> None:
-    """Raise `LimitError` if arrays of so many bytes are more than `most`."""
+    """Raise `LimitError` if arrays have more bytes than allowed."""
     if most is not None and size > most:
         fix = "Read slices of it with xarray, in Python"
         raise LimitError("bytes of memory", size, most, fix)
 
 
 def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariable:
+    """Return a variable of an HDF5 file with its dimensions and attributes."""
     dims = tuple(file[ref[0]].name[1:] for ref in dataset.attrs.get("DIMENSION_LIST", ()))
     if dataset.is_scale:
         dims = (name,)
@@ -96,6 +97,7 @@ def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariabl
 
 
 def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the attributes that vibrafeed wrote, without those of the libraries."""
     return {
         name: _plain(value)
         for name, value in raw.items()
@@ -104,7 +106,7 @@ def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return an attribute as a text, a number, or an array, such as the values of flags."""
+    """Return an attribute as a text, a number or an array."""
     if isinstance(value, bytes):
         return value.decode()
     if isinstance(value, np.ndarray) and value.size == 1 and value.dtype != np.int8:

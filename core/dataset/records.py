@@ -39,7 +39,7 @@ class Record:
     arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def pack(self) -> bytes:
-        """Return the record as bytes, behind their digest; equal records give equal bytes."""
+        """Return the record as bytes, preceded by their digest; equal records give equal bytes."""
         content = io.BytesIO()
         packed = np.frombuffer(json.dumps(dict(self.fields), sort_keys=True).encode(), np.uint8)
         np.savez(content, allow_pickle=False, **{_FIELDS: packed}, **self.arrays)
@@ -47,7 +47,7 @@ class Record:
 
     @classmethod
     def unpack(cls, data: bytes) -> Record | None:
-        """Return the record of some bytes; None if they are damaged."""
+        """Return the record in bytes; None if they are damaged."""
         content = memoryview(data)[_DIGEST:]
         if hashlib.sha256(content).digest() != data[:_DIGEST]:
             return None
@@ -83,7 +83,7 @@ class Records:
         return sorted(one.name for one in self._folder.iterdir() if not one.name.startswith("."))
 
     def read(self, name: str) -> Record | None:
-        """Return a record; None if there is none, or it is damaged."""
+        """Return a record by name; None if it is missing or damaged."""
         try:
             if self._store is not None:
                 data = bytes(self._store.get(name).bytes())
@@ -94,7 +94,7 @@ class Records:
         return Record.unpack(data)
 
     def write(self, name: str, data: bytes) -> None:
-        """Keep the bytes of a record; they appear whole, or not at all."""
+        """Store a record's bytes; they appear completely or not at all."""
         if self._store is not None:
             self._store.put(name, data)
             return
@@ -103,7 +103,7 @@ class Records:
             temporary.write_bytes(data)
 
     def remove(self, name: str) -> None:
-        """Remove a record, if it is there."""
+        """Remove a record if it exists."""
         if self._store is not None:
             self._store.delete(name)
         else:

@@ -12,7 +12,7 @@ from core.quantities import REGIMES
 
 
 def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
-    """Return the share of the cells in each regime that occurs, ascending by its value.
+    """Return the share of cells in each regime that occurs, in ascending order of flag value.
 
     Every cell counts as one, wherever it lies on its axes: a share depends neither on how they
     are spaced nor on how they are drawn.
@@ -27,7 +27,7 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
 
 
 def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
-    """Return the same of counts of cells by the value of their regime."""
+    """Return the share of cells in each regime, from counts by flag value."""
     whole = sum(counts.values())
     return {
         name: counts[regime.value] / whole
@@ -37,7 +37,7 @@ def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
 
 
 def percent_with_error(share: float, error: float | None) -> str:
-    """Return an estimated share in per cent with its error, to the decimals that the error leaves.
+    """Return a sampled share in per cent with its error, rounded to the error.
 
     An error of 0.27 % leaves one decimal, `92.2 % ± 0.3 %`; without an error, there is one.
     """
@@ -52,7 +52,7 @@ def percent_with_error(share: float, error: float | None) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in per cent, small ones with a digit more."""
+    """Return a share in per cent as text, with one more digit if it is small."""
     if share < 0.0005:
         return "< 0.1\N{NO-BREAK SPACE}%"
     return f"{100 * share:.{1 if share < 0.0995 else 0}f}\N{NO-BREAK SPACE}%"

@@ -100,6 +100,7 @@ class GrowingZarr:
             self._begin(where, identity, resume=resume)
 
     def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
+        """Begin the group, or continue an unfinished one of the same study."""
         there = self._listed()
         self._documents = self._described()
         is_same = UNFINISHED in there and self._get(UNFINISHED) == _as_json(identity)
@@ -116,7 +117,7 @@ class GrowingZarr:
         self.done = self._begun = len(tiles) - len(self._missing)
 
     def _check_free(self, where: str, there: Collection[str], is_same: bool) -> None:
-        """Raise `FileExistsError` if results are there that are not those to go on with."""
+        """Raise `FileExistsError` if other results exist at the path."""
         if self._path.exists() if self._path is not None else GROUP in there:
             raise FileExistsError(f"{where} is there already")
         if UNFINISHED not in there and there:
@@ -126,11 +127,13 @@ class GrowingZarr:
 
     @property
     def missing(self) -> Iterator[int]:
-        """The tiles that are not written."""
+        """The indices of the tiles that are not written."""
         return iter(self._missing)
 
     def show(self) -> None:
-        """Write all but the tiles, so that readers may follow; missing tiles read as fill values.
+        """Write everything but the tiles, so that readers may open the group.
+
+        Tiles read as fill values.
 
         The group's document is under another name, so that nobody takes it for complete.
         """
@@ -142,7 +145,7 @@ class GrowingZarr:
             self._put(GROWING, _as_json(group))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write a tile; whoever writes it, it has the same bytes."""
+        """Write a tile; equal studies write equal bytes."""
         tile = self.tiles[index]
         for name in tile.field.names:
             key = _shard(tile)
@@ -154,18 +157,19 @@ class GrowingZarr:
         self.done += 1
 
     def digest(self, key: str) -> str:
-        """Return the SHA-256 of a shard that is there, or nothing if there is none."""
+        """Return the SHA-256 of a stored shard; empty if there is none."""
         try:
             return hashlib.sha256(self._get(key)).hexdigest()
         except FileNotFoundError:
             return ""
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Write what is no tile, and let the group appear; `price` is left out after a resume."""
+        """Write the rest and make the group visible; `price` is left out after a resume."""
         with plain_errors():
             self._finish(price)
 
     def _finish(self, price: Mapping[str, float]) -> None:
+        """Write the documents, remove the mark of unfinished groups and rename the folder."""
         self._write_untiled()
         attributes = dict(self._table.attributes)
         if self._history is not None:
@@ -185,7 +189,7 @@ class GrowingZarr:
                 self._store.delete(GROWING)
 
     def _write_untiled(self) -> None:
-        """Write what is in no tile: coordinates, texts, and arrays without dimension."""
+        """Write arrays that have no tiles: coordinates, texts, scalars."""
         import zarr
 
         table = self._table
@@ -196,15 +200,15 @@ class GrowingZarr:
                 array.with_config({"write_empty_chunks": True})[...] = one.values
 
     def flush(self) -> None:
-        """Wait until all that was written is on the disk."""
+        """Wait until everything written is on disk."""
         self._behind.end()
 
     def close(self) -> None:
-        """Leave things so that another run can go on."""
+        """Close the store so that another run can continue."""
         self._behind.close()
 
     def _described(self) -> dict[str, dict[str, Any]]:
-        """Return the documents of all arrays."""
+        """Return the metadata documents of all arrays."""
         table = self._table
         fields: dict[str, StoredField] = {n: f for f in self.tiles.fields for n in f.names}
         documents = {}
@@ -218,7 +222,7 @@ class GrowingZarr:
         return documents
 
     def _is_there(self, tile: Tile, there: Mapping[str, int]) -> bool:
-        """True if all shards of a tile are whole."""
+        """True if all shards of a tile are stored completely."""
         length = index_length(tile.field.layout)
         for name in tile.field.names:
             key = f"{name}/{_shard(tile)}"
@@ -231,13 +235,15 @@ class GrowingZarr:
         return True
 
     def _listed(self) -> dict[str, int]:
-        """Return the size of everything that is there, by key."""
+        """Return the size of every stored object, by key."""
         return {one["path"]: one["size"] for batch in self._store.list() for one in batch}
 
     def _get(self, key: str) -> bytes:
+        """Return the bytes of a stored object."""
         return bytes(self._store.get(key).bytes())
 
     def _put(self, key: str, data: bytes) -> None:
+        """Store bytes under a key."""
         with plain_errors():
             self._store.put(key, data)
         if self._folder is not None:
@@ -245,7 +251,7 @@ class GrowingZarr:
 
 
 def attributes_at(where: str) -> dict[str, Any]:
-    """Return the attributes of a whole group; none if there is no such thing."""
+    """Return the attributes of a complete Zarr group; none if there is no such group."""
     if "://" not in where:
         path = Path(where) / GROUP
         return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
@@ -257,7 +263,7 @@ def attributes_at(where: str) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def plain_errors() -> Iterator[None]:
-    """Turn the errors of object stores into those of files."""
+    """Turn errors of object stores into errors of files."""
     from obstore.exceptions import BaseError
 
     try:
@@ -267,7 +273,7 @@ def plain_errors() -> Iterator[None]:
 
 
 def open_store(where: str | Path) -> ObjectStore:
-    """Return the store in a folder, which is made, or at a URL."""
+    """Return the object store for a URL, or for a folder, which is created."""
     needed_for_zarr()
     from obstore.store import LocalStore, from_url
 
@@ -285,10 +291,11 @@ def needed_for_zarr() -> None:
 
 
 def _shard(tile: Tile) -> str:
-    """Return the key of the shard that holds a tile, within its array."""
+    """Return the key of a tile's shard within its array."""
     at = (start // n for (start, _), n in zip(tile.box, tile.field.layout.tile, strict=True))
     return "/".join(["c", *map(str, at)])
 
 
 def _as_json(document: Mapping[str, Any]) -> bytes:
+    """Return a document as JSON bytes."""
     return json.dumps(document, allow_nan=False).encode()

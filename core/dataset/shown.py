@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset:
-    """Return a copy whose values and `units` are those that are shown; flags stay as they are."""
+    """Return a copy of a dataset with values in the units for reading; flags stay unchanged."""
     changed = {}
     for name, array in dataset.variables.items():
         if "units" not in array.attrs or array.dtype.kind not in "fiu":

@@ -58,14 +58,15 @@ class Table:
     price: Attributes = field(default_factory=dict)
 
     def with_price(self, price: Attributes) -> Table:
-        """Return the table with what it cost."""
+        """Return the table with the cost of computing it."""
         return replace(self, price=price)
 
     @classmethod
     def of_xarray(cls, dataset: xarray.Dataset) -> Table:
-        """Return the table that a dataset shows; arrays are shared, not copied."""
+        """Return the table with the content of an xarray dataset; arrays are shared."""
 
         def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, TableVariable]:
+            """Return variables of plain arrays."""
             return {
                 str(name): TableVariable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
                 for name, a in arrays.items()
@@ -74,10 +75,11 @@ class Table:
         return cls(plain(dataset.coords), plain(dataset.data_vars), dict(dataset.attrs))
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return the table as an xarray dataset; arrays are shared, not copied."""
+        """Return the table as an xarray dataset; arrays are shared."""
         import xarray  # heavy, and a file or a reply does not need it
 
         def view(variables: Mapping[str, TableVariable]) -> dict[str, Any]:
+            """Return variables of xarray."""
             return {
                 name: xarray.Variable(v.dims, v.values, dict(v.attributes))
                 for name, v in variables.items()
@@ -91,7 +93,7 @@ class Table:
 
 
 def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
-    """Return the CF attributes of a quantity; `extra` are further ones."""
+    """Return the CF attributes of a quantity, with further ones in `extra`."""
     quantity = QUANTITIES[name]
     return {
         "units": quantity.unit,
@@ -103,14 +105,14 @@ def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
 
 
 def regime_attributes(names: tuple[str, ...]) -> dict[str, Any]:
-    """Return the CF flag attributes of a `regime` variable that can take the named regimes."""
+    """Return the CF flag attributes of a `regime` variable with the named regimes."""
     return flag_attributes("regime", REGIMES, names)
 
 
 def flag_attributes(
     variable: str, flags: Mapping[str, Flag], names: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Return the CF flag attributes of a variable that can take the named flags."""
+    """Return the CF flag attributes of a variable with the named flags."""
     ordered = sorted(names, key=lambda name: flags[name].value)
     legend = "; ".join(f"{name}: {flags[name].description}" for name in ordered)
     return {

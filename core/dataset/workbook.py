@@ -30,7 +30,7 @@ _CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]")  # no XML holds th
 
 
 def openpyxl() -> Any:
-    """Return openpyxl; raise `MissingPackageError` if it is not installed."""
+    """Return the package openpyxl; raise `MissingPackageError` if it is not installed."""
     try:
         import openpyxl
     except ImportError:
@@ -39,14 +39,14 @@ def openpyxl() -> Any:
 
 
 def check_rows_of_sheet(rows: int) -> None:
-    """Raise `LimitError` if no sheet of Excel has so many rows."""
+    """Raise `LimitError` if an Excel sheet cannot hold this many rows."""
     if rows > MAX_ROWS:
         fix = "Write CSV, Parquet or NetCDF, or fewer values on an axis"
         raise LimitError("rows in a sheet of Excel", rows, MAX_ROWS, fix)
 
 
 def xlsx(frame: Frame) -> Iterator[bytes]:
-    """Yield the pieces of a workbook, of which those that come while rows are added are empty.
+    """Yield the bytes of a workbook in pieces; pieces are empty while rows are added.
 
     Its sheets are `values`, axes and outputs, with headings as in CSV; `constants`, the parameters
     that have one value; `columns`, with units and descriptions; and `study`, with the attributes of
@@ -66,6 +66,7 @@ def xlsx(frame: Frame) -> Iterator[bytes]:
 
 
 def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
+    """Yield the bytes of a workbook, empty pieces first."""
     from openpyxl.writer.excel import ExcelWriter
 
     book = library.Workbook(write_only=True)
@@ -86,7 +87,7 @@ def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
 
 
 def _add_values(book: Any, frame: Frame) -> Iterator[None]:
-    """Add the sheet of the rows, and yield now and then."""
+    """Add the sheet with the rows, yielding now and then."""
     shown = [column for column in frame.columns if not _is_constant(frame, column)]
     headings = [heading(column) for column in shown]
     sheet = _sheet(book, "values", [max(10, len(text) + 2) for text in headings])
@@ -99,11 +100,12 @@ def _add_values(book: Any, frame: Frame) -> Iterator[None]:
 
 
 def _is_constant(frame: Frame, column: FrameColumn) -> bool:
-    """True if a column is a parameter of one value."""
+    """True if a column is a parameter with a single value."""
     return column.name in frame.table.coordinates and not column.variable.dims
 
 
 def _add_constants(book: Any, frame: Frame) -> None:
+    """Add the sheet with the constant parameters."""
     sheet = _sheet(book, "constants", [30, 24, 12, 40])
     sheet.append(["name", "value", "unit", "label"])
     for column in frame.columns:
@@ -115,6 +117,7 @@ def _add_constants(book: Any, frame: Frame) -> None:
 
 
 def _add_columns(book: Any, frame: Frame) -> None:
+    """Add the sheet that describes the columns."""
     sheet = _sheet(book, "columns", [30, 12, 10, 40, 100, 30])
     sheet.append(["name", "unit", "symbol", "label", "description", "depends on"])
     for column in frame.columns:
@@ -125,11 +128,12 @@ def _add_columns(book: Any, frame: Frame) -> None:
 
 
 def _dims(column: FrameColumn) -> str:
+    """Return the dimensions of a column as text."""
     return ", ".join(column.variable.dims)
 
 
 def _add_study(book: Any, frame: Frame) -> None:
-    """Add the attributes; one that no cell holds goes on in the rows below."""
+    """Add the sheet with the attributes; long ones continue in the rows below."""
     sheet = _sheet(book, "study", [24, 120])
     sheet.append(["attribute", "value"])
     for name, value in frame.about.items():
@@ -142,7 +146,7 @@ def _add_study(book: Any, frame: Frame) -> None:
 
 
 def _sheet(book: Any, title: str, widths: list[int]) -> Any:
-    """Add a sheet whose headings stay in sight."""
+    """Return a new sheet with column widths and fixed headings."""
     sheet = book.create_sheet(title)
     sheet.freeze_panes = "A2"
     for number, width in enumerate(widths, 1):
@@ -151,6 +155,7 @@ def _sheet(book: Any, title: str, widths: list[int]) -> Any:
 
 
 def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
+    """Return the cells of an array's values."""
     if values.dtype == object:
         return [_text(sheet, str(value)) for value in values.tolist()]
     if values.dtype.kind == "f":
@@ -159,7 +164,7 @@ def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
 
 
 def _number(sheet: Any, value: float) -> Any:
-    """Return the cell of a number with all its digits: openpyxl would write 16 of them."""
+    """Return a number's cell with all digits, where openpyxl would write 16."""
     if not math.isfinite(value):
         return None if math.isnan(value) else str(value)
     if float(f"{value:.16g}") == value:
@@ -168,7 +173,7 @@ def _number(sheet: Any, value: float) -> Any:
 
 
 def _text(sheet: Any, text: str) -> Any:
-    """Return a cell that is a text whatever it begins with: never a formula."""
+    """Return a text cell, never interpreted as a formula."""
     if not text:
         return None
     text = _CONTROL.sub("", text)
@@ -176,6 +181,7 @@ def _text(sheet: Any, text: str) -> Any:
 
 
 def _cell(sheet: Any, text: str, kind: str) -> Any:
+    """Return a cell of a type."""
     cell = openpyxl().cell.WriteOnlyCell(sheet, value=text)
     cell.data_type = kind
     return cell
@@ -185,9 +191,11 @@ class _Archive(ZipFile):
     """A ZIP file that does not tell when it was made."""
 
     def writestr(self, name: Any, data: Any, *others: Any) -> None:
+        """Write data into the archive without a date."""
         super().writestr(_dateless(name), data, *others)
 
     def write(self, filename: Any, arcname: Any = None, *others: Any) -> None:
+        """Write a file into the archive without a date."""
         with (
             Path(filename).open("rb") as source,
             self.open(_dateless(str(arcname)), "w", force_zip64=True) as entry,
@@ -196,13 +204,14 @@ class _Archive(ZipFile):
 
 
 def _dateless(name: str) -> ZipInfo:
+    """Return the archive entry of a file, with a fixed date."""
     info = ZipInfo(name, NEVER.timetuple()[:6])
     info.compress_type = ZIP_DEFLATED
     return info
 
 
 def _remove_rests(book: Any) -> None:
-    """Remove the temporary files of sheets; openpyxl does so only where a book was saved."""
+    """Remove temporary files of an unsaved workbook's sheets."""
     for sheet in book.worksheets:
         writer = sheet._writer
         if writer is None:

@@ -24,7 +24,7 @@ CHECKSUM: dict[str, Any] = {"name": "crc32c"}
 
 
 def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
-    """Return the codec of shards whose chunks are compressed, and torn nowhere unnoticed."""
+    """Return the sharding codec with compressed chunks and checksums."""
     # lz4 is the fastest of those that every reader of version 3 has; with a shuffle it packs floats
     # better than zstd does without.
     blosc = {
@@ -46,7 +46,7 @@ def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
 
 
 def group_document(table: Table, arrays: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return the document of a group, which holds those of its arrays as well.
+    """Return the metadata document of a group, with those of its arrays.
 
     Readers then need no list of what there is, and one request to open it.
     """
@@ -69,7 +69,7 @@ def array_document(
     chunk_shape: tuple[int, ...],
     shard_shape: tuple[int, ...] | None = None,
 ) -> dict[str, Any]:
-    """Return the document of an array: raw little-endian values, one file a chunk, or shards.
+    """Return the metadata document of an array, one file per chunk or with shards.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def array_document(
 
 
 def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
-    """Return the CF attributes by which an output names coordinates and its regime."""
+    """Return the CF attributes that link an output to its coordinates and regime."""
     scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
     links = {"coordinates": scalars} if scalars else {}
     has_regime = name != "regime" and "regime" in table.variables
@@ -118,7 +118,7 @@ def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
 
 
 def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as JSON knows them."""
+    """Return attributes as JSON values."""
     return {
         name: value.tolist()
         if isinstance(value, np.ndarray)

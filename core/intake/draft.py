@@ -47,12 +47,12 @@ class Draft:
 
     @property
     def kind(self) -> Kind | None:
-        """The kind that it says it is, if there is such a kind."""
+        """The kind of the study; None if the content names no known kind."""
         name = self.content.get("kind") if isinstance(self.content, Mapping) else None
         return KINDS[name] if isinstance(name, str) and name in KINDS else None
 
     def resolve(self, *, files: bool) -> Draft:
-        """Put the numbers of files in the place of their names; return the draft.
+        """Return the draft with file names replaced by the numbers in the files.
 
         `files` lets it name files of this machine: never what comes over the network.
         """
@@ -68,7 +68,7 @@ class Draft:
         return self
 
     def check(self) -> Study:
-        """Return the study; raise `StudyError` with what is wrong with single values and files."""
+        """Return the study; raise `StudyError` for invalid values, files and keys."""
         if not isinstance(self.content, Mapping):
             fix = "Write keys and values: kind, scene, outputs, ..."
             raise StudyError([Problem("study", "it is not an object", fix), *self.problems])
@@ -84,7 +84,7 @@ class Draft:
         return study
 
     def prepare(self) -> Prepared:
-        """Return the study ready to be carried out; raise `StudyError` with every problem."""
+        """Return the prepared study; raise `StudyError` with every problem."""
         try:
             study = self.check()
         except StudyError as error:
@@ -96,10 +96,11 @@ class Draft:
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]
     ) -> tuple[Study | None, list[Problem]]:
-        """Return the study of some content, if it is sound, and what is wrong with it."""
+        """Return the study if its content is valid, and the problems of its content."""
         keys = _keys_of(kind)
 
         def unknown(stranger: Stranger) -> Problem:
+            """Return the problem of an unknown key of the study."""
             name, section = stranger.name, SECTIONS.get(stranger.name)
             if section is not None and section.absent is not None:
                 return section.absent(stranger)
@@ -113,7 +114,7 @@ class Draft:
             return None, [one for one in problems if one.place not in self.unread]
 
     def _parameters(self) -> Collection[str]:
-        """Return the parameters of the scene that the study names, or all that there are."""
+        """Return the parameters of the named scene; all parameters if the scene is unknown."""
         names: set[str] = set()
         for scenes in self.kind.scenes if self.kind else ():
             scene = scenes.get(str(self.content.get("scene"))[:100])
@@ -124,7 +125,7 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        """Return the further problems that a plan would report, as far as they can be known."""
+        """Return the problems that the plan would report, as far as the known names allow."""
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
@@ -137,6 +138,7 @@ class Draft:
         variant, method = (text if isinstance(text, str) else None for text in texts)
 
         def names(parameters: Collection[str]) -> list[str]:
+            """Return the parameter names that the sections of the study use."""
             problems = (
                 section.names(self.content.get(key), parameters)
                 for key, section in sections.items()
@@ -165,12 +167,12 @@ class Draft:
 
 
 def _keys_of(kind: Kind) -> Collection[str]:
-    """Return the keys of the studies of a kind."""
+    """Return the keys of studies of a kind."""
     return tuple(kind.model.model_fields)
 
 
 def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
-    """Return the problem of a study whose kind is unknown, with the kind that is meant.
+    """Return the problem of an unknown kind, with the kind that was probably intended.
 
     The rest is checked all the same, as the kind that has most of its keys.
     """

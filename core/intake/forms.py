@@ -25,7 +25,7 @@ WIDTH: Final = 88
 
 
 def to_toml(content: Mapping[str, Any]) -> str:
-    """Return a study as TOML: ranges of parameters on one line, other tables by their names."""
+    """Return a study as TOML text, with ranges of parameters on one line."""
     import tomlkit
 
     document = tomlkit.document()
@@ -44,12 +44,12 @@ def to_toml(content: Mapping[str, Any]) -> str:
 
 
 def to_json(content: Mapping[str, Any]) -> str:
-    """Return a study as JSON."""
+    """Return a study as JSON text."""
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 
 
 def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
-    """Return the line that has a service carry a study out, for shells of the POSIX kind.
+    """Return a curl command that posts the study to a service, for POSIX shells.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
 
 
 def to_python(content: Mapping[str, Any]) -> str:
-    """Return a program that carries a study out, with units as they were typed."""
+    """Return a Python program that runs the study, with units as they were typed."""
     keywords = {name: value for name, value in content.items() if name != "kind"}
     parameters = keywords.get("parameters", {})
     if not set(parameters) & set(KEYS):
@@ -90,7 +90,7 @@ FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
 
 
 def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
-    """Return content whose recording, or observations, are found from where the form is used.
+    """Return content whose files of recordings and observations are found from the new place.
 
     A file names it from its own `folder`; a program from the current one; a service, which reads no
     files of others, gets what stands in it.
@@ -121,7 +121,7 @@ def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any
 
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
-    """Return the file of observations, found from where the form is used, or what it holds."""
+    """Return observations with the path of their file, or with its content."""
     if form == "curl":
         return read_rows(Path(content["observations"]))
     file = Path(content["observations"])
@@ -129,6 +129,7 @@ def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
 
 
 def _depth(value: object) -> int:
+    """Return the depth of tables in a value, as a sort key: 0, 1 for a table, 2 for several."""
     if isinstance(value, Mapping):
         return 1
     in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
@@ -136,6 +137,7 @@ def _depth(value: object) -> int:
 
 
 def _in_line(tomlkit: Any, value: Any) -> Any:
+    """Return a value as an inline TOML item."""
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
@@ -144,7 +146,7 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
 
 
 def _writable(tomlkit: Any, value: Any) -> Any:
-    """Return a value without what is None, and with arrays as tomlkit reads them.
+    """Return a value without None, with arrays in the form that tomlkit takes.
 
     What it reads takes as long as it is; an array that it puts together itself, the square of that.
     """
@@ -158,7 +160,7 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 
 
 def _literal(value: Any, column: int) -> str:
-    """Return the source of a value that begins in some column, further lines of it below that."""
+    """Return the Python literal of a value that starts in a column, wrapped and indented."""
     if isinstance(value, str):
         return repr(value)
     text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)

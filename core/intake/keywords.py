@@ -26,7 +26,7 @@ StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 def gather(
     study: StudyLike | None, keywords: Mapping[str, Any], kind: str | None = None
 ) -> Study | dict[str, Any]:
-    """Return the study that was given, or the content of the one that is described.
+    """Return a given study, or the content of the study described by keywords.
 
     Keywords, and the keys of a mapping, are those of a study or names of parameters; keywords
     replace what `given` says. Values may be arrays of numpy and ranges of Python too.
@@ -61,7 +61,7 @@ def gather(
 
 
 def spread(written: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the content of a study whose parameters may stand among its other keys.
+    """Return the content of a study, with parameters moved from its top level to `parameters`.
 
     The name of a single output need not be a list. A name that is neither is left where it was most
     likely meant, for the reader to refuse it.
@@ -91,7 +91,7 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def plain(value: object, path: str) -> Any:
-    """Return a value as a file could hold it: ranges and arrays become lists.
+    """Return a value as a file can hold it: ranges and arrays become lists.
 
     Raises
     ------
@@ -119,6 +119,7 @@ def plain(value: object, path: str) -> Any:
 
 
 def _content_of(study: object) -> dict[str, Any]:
+    """Return the content of a study, mapping, or file; raise `StudyError` for anything else."""
     if isinstance(study, Study):
         return study.content()
     if isinstance(study, Mapping):
@@ -135,7 +136,7 @@ def _content_of(study: object) -> dict[str, Any]:
 
 
 def _is_key(name: str) -> bool:
-    """True if a name is a key of a study, or more like one than like a parameter."""
+    """True if a name is a study key, or more similar to one than to any parameter."""
     if name in KEYS or name in PARAMETERS:
         return name in KEYS
     near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)
@@ -143,6 +144,7 @@ def _is_key(name: str) -> bool:
 
 
 def _check_kind(actual: object, kind: str | None) -> None:
+    """Raise `StudyError` if a study is not of the kind of the called function."""
     if kind is not None and actual != kind and isinstance(actual, str) and actual in KINDS:
         message = f"this is a study of kind '{actual}', not '{kind}'"
         fix = f"Carry it out with {actual}(), or give a study of kind '{kind}'"

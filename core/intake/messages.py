@@ -60,7 +60,7 @@ def problems_of(
     parameters: Collection[str] = PARAMETERS,
     within: str = "",
 ) -> list[Problem]:
-    """Return the problems of a study, each once and few enough to be read.
+    """Return the problems behind a pydantic error, each once, and not too many to read.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def problems_of(
 def _path_of(
     error: ErrorDetails, within: str, sections: Mapping[str, Section]
 ) -> tuple[list[Any], str, Section]:
-    """Return the path of an error, the alternative of its section that was tried, the section."""
+    """Return path, tried alternative, and section of one pydantic error."""
     path, tag = [within, *error["loc"]] if within else [*error["loc"]], ""
     section = sections.get(str(path[0]), Section()) if path else Section()
     if len(path) > 1 and path[1] in section.tags:
@@ -112,7 +112,7 @@ def _path_of(
 
 
 def _outside(names: list[str]) -> Problem:
-    """Return the problems of parameters that stand among the keys of a study."""
+    """Return the problems of parameters at the top level of a study."""
     listed = ", ".join(names[:OUTSIDE]) + (", ..." if len(names) > OUTSIDE else "")
     message = f"{listed} {'stands' if len(names) == 1 else 'stand'} outside"
     fix = "Write them below the line [parameters], in JSON within that object"
@@ -120,7 +120,7 @@ def _outside(names: list[str]) -> Problem:
 
 
 def _is_outside(error: ErrorDetails) -> bool:
-    """True if a parameter stands among the keys of a study."""
+    """True if the error is a parameter at the top level of a study."""
     path = error["loc"]
     return error["type"] == "extra_forbidden" and len(path) == 1 and path[0] in PARAMETERS
 
@@ -128,7 +128,7 @@ def _is_outside(error: ErrorDetails) -> bool:
 def _problem(
     error: ErrorDetails, path: list[Any], section: Section, suggest: Suggestions
 ) -> Problem:
-    """Return one error of pydantic in our words."""
+    """Return the problem of one pydantic error, in vibrafeed's words."""
     key = section.place(path)
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] == "value":
@@ -151,7 +151,7 @@ def _problem(
 
 
 def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the message for a wrong value, by pydantic's name of the error, and the fix.
+    """Return the message and the fix for a wrong value, by the type of pydantic's error.
 
     The message is empty where pydantic has to say it.
     """
@@ -179,7 +179,7 @@ def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tupl
 
 
 def shown(value: object) -> str:
-    """Return a value as a message names it: what is long, by its kind."""
+    """Return a value as shown in messages: long ones by their type only."""
     if isinstance(value, bool):
         return str(value).lower()  # as TOML and JSON have it
     if value is None:

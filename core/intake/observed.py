@@ -26,12 +26,12 @@ HEADING = (
 
 
 def beside(observations: Any, folder: Path) -> Any:
-    """Return observations whose file stands beside the study."""
+    """Return observations whose file is looked for in the study's folder."""
     return str(folder / observations) if isinstance(observations, str) else observations
 
 
 def with_rows(content: Content, files: bool) -> Resolved:
-    """Return content with the rows of the file that its observations name, if they name one.
+    """Return content with the rows of the observations' file in place of its name.
 
     What the cells say is for others to read.
     """
@@ -48,7 +48,7 @@ def with_rows(content: Content, files: bool) -> Resolved:
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a file, numbers with the units of their heading.
+    """Return the rows of a file of observations, numbers with the units of their columns.
 
     Raises
     ------
@@ -77,6 +77,7 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
+    """Return names and units of the columns; raise `StudyError` for a faulty heading."""
     names, units = [], []
     for cell in cells:
         name, unit = name_and_unit(str(cell))
@@ -91,7 +92,7 @@ def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
 
 
 def _value(cell: Any, unit: str) -> Any:
-    """Return a cell as a study could hold it: a number with the unit of its column, or a text."""
+    """Return a cell as a study holds it: a number with its column's unit, or a text."""
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return f"{cell!r} {unit}" if unit else cell
     text = str(cell).strip()
@@ -101,6 +102,7 @@ def _value(cell: Any, unit: str) -> Any:
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
+    """Yield the rows of a CSV file, decimal commas replaced where cells are separated otherwise."""
     text = path.read_text(encoding="utf-8-sig")
     lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
     first = lines[0] if lines else ""
@@ -111,11 +113,13 @@ def _csv(path: Path) -> Iterable[list[str]]:
 
 
 def _with_point(cell: str) -> str:
+    """Return a number with a decimal point for the comma; other texts unchanged."""
     text = cell.strip()
     return text.replace(",", ".") if _NUMBER.fullmatch(text) else cell
 
 
 def _workbook(path: Path) -> Iterable[list[Any]]:
+    """Return the rows of the first sheet of an Excel workbook."""
     try:
         import openpyxl
     except ImportError:
@@ -137,11 +141,12 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
 
 
 def _fail(message: str, fix: str) -> NoReturn:
+    """Raise `StudyError` for a problem of the observations."""
     raise StudyError([Problem("observations", message, fix)])
 
 
 def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
-    """Yield the parameters that some runs have of their own."""
+    """Yield the parameters that some runs set individually."""
     del known
     for row in rows if isinstance(rows, list | tuple) else ():
         if isinstance(row, Mapping):
@@ -149,13 +154,14 @@ def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
 
 
 def _problem_path(path: Sequence[Any]) -> str:
-    """Return the path of a problem; rows as people count them."""
+    """Return the path of a problem, with rows counted from 1."""
     if len(path) < 2:
         return dotted(path)
     return f"observations row {int(path[1]) + 1}" + "".join(f", {name}"[:60] for name in path[2:3])
 
 
 def _unknown_column(stranger: Stranger) -> Problem:
+    """Return the problem of a column that is neither a parameter nor an observation."""
     known, shown = (*OWN, *PARAMETERS), (*OWN, *stranger.parameters)
     message = f"'{stranger.name}' is not a parameter, and not measured"
     return Problem(stranger.place, message, stranger.suggest(stranger.name, known, shown))

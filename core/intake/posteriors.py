@@ -18,7 +18,7 @@ DENSITY = "density_"
 
 
 def beside(uncertain: Any, folder: Path) -> Any:
-    """Return uncertain parameters whose calibrations stand beside the study."""
+    """Return uncertain parameters whose calibration files are looked for in the study's folder."""
     if not isinstance(uncertain, dict):
         return uncertain
     return {
@@ -30,7 +30,7 @@ def beside(uncertain: Any, folder: Path) -> Any:
 
 
 def with_posteriors(content: Content, files: bool) -> Resolved:
-    """Return content with the densities of its calibrations in their place, and what is wrong.
+    """Return content with densities in place of calibration files, and the problems found.
 
     What is wrong is left out. Without `files`, as for what comes over the network, the content
     stays as it is, and its reader refuses it.
@@ -51,7 +51,7 @@ def with_posteriors(content: Content, files: bool) -> Resolved:
 
 
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
-    """Return values and densities of a parameter in a result, or why there are none."""
+    """Return values and densities of a parameter in a calibration result; or the problem."""
     from core.dataset.read import read_netcdf  # few studies need it
 
     key = f"uncertain.{name}.{CALIBRATION}"

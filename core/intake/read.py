@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
-    """Return the study in the TOML or JSON file at `path`; its recording, if any, is fitted.
+    """Return the study in a TOML or JSON file; a named recording is fitted.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 
 
 def study_of(content: object) -> Study:
-    """Return the study that a mapping describes, the files that it names resolved.
+    """Return the study that a mapping describes, with the content of its files.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def parse_json(text: str | bytes) -> Study:
 
 
 def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
-    """Return a study of motion, and the fit of the recording that it names.
+    """Return a study of motion, and the fit of its recording.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
 
 
 def prepare_content(content: object, only: str | None = None, *, files: bool = False) -> Prepared:
-    """Return the study that the content of a file or request describes, ready to be carried out.
+    """Return the prepared study that the content of a file or request describes.
 
     `only` is the one kind that is wanted, of which cells are read; by default any will do. `files`
     lets it name files of this machine: never what comes over the network.

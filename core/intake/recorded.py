@@ -26,14 +26,14 @@ SENT = "data"  # the name of a recording without a file
 
 
 def beside(drive: Any, folder: Path) -> Any:
-    """Return a drive whose recording stands beside the study."""
+    """Return a drive whose recording is looked for in the study's folder."""
     if isinstance(drive, dict) and isinstance(drive.get("file"), str):
         return {**drive, "file": str(folder / drive["file"])}
     return drive
 
 
 def with_drive(content: Content, files: bool) -> Resolved:
-    """Return the content of a study with the numbers of its recording, if it names one.
+    """Return content with the harmonics fitted to its recording, if it names one.
 
     What the study gives itself, as a parameter, variable or uncertain one, stays as it is.
     Strangers may name no file of this machine, nor send more than `MAX_ROWS_SENT` rows.
@@ -56,19 +56,19 @@ def with_drive(content: Content, files: bool) -> Resolved:
 
 
 def unknown_key(stranger: Stranger) -> Problem:
-    """Return the problem of a key that no drive has."""
+    """Return the problem of an unknown key of a drive."""
     fix = stranger.suggest(stranger.name, RecordedDrive.model_fields)
     return Problem(stranger.place, f"'{stranger.name}' is not a key of the drive", fix)
 
 
 def no_section(stranger: Stranger) -> Problem:
-    """Return the problem of a measured drive in a kind that follows no motion."""
+    """Return the problem of a measured drive in a kind of study without motion."""
     del stranger
     return only_the_plain_sine('Write kind = "simulate", or give these')
 
 
 def _read(drive: Mapping[str, Any]) -> RecordedDrive:
-    """Return the recording that a study names; raise `StudyError` with every problem of it."""
+    """Return the description of the recording; raise `StudyError` with every problem."""
     try:
         return RecordedDrive.model_validate(drive)
     except ValidationError as error:
@@ -78,7 +78,7 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
 
 
 def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
-    """Return the record of the recording that a study names, and its fit."""
+    """Return the record of a measured drive, and the fit to its recording."""
     fields = _read(drive)
     source = _source(fields, files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
@@ -97,7 +97,7 @@ def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, mea
 
 
 def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
-    """Return the record of a fit to a recording of some name and SHA-256."""
+    """Return the record of a fit: numbers, name and SHA-256 of the recording."""
     shares: dict[Any, float] = dict(zip(fit.axes, map(_kept, fit.left_over), strict=True))
     return MeasuredDrive(
         name=name,
@@ -109,11 +109,12 @@ def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
 
 
 def _kept(value: float) -> float:
+    """Return a number rounded to the digits that a record keeps."""
     return float(f"{value:.{DIGITS}g}")
 
 
 def _source(drive: RecordedDrive, files: bool) -> str | Path:
-    """Return the text or the file of a recording."""
+    """Return the text or the path of a recording."""
     if (drive.file is None) == (drive.data is None):
         message = "it names no recording" if drive.file is None else "both file and data are given"
         raise StudyError([Problem("drive", message, _which(files))])
@@ -126,11 +127,13 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
 
 
 def _which(files: bool) -> str:
+    """Return the advice on how to name a recording."""
     text = "data = the text of the recording's CSV"
     return f"Give file = its name, or {text}" if files else f"Give {text}"
 
 
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
+    """Return the table of a recording; raise `StudyError` if it is too long for a request."""
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     if not files and lines > 2 * MAX_ROWS_SENT:
@@ -142,16 +145,19 @@ def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTabl
 
 
 def _too_long(path: str, count: int, what: str) -> Problem:
+    """Return the problem of a recording that is too long for a request."""
     message = f"it has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
     return Problem(path, message, "Cut it: one second of recording is enough")
 
 
 def _recording(drive: RecordedDrive) -> measured.Recording:
+    """Return the settings of a recording, without its source."""
     asked = drive.model_dump(exclude_none=True, exclude={"file", "data"})
     return measured.Recording(**asked)
 
 
 def _digest(source: str | Path) -> str:
+    """Return the SHA-256 of a recording."""
     if isinstance(source, str):
         return hashlib.sha256(source.encode("utf-8", "surrogatepass")).hexdigest()
     with source.open("rb") as file:

@@ -58,22 +58,22 @@ class Stranger:
 
     @property
     def name(self) -> str:
-        """The key itself, or its beginning."""
+        """The key itself, shortened if it is long."""
         return str(self.path[-1])[:60]
 
     @property
     def within(self) -> str:
-        """The section that it stands in; empty for a key of the study."""
+        """The section that contains the key; empty for a key of the study."""
         return str(self.path[0]) if len(self.path) > 1 else ""
 
 
 def dotted(path: Sequence[Any]) -> str:
-    """Return a place as users read it: keys with dots between them."""
+    """Return a path as users read it: keys joined by dots."""
     return ".".join(str(part)[:60] for part in path) or "study"
 
 
 def no_key(stranger: Stranger) -> Problem:
-    """Return the problem of a key in a section of which nothing else is known."""
+    """Return the problem of an unknown key in a section with fixed keys."""
     tag = f" '{stranger.tag}'" if stranger.tag else ""
     section = stranger.within.removesuffix("s")
     message = f"'{stranger.name}' is not a key of the {section}{tag}"
@@ -81,7 +81,7 @@ def no_key(stranger: Stranger) -> Problem:
 
 
 def no_parameter(stranger: Stranger) -> Problem:
-    """Return the problem of a name in a section whose keys are parameters."""
+    """Return the problem of an unknown name in a section whose keys are parameters."""
     name, within = stranger.name, stranger.within
     if name in stranger.keys:
         message = f"'{name}' is a key of the study, and stands among the {within}"
@@ -91,10 +91,12 @@ def no_parameter(stranger: Stranger) -> Problem:
 
 
 def _nothing(*_: Any) -> Iterable[str]:
+    """Return no names."""
     return ()
 
 
 def _as_it_is(raw: Any, folder: Path) -> Any:
+    """Return a section unchanged."""
     del folder
     return raw
 

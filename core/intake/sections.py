@@ -15,28 +15,32 @@ from core.study.reduction import LevelSet, Reduction
 
 
 def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
+    """Return the names of the parameters in a section."""
     del known
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
 
 def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
-    """Return the variables, or those that are meant where none are given."""
+    """Return the variables; the default ones if none are given."""
     if isinstance(variables, Mapping):
         return map(str, variables)
     return (name for name in ANGLES if name in known)
 
 
 def _asked(outputs: Any) -> Iterable[str]:
+    """Return the names of the outputs."""
     return outputs if isinstance(outputs, list | tuple) else ()
 
 
 def _looked_for(criterion: Any) -> Iterable[str]:
+    """Return the names of the outputs in a criterion."""
     found = criterion if isinstance(criterion, Mapping) else {}
     names = (found.get("output", "acceleration_x"), found.get("against"))
     return (name for name in names if isinstance(name, str))
 
 
 def _no_key_of_reduce(stranger: Stranger) -> Problem:
+    """Return the problem of an unknown key of `reduce`."""
     part = LevelSet if len(stranger.path) > 2 else Reduction
     fix = stranger.suggest(stranger.name, part.model_fields)
     return Problem(stranger.place, f"'{stranger.name}' is not a key of reduce", fix)

@@ -31,7 +31,7 @@ _HALVES = re.compile("[\ud800-\udfff]")
 
 
 def read_content(path: Path) -> object:
-    """Return the content of the TOML or JSON file at `path`; raise `StudyError` if it has none.
+    """Return the content of a TOML or JSON file; raise `StudyError` if it cannot be read.
 
     The files of a recording, of observations and of calibrations are named beside that of the
     study.
@@ -54,7 +54,7 @@ def read_content(path: Path) -> object:
 
 
 def _read_text(text: str, suffix: str, stem: str) -> object:
-    """Return the content of a file's text; TOML and JSON are told apart if its name is wrong."""
+    """Return the content of a text, as TOML or JSON according to its suffix, or its form."""
     try:
         return _READERS[suffix](text)
     except StudyError as error:
@@ -71,7 +71,7 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
 
 
 def read_toml(text: str) -> object:
-    """Return the content of a TOML text; raise `StudyError` if it is none."""
+    """Return the content of a TOML text; raise `StudyError` if it is invalid."""
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -80,7 +80,7 @@ def read_toml(text: str) -> object:
 
 
 def read_json(text: str | bytes) -> object:
-    """Return the content of a JSON text; raise `StudyError` if it is none."""
+    """Return the content of a JSON text; raise `StudyError` if it is invalid."""
     try:
         # By itself json would let halves of characters through, and take other encodings.
         text = text if isinstance(text, str) else text.decode("utf-8")
@@ -101,6 +101,7 @@ _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": rea
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the pairs of a JSON object as a mapping; raise for repeated keys."""
     if len(pairs) > MAX_KEYS:
         begins = f"the object that begins with '{_shown(pairs[0][0])}'"
         _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
@@ -113,11 +114,12 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _refuse_constant(constant: str) -> NoReturn:
+    """Raise ValueError for NaN and infinities in JSON."""
     raise ValueError(f"{constant} is not a JSON number")
 
 
 def _check_values(content: object, *, texts: bool) -> None:
-    """Raise `StudyError` for what JSON can say and nothing else here can.
+    """Raise `StudyError` for values that only JSON can hold, such as huge numbers.
 
     That is: objects within objects without end, numbers beyond floats and, where `texts` are to be
     looked at, NUL and halves of characters in them.
@@ -144,7 +146,7 @@ def _check_values(content: object, *, texts: bool) -> None:
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
-    """Raise `StudyError` if one of some values is a number beyond floats, or no text."""
+    """Raise `StudyError` if one of some values is beyond floating-point range, or invalid text."""
     kinds = {*map(type, values)}
     if kinds <= {int, float}:
         numbers = values
@@ -158,13 +160,15 @@ def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
 
 
 def _is_no_text(text: str) -> bool:
+    """True if a text holds characters that cannot be written to a file."""
     return "\0" in text or (not text.isascii() and _HALVES.search(text) is not None)
 
 
 def _shown(text: str) -> str:
-    """Return the start of a text, so that it can be written."""
+    """Return the start of a text with printable characters only."""
     return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
 
 
 def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
+    """Raise `StudyError` with one problem."""
     raise StudyError([Problem(path, message, fix)]) from cause

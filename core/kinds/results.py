@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 
 def prepare(study: Study) -> Prepared:
-    """Return a study, ready to be carried out; raise `StudyError` with every problem."""
+    """Return a prepared study; raise `StudyError` with every problem."""
     return KINDS[study.kind].prepare(study)
 
 
 def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
-    """Return the labelled results of a prepared study."""
+    """Compute a prepared study and return its labelled results."""
     kind = KINDS[prepared.study.kind]
     return carry_out(prepared, kind.compute, kind.label, watch)
 
 
 def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
-    """Return the dataset of a study; `watch` may stop it early.
+    """Compute a study and return its dataset; `watch` may stop it.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
 
 
 def share_left_out(table: Table) -> float:
-    """Return the share of the cells of a result that a stop left without computing."""
+    """Return the share of cells that a stop left uncomputed."""
     shares = (
         np.mean(table.variables[name].values == value)
         for name, value in STATUSES.items()
@@ -53,10 +53,10 @@ def share_left_out(table: Table) -> float:
 
 
 def not_verified(table: Table) -> int:
-    """Return the number of cells of a result that are further off than their error allows."""
+    """Return the number of verified cells whose error exceeds the stated one."""
     return int(table.attributes.get(FAILED, 0))
 
 
 def is_whole(table: Table) -> bool:
-    """True if no stop left a cell of a result without computing or verifying it."""
+    """True if every cell of a result is computed and, if asked for, verified."""
     return not share_left_out(table) and LEFT_OUT not in table.attributes

@@ -22,7 +22,7 @@ WORDS_OF_LEAVES: Final = ("material", "form", "note")
 
 
 def friction(words: str = "") -> dict[str, Any]:
-    """Return published coefficients of friction and of restitution, with what to make of them.
+    """Return published coefficients of friction and restitution that match some words, with notes.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def friction(words: str = "") -> dict[str, Any]:
 
 
 def leaf_springs(words: str = "") -> dict[str, Any]:
-    """Return published moduli and densities of leaf springs, with what to make of them.
+    """Return published moduli and densities of leaf springs that match some words, with notes.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def leaf_springs(words: str = "") -> dict[str, Any]:
 
 
 def shown(row: Mapping[str, Any], value: str) -> str:
-    """Return a range of a row as people write it: ``0.2``, ``0.1 to 0.3``, or nothing."""
+    """Return a range as text: ``0.2``, ``0.1 to 0.3``, or nothing."""
     found = row[value]
     if found is None:
         return ""
@@ -98,7 +98,7 @@ def _rows(
     words: Sequence[str],
     values: Sequence[str],
 ) -> list[dict[str, Any]]:
-    """Return the rows that hold some words, each with everything that rows of its kind have."""
+    """Return the rows that match some words, with all columns of their kind."""
     return [
         {
             **{name: row.get(name, "") for name in words},
@@ -111,13 +111,13 @@ def _rows(
 
 
 def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the sources of some rows."""
+    """Return the sources that rows cite."""
     used = {row["source"] for row in rows}
     return {name: dict(source) for name, source in data["sources"].items() if name in used}
 
 
 def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
-    """True if each of some words is the beginning of a word of the row."""
+    """True if each word is the beginning of a word in the row."""
     text = " ".join(row.get(name, "") for name in words).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")
@@ -127,4 +127,5 @@ def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) 
 
 @functools.cache
 def _data(name: str) -> Mapping[str, Any]:
+    """Return the content of a data file."""
     return tomllib.loads((files(__name__) / name).read_text(encoding="utf-8"))

@@ -16,7 +16,7 @@ STEPS = 4.0  # of the sensor: crests that differ by less may be one
 def clipped(
     path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
 ) -> list[Problem]:
-    """Return a problem for each end of the range at which a channel sticks.
+    """Return a problem for each end of the range at which a channel is clipped.
 
     A smooth crest, rounded to steps of the sensor, rests on its last step as well. Near its top it
     is a parabola: the time spent on the last step is at most 1/(sqrt(2) - 1) = 2.4 times that on
@@ -47,7 +47,7 @@ def clipped(
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
-    """True if samples of the highest value stand on crests of many heights.
+    """True if samples of the highest value belong to crests of different heights.
 
     A crest is the parabola through a sample and its neighbours. Rounding moves its height by no
     more than a step or two; a period may have two crests, so that the widest gap between heights

@@ -119,27 +119,30 @@ class Fit:
 
     @property
     def samples(self) -> int:
-        """Number of samples."""
+        """The number of samples."""
         return self.signal.times.size
 
     @property
     def recorded_frequency(self) -> float:
-        """Fundamental by the recorder's clock [Hz]."""
+        """The fundamental frequency by the recorder's clock [Hz]."""
         return self.frequency * (1.0 + (self.clock.error if self.clock else 0.0))
 
     @property
     def periods(self) -> float:
-        """Number of periods recorded."""
+        """The number of recorded periods."""
         return self.recorded_frequency * float(np.ptp(self.signal.times))
 
     @property
     def amplitude_errors(self) -> Array:
-        """Standard errors of the amplitudes [m], shape (axes, orders)."""
+        """The standard errors of the amplitudes [m], shape (axes, orders)."""
         return np.sqrt(self._turned(0))
 
     @property
     def phase_errors(self) -> Array:
-        """Standard errors of the phases [rad], shape (axes, orders); infinite without amplitude."""
+        """The standard errors of the phases [rad], shape (axes, orders).
+
+        Infinite without amplitude.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.sqrt(self._turned(1)) / self.amplitudes
         return np.where(self.amplitudes > 0.0, errors, np.inf)
@@ -153,11 +156,11 @@ class Fit:
         return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
 
     def parameters(self) -> dict[str, float]:
-        """Return the parameters of a study: SI, phases in degrees; without what is not told."""
+        """Return the fitted drive as study parameters: SI units, phases in degrees."""
         return self._named(self.frequency, self.amplitudes * np.exp(1j * self.phases))
 
     def draw(self, rng: np.random.Generator, count: int) -> list[dict[str, float]]:
-        """Return parameters of `count` drives that the recording cannot tell from the fitted one.
+        """Return random drives that are consistent with the recording, as study parameters.
 
         They are normal about it with its covariance; `parameters` of each.
         """
@@ -176,6 +179,7 @@ class Fit:
         ]
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
+        """Return frequency and harmonics as named parameters."""
         named = {"frequency": frequency}
         for axis, row, kept in zip(self.axes, displacement, self.significant, strict=True):
             for order, wave, significant in zip(self.orders, row, kept, strict=True):
@@ -206,16 +210,17 @@ class Fit:
         return np.einsum("jk,jkn->jn", self.amplitudes, np.sin(angles))
 
     def fold(self) -> Fold:
-        """Return all samples within one period."""
+        """Return all samples, folded into one period."""
         phase = np.mod(self._phase(self.signal.times), 2.0 * np.pi)
         residual = self.signal.accelerations - self.model(self.signal.times)
         return Fold(phase, self.periodic(phase) + residual, residual)
 
     def _phase(self, times: Array) -> Array:
+        """Return the phase of the drive at times of the recording [rad]."""
         since = np.asarray(times) - self.signal.times[0] - self.origin
         return 2.0 * np.pi * self.recorded_frequency * since
 
 
 def wrapped(angle: float | Array) -> Array:
-    """Return an angle in [-pi, pi)."""
+    """Return an angle reduced to [-pi, pi)."""
     return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi

@@ -20,12 +20,12 @@ SIZE = 0.1  # by which a constant may miss gravity and still be taken for it
 
 
 def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:
-    """Return the drive that a recording shows; `read_signal`, then `fit_signal`."""
+    """Return the drive fitted to a recording: reads the signal, then fits it."""
     return fit_signal(read_signal(source, recording))
 
 
 def fit_signal(signal: Signal) -> Fit:
-    """Return the harmonics of a signal: least squares of all axes, with one frequency.
+    """Return the harmonics of a signal, by least squares of all axes with one frequency.
 
     An order of an axis is told, and a term of the drift kept, if it lowers Schwarz's information
     criterion: if its square over its variance, as the coloured residual states it, exceeds
@@ -61,7 +61,7 @@ def fit_signal(signal: Signal) -> Fit:
 def _weighted(
     samples: Samples, start: float, orders: tuple[int, ...], degree: int, resolution: Array
 ) -> tuple[Solution, Noise]:
-    """Return the solution with each axis weighted by its own noise, and the noise."""
+    """Return the solution with each axis weighted by its noise, and the noise."""
     even = solved(samples, start, orders, degree)
     weights = noise_of(samples, even, resolution).weights
     solution = solved(samples, even.frequency, orders, degree, weights)
@@ -72,7 +72,7 @@ def _weighted(
 def _significant(
     samples: Samples, solution: Solution, noise: Noise
 ) -> tuple[NDArray[np.bool_], int]:
-    """Return the orders of each axis that differ from zero, and the degree of the drift."""
+    """Return the significant orders of each axis, and the degree of the drift."""
     covariance = covariance_of(samples, solution, noise)
     axes, size = solution.coefficients.shape
     first, fine = solution.degree + 1, hurdle(samples.size)
@@ -93,7 +93,7 @@ def _stated(
     noise: Noise,
     significant: NDArray[np.bool_],
 ) -> Fit:
-    """Return the fit in terms of displacements, with the origin of time chosen."""
+    """Return the fit as displacements, with the origin of time chosen."""
     covariance = covariance_of(samples, solution, noise)
     error = float(np.sqrt(covariance[0, 0]))
     line = signal.line_frequency
@@ -140,7 +140,7 @@ def _turned(
     reference: tuple[int, int],
     line: float | None,
 ) -> Array:
-    """Return the covariance of frequency and displacements from that of accelerations.
+    """Return the covariance of frequency and displacements, from that of accelerations.
 
     With z = -c exp(i k theta)/(k w)^2 and theta = -arg(-c_ref)/k_ref:
     dz = -dc exp(i k theta)/(k w)^2 - i k z Im(dc_ref/c_ref)/k_ref - 2 z df/f.
@@ -171,7 +171,7 @@ def _turned(
 
 
 def _tilt(axes: tuple[str, ...], constant: Array) -> Tilt | None:
-    """Return the tilt of the track, if the constant can be gravity."""
+    """Return the tilt of the track if the constant acceleration can be gravity."""
     size = float(np.linalg.norm(constant))
     if axes != AXES or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:
         return None

@@ -42,7 +42,7 @@ class Line(NamedTuple):
 
 
 def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
-    """Return the orders that the samples can tell apart, at most ten."""
+    """Return the harmonic orders that the samples can resolve, at most ten."""
     rate = samples.size / samples.duration
     return tuple(range(1, min(MAX_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
 
@@ -76,13 +76,13 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
 
 
 def _part_near(frequency: float, expected: float) -> float | None:
-    """Return the whole part of a frequency that lies near what is expected."""
+    """Return the integer fraction of a frequency that is near an expected one."""
     part = frequency / max(round(frequency / expected), 1)
     return part if abs(part / expected - 1.0) <= GUESS else None
 
 
 def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
-    """Return the strongest line of values without drift, between two frequencies [Hz]."""
+    """Return the strongest spectral line between two frequencies, drift removed [Hz]."""
     count, rate = samples.size, samples.size / samples.duration
     size = next_fast_len(PADDING * count, real=True)
     spectrum = np.fft.rfft(samples.values * np.hanning(count), size)
@@ -102,12 +102,12 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
 
 
 def stands_out(line: Line, count: int) -> bool:
-    """True if noise of `count` samples, anywhere in its spectrum, hardly has such a line."""
+    """True if a line is improbable in noise of `count` samples, anywhere in the spectrum."""
     return line.contrast > hurdle(count**2)
 
 
 def _lower(samples: Samples, solution: Solution) -> Solution | None:
-    """Return the solution at a whole part of the frequency that takes in a line left over."""
+    """Return the solution at a fraction of the frequency, if it explains a line left over."""
     left = samples._replace(values=solution.residual)
     line = strongest_line(left)
     power = (np.abs(solution.waves) ** 2).sum() / 2.0
@@ -134,5 +134,6 @@ def _lower(samples: Samples, solution: Solution) -> Solution | None:
 
 
 def _without_drift(samples: Samples) -> Array:
+    """Return the samples without their drift."""
     drift = legvander(samples.times / samples.half, DRIFT)
     return samples.values - np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T

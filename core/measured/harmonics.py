@@ -31,17 +31,17 @@ class Samples(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Number of times."""
+        """The number of times."""
         return self.times.size
 
     @property
     def half(self) -> float:
-        """Half of the recording [s]."""
+        """Half the duration of the recording [s]."""
         return float(self.times[-1])
 
     @property
     def duration(self) -> float:
-        """Duration [s], each sample standing for one step."""
+        """The duration [s], counting one step per sample."""
         return 2.0 * self.half * self.size / (self.size - 1)
 
 
@@ -69,7 +69,7 @@ class Solution(NamedTuple):
 
     @property
     def drift(self) -> Array:
-        """Coefficients of the drift, the constant first, shape (axes, degree + 1)."""
+        """The coefficients of the drift, constant first, shape (axes, degree + 1)."""
         return self.coefficients[:, : self.degree + 1]
 
     @property
@@ -95,7 +95,7 @@ def solved(
     *,
     free: bool = True,
 ) -> Solution:
-    """Return the least squares of all axes at once, from a frequency that is nearly right.
+    """Return the least-squares solution of all axes, from an approximate frequency.
 
     Minimises sum_j w_j |y_j - C(f) b_j|^2 by variable projection: the coefficients b follow from
     the frequency f, and f moves by Gauss-Newton steps along what C cannot imitate of the change
@@ -137,7 +137,7 @@ def solved(
 
 
 def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
-    """Return the derivative of the model by the frequency, shape (axes, n)."""
+    """Return the derivative of the model by frequency, shape (axes, n)."""
     waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]
     turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves

@@ -24,7 +24,7 @@ FIX = (
 
 
 def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the rotation R, shape (3, 3), of a mounting; None, with problems, if it is none.
+    """Return the rotation matrix of a sensor's mounting; None, with problems, if it is invalid.
 
     Components in the track's axes are R times those in the sensor's; of angles it is
     R_z(yaw) R_y(pitch) R_x(roll), of a matrix the rotation nearest to it.
@@ -53,6 +53,7 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
 
 
 def _turned(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
+    """Return the rotation matrix of three angles; None, with problems, if one is invalid."""
     angles = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
         raw = raw.item() if isinstance(raw, np.generic) else raw

@@ -39,7 +39,7 @@ class Noise(NamedTuple):
 
 
 def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
-    """Return the noise of a fit, which is never below the rounding of its values."""
+    """Return the noise of a fit, at least the rounding of the values."""
     count = samples.size
     # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
     floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
@@ -58,7 +58,7 @@ def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
 def density_near(
     spectrum: NDArray[np.complex128], centre: float, fitted: Array, degree: int
 ) -> Array:
-    """Return the spectral density about a place, shape (axes, axes).
+    """Return the spectral density of noise around a line, shape (axes, axes).
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def density_near(
 
 
 def hurdle(count: int) -> float:
-    """Return half of what a wave's square over its variance must exceed to be told from noise.
+    """Return the threshold of a wave's power over its variance for being significant, halved.
 
     m (n^(1/m) - 1), which noise exceeds with the probability 1/n: the square of a wave is
     exponential, and its variance the mean of m such squares. For many bins m it is ln(n), the
@@ -92,7 +92,7 @@ def hurdle(count: int) -> float:
 
 
 def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
-    """Return the covariance of the frequency [Hz] and of the coefficients, axis after axis.
+    """Return the covariance of frequency [Hz] and coefficients, axis after axis.
 
     H^-1 M H^-1 with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where
     J_jg is the derivative of the model of axis j by all unknowns, of which g takes the drift or

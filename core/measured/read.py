@@ -69,7 +69,7 @@ class RecordingTable:
     lines: NDArray[np.int64]
 
     def column(self, name: str, path: str, problems: list[Problem]) -> RecordingColumn | None:
-        """Return a sound column; else say at `place` what is wrong with it, and return None."""
+        """Return a valid column; otherwise add its problems and return None."""
         column = self.columns.get(name)
         if column is None:
             message = f"the recording has no column '{name[:60]}'"
@@ -85,7 +85,7 @@ class RecordingTable:
 
 
 def read_table(source: str | Path) -> RecordingTable:
-    """Return the columns of a CSV file, or of its text.
+    """Return the table in a CSV file or text.
 
     Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. The
     first row holds names, with units in brackets if need be (``ax [g]``); a row of units alone
@@ -130,7 +130,7 @@ def read_table(source: str | Path) -> RecordingTable:
 
 
 def _check_header(header: list[str]) -> None:
-    """Raise if the first row of a recording does not name its columns."""
+    """Raise if the first row does not name the columns."""
     if not header:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
     if len(header) > MAX_COLUMNS:
@@ -142,6 +142,7 @@ def _check_header(header: list[str]) -> None:
 
 
 def _text_of(source: str | Path) -> str:
+    """Return the text of a recording without byte order mark; raise if it is too long."""
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
             raise _too_long(len(source))
@@ -160,7 +161,7 @@ def _text_of(source: str | Path) -> str:
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of each row that is neither blank nor a comment."""
+    """Yield line number and cells of each row, without blank lines and comments."""
     delimiter = ""
     # A cell of several lines is no number; each line is a row of its own, and keeps its number.
     for number, line in enumerate(StringIO(text, newline=None), start=1):
@@ -178,6 +179,7 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _quoted(number: int, line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line with quotes."""
     try:
         return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error as error:
@@ -198,7 +200,7 @@ def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:
-    """Return name and unit of a heading: the text before its last brackets, and in them.
+    """Return name and unit of a heading such as ``time (s)``.
 
     The time it takes is that of reading the heading, whatever it holds.
     """
@@ -211,6 +213,7 @@ def name_and_unit(heading: str) -> tuple[str, str]:
 
 
 def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str]) -> None:
+    """Raise `StudyError` if rows differ from the header in their number of cells."""
     odd = [(line, len(row)) for line, row in body if len(row) != len(names)]
     problems = [
         Problem(
@@ -228,6 +231,7 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
 
 
 def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> RecordingColumn:
+    """Return a column with its values, unit and faulty cells."""
     try:
         values = np.fromiter(map(float, texts), np.float64, len(texts))
     except ValueError:
@@ -238,6 +242,7 @@ def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> Record
 
 
 def _is_number(text: str) -> bool:
+    """True if a text is a number."""
     try:
         float(text)
     except ValueError:
@@ -246,10 +251,12 @@ def _is_number(text: str) -> bool:
 
 
 def _refused(message: str, fix: str) -> StudyError:
+    """Return the error of a recording that cannot be read."""
     return StudyError([Problem("recording", message, fix)])
 
 
 def _too_long(size: int) -> StudyError:
+    """Return the error of a recording that is too long."""
     return _refused(
         f"the recording has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
         "Cut it: one second of recording is enough",

@@ -110,7 +110,7 @@ class Signal(NamedTuple):
 
 
 def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Signal:
-    """Return the track's accelerations that a recording holds.
+    """Return the accelerations of the track in a recording.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class _Channel(NamedTuple):
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
-    """Return place and name of each column of accelerations."""
+    """Return path and name of each column of accelerations."""
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
     if sensor is None:
@@ -184,7 +184,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 def _channel(
     table: RecordingTable, path: str, name: str, unit: str | None, problems: list[Problem]
 ) -> _Channel | None:
-    """Return a channel in m s-2; None if something is wrong with it."""
+    """Return a channel in m s-2; None, with problems, if it is invalid."""
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
     column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
     if column is None:
@@ -201,7 +201,7 @@ def _channel(
 def _factor(
     path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
-    """Return one unit of a channel in m s-2."""
+    """Return the factor from a channel's unit to m s-2; None, with a problem, if unknown."""
     said = {text for text in (column.unit, unit) if text}
     factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
     listed = ", ".join(UNITS)
@@ -222,10 +222,12 @@ def _factor(
 
 
 def _plain(unit: str) -> str:
+    """Return a unit without blanks and signs of powers."""
     return re.sub(r"[\s^*·]", "", unit.replace("²", "2"))
 
 
 def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
+    """Return a number in its unit; None, with a problem, if it is invalid."""
     if raw is None:
         return None
     try:
@@ -236,6 +238,7 @@ def _number(name: str, raw: float | str | None, problems: list[Problem]) -> floa
 
 
 def _check_orders(harmonics: object, problems: list[Problem]) -> None:
+    """Add a problem if the number of harmonics is invalid."""
     if harmonics is None:
         return
     whole = isinstance(harmonics, int) and not isinstance(harmonics, bool)

@@ -23,7 +23,7 @@ ROUNDED = 0.75  # of the unit that times are rounded to: half of it, and a littl
 def read_times(
     table: RecordingTable, rate: float | str | None, time: str | None, problems: list[Problem]
 ) -> NDArray[np.float64] | None:
-    """Return the times [s] of a table's rows; None, with problems, if they cannot be told.
+    """Return the times of the rows [s]; None, with problems, if they cannot be determined.
 
     Times that differ from even ones by no more than their own rounding are made even; others are
     kept, since least squares needs no even times.
@@ -61,7 +61,7 @@ def read_times(
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return the problem of uneven steps between times."""
+    """Return the problem of uneven time steps."""
     steps = np.diff(times)
     if not steps.size:
         return None
@@ -88,7 +88,7 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
 
 
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return even times in place of such as are even but for their rounding."""
+    """Return exactly even times for times that are even up to rounding."""
     place = np.arange(times.size, dtype=np.float64)
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place

@@ -30,7 +30,7 @@ TWICE = 0.1  # a ratio so near a whole number, or a whole part, tells of another
 
 
 def check_before(signal: Signal) -> None:
-    """Refuse what no fit can be made of.
+    """Raise `StudyError` if a signal cannot be fitted.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def check_before(signal: Signal) -> None:
 
 
 def _out_of_range(signal: Signal) -> list[Problem]:
-    """Return a problem for times and for values that no recorder of drives writes."""
+    """Return problems of times and values outside the range of recorders."""
     problems = []
     with np.errstate(over="ignore"):
         step = float(np.ptp(signal.times)) / (signal.times.size - 1)
@@ -88,7 +88,7 @@ def _out_of_range(signal: Signal) -> list[Problem]:
 
 
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
-    """Refuse orders that the samples cannot tell apart, and recordings of few periods."""
+    """Raise `StudyError` if orders cannot be resolved, or the recording has too few periods."""
     able = orders_below(samples, frequency)
     wanted = signal.harmonics or 1
     rate = samples.size / samples.duration
@@ -107,7 +107,7 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
 def check_fit(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, stated: bool
 ) -> None:
-    """Refuse a fit that does not state a drive.
+    """Raise `StudyError` if a fit does not determine a drive.
 
     Raises
     ------
@@ -129,6 +129,7 @@ def check_fit(
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
+    """Return the problem of a recording with too few periods."""
     another = ", or give frequency, if it is another" if key == "recording" else ""
     return Problem(
         key,
@@ -138,6 +139,7 @@ def _too_short(key: str, frequency: float, duration: float) -> Problem:
 
 
 def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
+    """Return the problem of a signal that is not periodic."""
     line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
@@ -182,6 +184,7 @@ def _unsteady(
 
 
 def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
+    """Return the harmonics' rms with its variance in a part of the samples, for each axis."""
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
     fit = solved(piece, solution.frequency, solution.orders, solution.degree, free=False)
@@ -195,7 +198,7 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
 
 
 def _off(line: float | None, frequency: float) -> list[Problem]:
-    """Return a problem if the frequencies differ by more than clocks do."""
+    """Return a problem if measured and given frequency differ by more than clocks do."""
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)

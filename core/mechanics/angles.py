@@ -42,7 +42,7 @@ def cosine(angle: Array) -> Array:
 
 
 def _axis(angle: Array) -> tuple[Array, Array, Mask]:
-    """Return the nearest multiple of 90 degrees, the way from it, and whether that is none.
+    """Return the nearest multiple of 90 degrees, the rest to the angle, and if the rest is 0.
 
     Only the way has a slope: `rint` has none.
     """

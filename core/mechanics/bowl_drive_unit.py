@@ -34,12 +34,13 @@ def bowl_mass(
 
 
 def _bowl_mass(m1: Array, m2: Array, i1: Array, i2: Array, r_s: Array, th: Array) -> Array:
+    """Return the mass of the stroke, I (cos th/r_s)^2 + m sin^2 th, I and m reduced [kg]."""
     turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
     return turning * np.square(cosine(th) / r_s) + lifting * np.square(sine(th))
 
 
 def load_radius(*, radius: Array) -> Array:
-    """Return the radius of the load, that of the part unless the study gives another [m]."""
+    """Return the radius at which the load acts, equal to the part's radius by default [m]."""
     return radius
 
 
@@ -86,7 +87,7 @@ def bowl_harmonic(
     loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
     load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the track's second harmonic over its first, of `second_over_first` [1].
+    """Return the second harmonic of the track over its first, as sine and cosine at 2 tau [1].
 
     Turn and lift keep their proportion, on a free base to what a damper from the track takes.
     """
@@ -104,7 +105,7 @@ def bowl_harmonic(
 
 
 def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
-    """Return m m2/(m + m2) of m = m1 - i lost (real part, minus the imaginary), m2/|m + m2|."""
+    """Return the reduced mass of m1 - i lost and m2 (real part, loss), and |m2/(m + m2)|."""
     total = mass + other
     size = hypot(total, lost)
     share = other / size

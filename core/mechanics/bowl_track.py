@@ -75,7 +75,10 @@ def radius_at(fraction: Array, stretches: Stretches) -> Array:
 
 
 def picked(fraction: Array, stretches: Stretches, values: Sequence[Array]) -> Array:
-    """Return the value of the stretch at a share of the length, of the later one where two meet."""
+    """Return a quantity's value on the stretch at a share of the length.
+
+    At a border the later one.
+    """
     value = values[0]
     for low, later in zip(bounds(stretches)[1:-1], values[1:], strict=True):
         value = np.where(fraction >= low, later, value)

@@ -16,7 +16,7 @@ SEPARATION, SLIDING, STICK, TWO_SOLUTIONS, NO_SOLUTION = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
 def case(response: Array, free: Array) -> Array:
-    """Return the kind of solutions that 0 <= n, 0 <= response n + free, one of them 0, has.
+    """Return the number and kind of solutions n of n >= 0, response n + free >= 0, one of both 0.
 
     ========  =====  ================================  =============
     response  free   solutions                         case

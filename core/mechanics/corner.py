@@ -114,7 +114,7 @@ def free_tangential_acceleration(
 
 
 def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
-    """Return 1 + kappa c (c - sigma mu s)."""
+    """Return the response factor 1 + kappa c (c - sigma mu s) of a corner that slips."""
     s, c = direction
     return 1.0 + kappa * c * (c - sigma_mu * s)
 
@@ -223,7 +223,7 @@ def contact_case(
 def by_case(
     contact_case: Array, slip_direction: Array, free: Array | float, held: Array, sliding: Array
 ) -> Array:
-    """Return the value of each cell's case; NaN where there is no solution."""
+    """Return a quantity by the contact case of each cell; NaN where there is no solution."""
     value = np.where(slip_direction == 0, held, sliding)
     value = np.where(contact_case == SEPARATION, free, value)
     return np.where(contact_case == NO_SOLUTION, np.nan, value)
@@ -387,6 +387,7 @@ def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direc
 
 
 def _limit(inverse: Array) -> Array:
+    """Return the limiting friction from its inverse; infinite where no friction is a limit [1]."""
     meaningful = inverse > 0
     with np.errstate(over="ignore"):
         return np.where(meaningful, 1.0 / np.where(meaningful, inverse, 1.0), np.inf)

@@ -73,7 +73,7 @@ class _Form(NamedTuple):
 
 
 def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
-    """Return rim, side or face of `other` on the end face of `base` that looks at it."""
+    """Return candidates of contact on an end face of `base`: rim, side or face of `other`."""
     u, apart = base.axis, vectors.minus(other.centre, base.centre)
     n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
     w = dot(n, other.axis)
@@ -116,7 +116,7 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
 
 
 def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
-    """Return, for each rim of `other`, the nearest places to the axis of `base`, two at most."""
+    """Return candidates of contact of each rim of `other` on the side of `base`, two at most."""
     forms = []
     e_1 = vectors.any_across(other.axis)
     e_2 = cross(other.axis, e_1)
@@ -130,10 +130,12 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
         p_1, p_2 = dot(p, a_1), dot(p, a_2)
 
         def value(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> Array:
+            """Return half the squared distance from the axis, less a constant, at rim angle t."""
             bending = square * np.cos(2 * t) + mixed * np.sin(2 * t)
             return p_1 * np.cos(t) + p_2 * np.sin(t) + bending / 2
 
         def derivatives(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> tuple[Array, Array]:
+            """Return first and second derivative of `value` by the rim angle t."""
             c, s = np.cos(t), np.sin(t)
             c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
             slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
@@ -162,7 +164,7 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
 
 
 def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
-    """Return the side of body 1 on the side of body 2, with crossed or parallel axes."""
+    """Return the candidate of contact between both sides, with crossed or parallel axes."""
     apart = vectors.minus(body_1.centre, body_2.centre)
     k = dot(body_1.axis, body_2.axis)
     turn = cross(body_1.axis, body_2.axis)
@@ -207,7 +209,7 @@ def _extent(form: _Form) -> Array:
 
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
-    """Return the proven form of contact; else the distance of rims, or a bound of their overlap."""
+    """Return the proven form of contact of two cylinders; else a bound of gap or overlap."""
     body_1, body_2 = cylinder_1, cylinder_2
     size = np.hypot(body_1.radius, body_1.half) + np.hypot(body_2.radius, body_2.half)
     to_first = [

@@ -138,7 +138,7 @@ def spatial_motion(
 
 
 def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion) -> Vector:
-    """Return the velocity of body 1 relative to body 2 at a point."""
+    """Return the velocity of body 1 relative to body 2 at a point [m s-1]."""
     of_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, body_1.centre)))
     of_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, body_2.centre)))
     return minus(of_1, of_2)
@@ -167,6 +167,7 @@ def _delassus(
 
 
 def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> ImpactFrame:
+    """Return contact point, normal and tangents, the point at a share of a line of contact."""
     n = contact.normal
     tangent = vectors.any_across(n)
     point = plus(contact.first, minus(contact.second, contact.first), share)
@@ -294,6 +295,7 @@ def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
 def _only_at_one_contact(
     impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: ImpactFrame
 ) -> SpatialImpulse:
+    """Return the impulse; 0 where the bodies are apart, NaN where the law has no answer."""
     nothing = is_apart(cylinder_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(cylinder_contact=at, contact_tolerance=tolerance)
     unknown = unknown | ((at.several | frame.unknown) & ~nothing)
@@ -316,7 +318,10 @@ def frictionless_impulse(
     approach_normal: Array,
     restitution: Array,
 ) -> SpatialImpulse:
-    """Return Newton's impulse without friction; NaN where the bodies overlap or the law is mute."""
+    """Return Newton's impulse without friction.
+
+    NaN where bodies overlap or there is no unique answer.
+    """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     none = np.zeros_like(normal)
     impulse = SpatialImpulse(normal, (none, none), np.zeros(normal.shape, dtype=np.bool_))

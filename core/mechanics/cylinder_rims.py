@@ -43,7 +43,7 @@ def minima(
 def _refined(
     t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
 ) -> Array:
-    """Return the minimum within one sample of t, by Newton's method kept in a shrinking bracket."""
+    """Return the minimum near sample t, by Newton's method within a shrinking bracket."""
     low, high = t - reach, t + reach
     done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
     for _ in range(MAX_STEPS):
@@ -79,14 +79,14 @@ class Rim(NamedTuple):
 
 
 def _way(point: Vector, base: Cylinder) -> Vector:
-    """Return the way to a place, seen from the centre of a body, from the body's nearest point."""
+    """Return the vector from the nearest point of a body to a point seen from its centre."""
     height, off = dot(point, base.axis), across(point, base.axis)
     above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
     return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
 
 
 def _free(distance: Array, radius: Array) -> Array:
-    """Return the share of the distance from an axis that lies outside a radius."""
+    """Return the factor of a vector from an axis that reaches beyond a radius; 0 inside."""
     outside = distance > radius
     return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
 
@@ -140,10 +140,12 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
         rim = Rim(middle, *radii)
 
         def squared(angle: Array, rim: Rim = rim) -> Array:
+            """Return the squared distance of a rim point from the body."""
             way = _way(rim.at(angle), base)
             return dot(way, way)
 
         def derivatives(angle: Array, rim: Rim = rim) -> tuple[Array, Array]:
+            """Return first and second derivative of half the squared distance by the rim angle."""
             return _slope_and_bend(rim, base, angle)
 
         for angle in minima(squared, derivatives):
@@ -160,7 +162,7 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
 
 
 def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
-    """Return one place where the mask holds, else the other."""
+    """Return the nearest place of one rim where the mask holds, else of the other rim."""
     return Nearest(
         np.where(mask, rim.gap, other.gap),
         vectors.where(mask, rim.normal, other.normal),

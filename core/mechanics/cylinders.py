@@ -21,11 +21,11 @@ class Cylinder(NamedTuple):
 
 
 def support(body: Cylinder, n: Vector) -> Array:
-    """Return the reach of a cylinder from its centre along n."""
+    """Return how far a cylinder extends from its centre in the direction n."""
     return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
 
 
 def separation(body: Cylinder, other: Cylinder, n: Vector) -> Array:
-    """Return the distance by which n, pointing from `other` to `one`, separates two cylinders."""
+    """Return the distance between two cylinders along n; negative where they overlap."""
     between = dot(n, vectors.minus(body.centre, other.centre))
     return between - support(body, n) - support(other, n)

@@ -108,7 +108,7 @@ def tuned_stiffness(*, ring_down_frequency: Array, generalised_mass: Array) -> A
 
 
 def damping(*, damping_ratio: Array, spring_stiffness: Array, generalised_mass: Array) -> Array:
-    """Return the damper beside the springs, c = 2 zeta sqrt(k m), m of the empty unit [N s m-1]."""
+    """Return the damping coefficient, c = 2 zeta sqrt(k m), m of the empty unit [N s m-1]."""
     return 2 * damping_ratio * np.sqrt(spring_stiffness * generalised_mass)
 
 

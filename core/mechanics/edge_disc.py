@@ -25,7 +25,10 @@ def wall_as_floor(*, friction_kinetic: Array) -> Array:
 
 
 def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:
-    """Return the push less wall friction, D - mu_w s sgn(D); 0 if it holds [m s-2]."""
+    """Return the push along x less the wall's friction, D - mu_w s sgn(D).
+
+    0 if friction holds [m s-2].
+    """
     left = np.maximum(np.abs(in_plane_drive_x) - wall_friction * wall_acceleration, 0.0)
     return np.where(in_plane_drive_x < 0, -left, left)
 

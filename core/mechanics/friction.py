@@ -83,7 +83,7 @@ def _friction_share(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return one component of the friction force over the normal force; NaN in flight."""
+    """Return one component of the friction force over the normal force; NaN in flight [1]."""
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,
         friction_static=friction_static,
@@ -122,7 +122,7 @@ def pressure_offset_y(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the offset of the floor resultant along y; see `pressure_offset_x` [m]."""
+    """Return the offset of the floor resultant along y that balances friction's moment [m]."""
     share = _friction_share(
         in_plane_drive_y, in_plane_drive, friction_static, friction_kinetic, floor_acceleration
     )

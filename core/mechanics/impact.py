@@ -145,7 +145,7 @@ def _positive(difference: Array, term: Array) -> Array:
 
 
 def _met(u_N: Array, u_T: Array) -> Array:
-    """Return the sliding velocity where the bodies approach, 0 elsewhere."""
+    """Return the sliding velocity where the bodies approach, 0 elsewhere [m s-1]."""
     return np.where(u_N < 0, u_T, 0.0)
 
 
@@ -299,5 +299,5 @@ def pfeiffer_glocker_in_space(
 
 
 def only_in_impact(value: Array, nothing: Mask, unknown: Mask) -> Array:
-    """Return `value`, 0 where nothing happens, and NaN where the law does not tell."""
+    """Return a value; 0 where the bodies do not meet, NaN where the law has no answer."""
     return np.where(unknown, np.nan, np.where(nothing, 0.0, value))

@@ -32,7 +32,10 @@ def foot_frequency(
 
 
 def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
-    """Return the squares w^2 of both modes; the lower one from their product, k k_f/(m1 m2)."""
+    """Return the squared circular frequencies w^2 of both modes.
+
+    The lower one without cancellation.
+    """
     half = (k * (m1 + m2) + k_f * m1) / 2
     product = (m1 * m2) * (k * k_f)
     # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
@@ -77,7 +80,7 @@ def track_harmonic(
     foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
     base_mass: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the track's second harmonic over its first, of `second_over_first` [1]."""
+    """Return the second harmonic of the track over its first, as sine and cosine at 2 tau [1]."""
     springs = (spring_stiffness, damping, foot_stiffness, foot_damping)
     masses = (loaded_mass, load_damping, base_mass)
     first = _trough(circular_frequency, *springs, *masses)
@@ -88,7 +91,7 @@ def track_harmonic(
 def _trough(
     w: Array, k: Array, c: Array, k_f: Array, c_f: Array, m1: Array, c_l: Array, m2: Array
 ) -> tuple[Array, Array]:
-    """Return X1/F = P/D of `stroke_response`, real and imaginary [m/N]."""
+    """Return the trough's response X1/F to the force, real and imaginary part [m/N]."""
     a_real, a_imag = m1 * w * w, -w * c_l
     p_real, p_imag = k_f - m2 * w * w, w * c_f
     q_real, q_imag = p_real - a_real, p_imag - a_imag

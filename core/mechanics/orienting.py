@@ -89,7 +89,7 @@ def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> 
 
 
 def passes_wiper(aspect: Aspect, wiper_height: Array) -> Array:
-    """Return 1 where a part is no higher than the edge of a wiper, else 0."""
+    """Return 1 where a part is no higher than the edge of a wiper and passes, else 0 [1]."""
     return np.where(aspect.height <= wiper_height, 1.0, 0.0)
 
 
@@ -124,18 +124,18 @@ def hangs_on_rail(rail_width: Array, shank_diameter: Array, diameter: Array) -> 
 
 
 def unchanged(aspects: int) -> Matrix:
-    """Return the matrix that changes nothing."""
+    """Return the identity matrix: a device that neither turns nor rejects parts."""
     return [[np.asarray(float(i == j)) for j in range(aspects)] for i in range(aspects)]
 
 
 def test_of(kept: Sequence[Array]) -> Matrix:
-    """Return the matrix of a test: what each aspect keeps, and none changes."""
+    """Return the diagonal matrix of a device that lets a share of each aspect pass."""
     zero = np.zeros(())
     return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(kept)]
 
 
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
-    """Return a device that turns a share of the parts of one aspect into another.
+    """Return the matrix of a device that turns a share of the parts of one aspect into another.
 
     `turn` 21 turns from aspect 2 to 1. With `failed` those that fail its test are turned, and the
     others of these fall; else that share of all, and the others stay as they are.
@@ -154,12 +154,13 @@ def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -
 
 
 def product(first: Matrix, second: Matrix) -> Matrix:
-    """Return the matrix of two devices, one after the other."""
+    """Return the matrix of two devices in sequence, the product second times first."""
     places = range(len(first))
     return [[_sum([row[k] * second[k][j] for k in places]) for j in places] for row in first]
 
 
 def _sum(terms: Sequence[Array]) -> Array:
+    """Return the sum of arrays, which may broadcast."""
     total = terms[0]
     for term in terms[1:]:
         total = total + term
@@ -167,7 +168,7 @@ def _sum(terms: Sequence[Array]) -> Array:
 
 
 def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
-    """Return the shares that pass, of parts that arrive with some shares."""
+    """Return the share of each aspect behind a line, for arriving shares and the line's matrix."""
     places = range(len(shares))
     leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
     return PassedShares(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
@@ -184,7 +185,7 @@ def outlet_share(
 
 
 def devices_in_order(order: Array, count: int) -> list[Array]:
-    """Return the device at each position, from 0, in one of the count! orders.
+    """Return the index of the device at each position, for one of the count! possible orders.
 
     Orders count from 1 as in a dictionary: 1 is 1, 2, 3, ...; the last one goes backwards. The
     digits of order - 1 in the base of factorials say how many of the devices left come before.

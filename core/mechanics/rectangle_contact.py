@@ -93,7 +93,7 @@ def _faces(
     body: float, x: Array, y: Array, angle: Array, half_length: Array, half_width: Array,
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
-    """Return the face of a body that looks at the other one, for each of its two axes."""
+    """Return the two faces of a body, one per axis, that look at the other body."""
     c, s = cosine(angle), sine(angle)
     other_c, other_s = cosine(other_angle), sine(other_angle)
     turn = other_angle - angle
@@ -114,7 +114,7 @@ def _faces(
 
 
 def _nearer(face: _Face, other: _Face) -> _Face:
-    """Return, in each cell, the face with the larger gap."""
+    """Return, in each cell, the one of two faces with the larger gap."""
     first = face.gap >= other.gap
     return _Face(*(np.where(first, a, b) for a, b in zip(face, other, strict=True)))
 

@@ -113,7 +113,7 @@ def _closing(
     body_2: Rectangle,
     motion: BodyVelocities,
 ) -> Array:
-    """Return the velocity of body 1 relative to body 2 at a point, along a direction."""
+    """Return the velocity of body 1 relative to body 2 at a point, along a direction [m s-1]."""
     u = motion
     slip_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
         u.velocity_x_2 - u.spin_2 * (y - body_2.y)
@@ -311,6 +311,7 @@ def _only_at_one_contact(
     tolerance: Array,
     edge_action: EdgeAction,
 ) -> Impulse:
+    """Return the impulse; 0 where the bodies are apart, NaN where the law has no answer."""
     nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = unknown | ((at.at_corner | edge_action.unknown) & ~nothing)

@@ -42,7 +42,7 @@ def body_to_reference(*, about_x: Array, about_y: Array, about_z: Array) -> Arra
 
 
 def turned(matrix: Array, vector: Array) -> Array:
-    """Return the matrix times the vector, for arrays of both."""
+    """Return the matrix times the vector, for arrays of both, shape (..., 3)."""
     return np.einsum("...ij,...j->...i", matrix, vector)
 
 

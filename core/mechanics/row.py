@@ -129,7 +129,7 @@ def is_too_long(*, length: Array, part_width: Array, bend_radius: Array) -> Mask
 def held_line_force(
     *, line_push: Array, bend_radius: Array, bend_friction: Array, bend_length: Array
 ) -> Array:
-    """Return the force at the front of a held row, C = (q R/mu)(exp(mu s/R) - 1) [N].
+    """Return the force at the front of a row that sticks in a bend, (q R/mu)(exp(mu s/R) - 1) [N].
 
     dC/ds = q + mu C/R: the track slips forward under the row, and so does the wall's friction.
     """
@@ -142,7 +142,7 @@ def held_line_force(
 def sliding_line_force(
     *, line_push: Array, bend_radius: Array, bend_friction: Array, bend_length: Array
 ) -> Array:
-    """Return the same while the row slides over the track, C = (q R/mu)(1 - exp(-mu s/R)) [N].
+    """Return the front force of a row that slides in a bend, (q R/mu)(1 - exp(-mu s/R)) [N].
 
     dC/ds = q - mu C/R: it tends to q R/mu, as the pressure of grain in a silo does.
     """
@@ -301,7 +301,7 @@ def locked_held_force(
 
 
 def _angle(value: Array, gain: Array) -> Array:
-    """Return asin(value/gain), the ends of its range where there is none."""
+    """Return asin(value/gain), cut to the range of the arc sine [rad]."""
     return np.arcsin(np.maximum(np.minimum(ratio(value, gain, 1.0), 1.0), -1.0))
 
 

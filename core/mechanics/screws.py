@@ -302,6 +302,6 @@ def _about(point: Array, resultant: Array, moment: Array) -> Array:
 
 
 def _scaled(half: Array) -> tuple[Array, NDArray[np.intc]]:
-    """Return the vectors with their largest component in [1/2, 1), and the exponents taken out."""
+    """Return vectors scaled so that their largest component is in [1/2, 1), and the exponents."""
     _, exponent = np.frexp(np.max(np.abs(half), axis=-1))
     return np.ldexp(half, -exponent[..., None]), exponent

@@ -67,7 +67,7 @@ def transport_velocity(
 def _speeds(
     K: Array, friction: Array, radius: Array, distance: Array, speed: Array
 ) -> tuple[Array, Array]:
-    """Return the rest of the starting speed, and the speed by |K| alone [m s-1]."""
+    """Return the contributions of the starting speed and of |K| to the speed [m s-1]."""
     s = _damping(friction, radius, distance)
     gained = np.sqrt(2 * np.abs(K) * expm1_quotient(s)) * np.sqrt(distance)
     return speed * np.exp(-s / 2), gained

@@ -40,7 +40,7 @@ def turning_mass(
 def _arm(
     m_r: Array, i1: Array, i2: Array, along: Array, upward: Array, th: Array
 ) -> tuple[Array, Array]:
-    """Return d x e and I_t."""
+    """Return d x e, the lever of the drive about the mass centre, and the total inertia I_t."""
     arm = along * sine(th) - upward * cosine(th)
     return arm, i1 + i2 + m_r * (along * along + upward * upward)
 
@@ -66,7 +66,7 @@ def turning_harmonic(
     *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     turning_mass: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the track's second harmonic over its first, of `second_over_first` [1].
+    """Return the second harmonic of the track over its first, as sine and cosine at 2 tau [1].
 
     Both move a place along one line: on a free base the turn goes with the stroke.
     """

@@ -11,12 +11,12 @@ Vector = tuple[Array, Array, Array]
 
 
 def dot(a: Vector, b: Vector) -> Array:
-    """Return a . b."""
+    """Return the scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Return a x b."""
+    """Return the vector product a x b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -25,44 +25,44 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def norm(a: Vector) -> Array:
-    """Return |a|."""
+    """Return the length |a| of a vector."""
     return np.sqrt(dot(a, a))
 
 
 def scaled(a: Vector, by: Array | float) -> Vector:
-    """Return a times a number."""
+    """Return a vector times a number."""
     return a[0] * by, a[1] * by, a[2] * by
 
 
 def plus(a: Vector, b: Vector, by: Array | float = 1.0) -> Vector:
-    """Return a + by b."""
+    """Return the sum a + by b."""
     return a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """Return a - b."""
+    """Return the difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def across(a: Vector, axis: Vector) -> Vector:
-    """Return the part of a that is normal to a unit axis."""
+    """Return the component of a vector that is normal to a unit axis."""
     return plus(a, axis, -dot(a, axis))
 
 
 def where(condition: Mask, a: Vector, b: Vector) -> Vector:
-    """Return a where the condition holds, else b."""
+    """Return a vector: a where the condition holds, else b."""
     return tuple(np.where(condition, x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
 
 
 def direction(a: Vector, otherwise: Vector) -> Vector:
-    """Return a/|a|, and `otherwise` where a is 0."""
+    """Return the unit vector a/|a|; `otherwise` where a is 0."""
     length = norm(a)
     some = length > 0
     return where(some, scaled(a, 1 / np.where(some, length, 1.0)), otherwise)
 
 
 def any_across(axis: Vector) -> Vector:
-    """Return some unit vector normal to a unit axis."""
+    """Return a unit vector that is normal to a unit axis."""
     z = axis[2]
     flat = np.abs(z) > 0.5
     zero = np.zeros_like(z)

@@ -78,7 +78,7 @@ def throw_number(*, drive_normal: Array, gravity_normal: Array) -> Array:
 
 
 def throw(drive: Array, gravity: Array) -> Array:
-    """Return drive over gravity, both normal to the floor.
+    """Return drive over gravity, both normal to the floor: the throw number [1].
 
     Infinite on an upright floor, with the sign of the drive; NaN there without drive, where the
     regime is `flight` all the same.

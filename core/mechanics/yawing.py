@@ -177,22 +177,22 @@ def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
 
 
 def unscaled_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return the same as `floor_reduction`, in steps that have a derivative."""
+    """Return pitch and axis of the floor's wrench, computed in differentiable steps."""
     return floor_wrench.reduced_unscaled()
 
 
 def unscaled_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return the same as `force_reduction`, in steps that have a derivative."""
+    """Return pitch and axis of the force system, computed in differentiable steps."""
     return force_wrench.reduced_unscaled()
 
 
 def unscaled_printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return the same as `printed_floor_reduction`, in steps that have a derivative."""
+    """Return pitch and axis of the floor's wrench as printed, in differentiable steps."""
     return _as_printed(floor_wrench.reduced_unscaled())
 
 
 def unscaled_printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return the same as `printed_force_reduction`, in steps that have a derivative."""
+    """Return pitch and axis of the force system as printed, in differentiable steps."""
     return _as_printed(force_wrench.reduced_unscaled())
 
 
@@ -237,9 +237,10 @@ def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> 
 
 
 def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
-    """Return -I3 theta' phi', I3 = m r^2/2: the moment about eta that yaw asks of a spin."""
+    """Return -I3 theta' phi', I3 = m r^2/2: the moment about eta by yawing of the spinning part."""
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
 
 
 def _as_printed(reduction: ScrewReduction) -> ScrewReduction:
+    """Return a screw's pitch and axis with the sign of the axis as printed."""
     return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.kind)

@@ -54,7 +54,7 @@ class HalfWave:
     orders = 2
 
     def wave(self, **inputs: Any) -> Wave:
-        """As in `Shape`: the push has w^2 A sin(tau)/g and 4 w^2 A (s, c)/g at twice of it."""
+        """Return the trough's drive: push w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau."""
         ratio = inputs.pop("track_harmonic")
         inputs = {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
         rate = np.square(inputs["circular_frequency"]) / inputs["gravity"]

@@ -62,7 +62,7 @@ LIMITS = {
 
 
 def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
-    """Return the equations of all limits: of the ``"sine"``, or of a ``"wave"``."""
+    """Return the equations of all limits of the drive, such as its stroke, for a sine or a wave."""
     return tuple(
         Equation(f"{name}_{axis}", _function(limit, axis, drive), "theory 13.14")
         for name, limit in LIMITS.items()

@@ -255,7 +255,7 @@ def _all_exact(prepared: Simulation) -> bool:
 
 
 def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
-    """Return the outputs that are always computed: status, errors, and outcomes of lost parts."""
+    """Return the outputs that are always computed: the status, and the mean acceleration if any."""
     more = ("mean_acceleration",) if "mean_acceleration" in scene.outputs(method) else ()
     return ("motion_status", *more)
 

@@ -59,12 +59,12 @@ def mean_gap(*, motion: RowMotion, length_scale: Array) -> Array:
 
 
 def common_mass(*, mass: Array) -> Array:
-    """Return the mass of a part, by which the row's masses are scaled [kg]."""
+    """Return the common mass of equal parts, by which masses of the row are scaled [kg]."""
     return mass
 
 
 def own_masses(*, motion: RowMotion) -> Array:
-    """Return 1 kg, by which the parts' own masses are scaled [kg]."""
+    """Return 1, by which parts' own masses are scaled; NaN without a motion [kg]."""
     return np.where(np.isnan(motion.velocity), np.nan, 1.0)
 
 

@@ -128,7 +128,7 @@ def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Probl
 
 
 def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
-    """Return why a drive unit cannot move the row that parameter names define; empty if it can."""
+    """Return the problem of a drive unit whose load by a row of such parts is not modelled."""
     if unit is None:
         return []
     problems, parts = [], numbered(names)

@@ -48,7 +48,7 @@ def drives_of(wave: Wave, steps: int, begin: float) -> Array:
 
 
 def _apart(starts: Array, least: float, end: float) -> Array:
-    """Return ascending phases with those that are too near to the one before in the next gap."""
+    """Return ascending phases; any too near to the one before is moved half-way to the next."""
     starts = starts.copy()
     for _ in range(MAX_MOVES):
         gaps = np.diff(starts, axis=0, append=end)

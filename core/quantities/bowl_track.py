@@ -9,6 +9,7 @@ MAX_STRETCHES = 6
 
 
 def _turns(n: int) -> Quantity:
+    """Return the quantity of the turns of stretch n."""
     return Quantity(
         "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
         strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
@@ -16,12 +17,14 @@ def _turns(n: int) -> Quantity:
 
 
 def _radius(n: int) -> Quantity:
+    """Return the quantity of the radius at the end of stretch n."""
     return length(
         f"R_{n}", f"Radius, end of stretch {n}", f"Radius at the end of stretch {n}.", "150 mm"
     )
 
 
 def _climb(n: int) -> Quantity:
+    """Return the quantity of the climb of stretch n."""
     return angle(
         f"gamma_{n}", f"Climb, stretch {n}",
         f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
@@ -30,6 +33,7 @@ def _climb(n: int) -> Quantity:
 
 
 def _friction(n: int) -> Quantity:
+    """Return the quantity of the friction on stretch n."""
     return friction(
         f"mu_{n}",
         f"Friction, stretch {n}",
@@ -47,6 +51,7 @@ OF_STRETCHES = {
 
 
 def _fraction(label: str, says: str, example: str) -> Quantity:
+    """Return the quantity of a share of the track's length."""
     return Quantity("1", "x", label, says, 0.0, 1.0, parameter=True, examples=(example,))
 
 

@@ -18,6 +18,7 @@ WHERE = {"along": "along the track", "across": "across the track", "normal": "of
 
 
 def _amplitude(axis: str, order: int) -> Quantity:
+    """Return the quantity of a harmonic's amplitude along an axis."""
     return Quantity(
         "m", f"A{_LETTERS[axis]}{order}", f"Amplitude {axis}, order {order}",
         f"Amplitude of the track's motion {WHERE[axis]} at {_times(order)}, zero to peak.", 0.0,
@@ -26,6 +27,7 @@ def _amplitude(axis: str, order: int) -> Quantity:
 
 
 def _phase(axis: str, order: int) -> Quantity:
+    """Return the quantity of a harmonic's phase along an axis."""
     return angle(
         f"phi{_LETTERS[axis]}{order}", f"Phase {axis}, order {order}",
         f"Lead of the track's motion {WHERE[axis]} at {_times(order)}: the displacement is "
@@ -34,10 +36,12 @@ def _phase(axis: str, order: int) -> Quantity:
 
 
 def _times(order: int) -> str:
+    """Return the frequency of a harmonic in words."""
     return "the drive frequency" if order == 1 else f"{order} times the drive frequency"
 
 
 def _level(axis: str, step: int) -> Quantity:
+    """Return the quantity of a step's acceleration along an axis."""
     return Quantity(
         "m s-2", f"a{_LETTERS[axis]}{step}", f"Acceleration {axis}, step {step}",
         f"Acceleration of the track {WHERE[axis]} during step {step} of a period.",
@@ -46,6 +50,7 @@ def _level(axis: str, step: int) -> Quantity:
 
 
 def _duration(step: int) -> Quantity:
+    """Return the quantity of a step's duration."""
     return Quantity(
         "1", f"T{step}", f"Duration of step {step}",
         f"How long step {step} lasts; the durations of all steps share out the period.", 0.0,
@@ -54,6 +59,7 @@ def _duration(step: int) -> Quantity:
 
 
 def _limits(axis: str) -> dict[str, Quantity]:
+    """Return the quantities of a drive's limits along an axis."""
     letter, where = _LETTERS[axis], WHERE[axis]
     return {
         f"largest_acceleration_{axis}": Quantity(

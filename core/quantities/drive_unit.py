@@ -8,14 +8,14 @@ from core.quantities.quantity import Quantity, angle, length, number
 def _input(
     unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
 ) -> Quantity:
-    """Return the quantity of an input of a study, at least 0, or above it."""
+    """Return the quantity of an input that is at least 0, or above 0."""
     return Quantity(
         unit, symbol, label, says, 0.0, strict=strict, parameter=True, examples=(example,)
     )
 
 
 def _offset(symbol: str, label: str, says: str) -> Quantity:
-    """Return a distance that a study may give, either way."""
+    """Return the quantity of an input distance, positive or negative."""
     return Quantity("m", symbol, label, says, parameter=True, examples=("0 mm",), usual=(1e-5, 5.0))
 
 

@@ -6,15 +6,17 @@ from core.quantities.quantity import Quantity, velocity
 
 
 def _body(body: str) -> dict[str, Quantity]:
-    """Return the parameters and velocities of one of two bodies."""
+    """Return the quantities of one of two colliding bodies."""
 
     def quantity(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
+        """Return a quantity of the body."""
         return Quantity(
             unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body),
             parameter=True, examples=(example,),
         )  # fmt: skip
 
     def size(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
+        """Return a size of the body, above 0."""
         return Quantity(
             unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body), 0.0,
             strict=True, parameter=True, examples=(example,),

@@ -8,6 +8,7 @@ from core.quantities.quantity import Quantity, acceleration, flag, number, veloc
 
 
 def _fraction(label: str, description: str) -> Quantity:
+    """Return the quantity of a share of the period."""
     return Quantity("1", "", label, f"Share of the period in which {description}.")
 
 

@@ -13,10 +13,11 @@ PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if 
 
 
 def _device(position: int) -> dict[str, Quantity]:
-    """Return the quantities that a study may give of the device at a position."""
+    """Return the quantities of the device at a position of the line."""
     at = f", place {position}"
 
     def size(symbol: str, label: str, says: str, example: str) -> Quantity:
+        """Return a length of the device."""
         return length(f"{symbol}{position}", label + at, says, example)
 
     return {
@@ -64,7 +65,7 @@ DEVICES = tuple(_device(1))
 
 
 def _shares() -> dict[str, Quantity]:
-    """Return the quantities of the shares that pass and leave, for each aspect."""
+    """Return the quantities of passing and leaving shares, for each aspect."""
     quantities = {}
     for name, (words, _) in ASPECTS.items():
         quantities[f"passing_share_{name}"] = number(
@@ -79,6 +80,7 @@ def _shares() -> dict[str, Quantity]:
 
 
 def _rate(symbol: str, label: str, says: str) -> Quantity:
+    """Return the quantity of a number of parts per minute."""
     return Quantity("min-1", symbol, label, says)
 
 

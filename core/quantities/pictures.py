@@ -119,5 +119,5 @@ FILLS = {
 
 
 def colour_of(regime: str) -> str:
-    """Return the colour of a mark in a regime: light where values hold, dark elsewhere."""
+    """Return the colour of a mark in a regime: light where results are valid, dark elsewhere."""
     return FILLS.get(regime, INKS[regime])

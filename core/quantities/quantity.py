@@ -70,12 +70,12 @@ class Quantity:
 
     @property
     def width(self) -> int:
-        """Bytes of one stored value."""
+        """The bytes of one stored value."""
         return 8 if self.flags is None else 1
 
     @property
     def is_derived(self) -> bool:
-        """True if it has derivatives: flags, counts and errors have none."""
+        """True if the quantity has derivatives: flags, counts and errors have none."""
         return self.flags is None and not self.count and not self.error_of
 
     @property
@@ -85,7 +85,7 @@ class Quantity:
 
 
 def length(symbol: str, label: str, description: str, example: str) -> Quantity:
-    """Return a length that a study may give, above 0."""
+    """Return the quantity of a length above 0, as a parameter."""
     return Quantity(
         "m", symbol, label, description, 0.0, strict=True, parameter=True, examples=(example,),
         usual=(1e-5, 5.0),
@@ -100,7 +100,7 @@ def angle(
     example: str,
     usual: tuple[float, float] | None = None,
 ) -> Quantity:
-    """Return an angle that a study may give, up to a limit on both sides."""
+    """Return the quantity of an angle within a limit on both sides, as a parameter."""
     return Quantity(
         "degree", symbol, label, description, -limit, limit, parameter=True, examples=(example,),
         usual=usual,
@@ -108,32 +108,32 @@ def angle(
 
 
 def friction(symbol: str, label: str, description: str) -> Quantity:
-    """Return a coefficient of friction that a study may give."""
+    """Return the quantity of a friction coefficient, as a parameter."""
     return Quantity(
         "1", symbol, label, description, 0.0, parameter=True, examples=("0.3",), usual=(0.01, 2.0)
     )
 
 
 def acceleration(symbol: str, label: str, description: str) -> Quantity:
-    """Return an acceleration."""
+    """Return the quantity of an acceleration [m s-2]."""
     return Quantity("m s-2", symbol, label, description)
 
 
 def velocity(symbol: str, label: str, description: str) -> Quantity:
-    """Return a velocity."""
+    """Return the quantity of a velocity [m s-1]."""
     return Quantity("m s-1", symbol, label, description)
 
 
 def force(symbol: str, label: str, description: str) -> Quantity:
-    """Return a force."""
+    """Return the quantity of a force [N]."""
     return Quantity("N", symbol, label, description)
 
 
 def number(symbol: str, label: str, description: str) -> Quantity:
-    """Return a quantity without unit."""
+    """Return a dimensionless quantity."""
     return Quantity("1", symbol, label, description)
 
 
 def flag(label: str, description: str, flags: Mapping[str, Flag], symbol: str = "") -> Quantity:
-    """Return a quantity whose values are names of states."""
+    """Return the quantity of a flag: its values are names of states."""
     return Quantity("1", symbol, label, description, flags=flags, compared=False)

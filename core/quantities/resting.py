@@ -15,7 +15,7 @@ ASPECTS = {
 
 
 def _estimates() -> dict[str, Quantity]:
-    """Return the second estimate of each share, and how far apart both are."""
+    """Return the quantities of second estimates of shares, and of their difference."""
     quantities = {}
     for name, (words, where) in ASPECTS.items():
         plain = where.replace("`", "")

@@ -11,10 +11,12 @@ MAX_PARTS = 64
 
 
 def _of_part(n: int) -> str:
+    """Return the name of a row's part in words."""
     return f"part {n} of a row" + (", the rearmost" if n == 1 else "")
 
 
 def _friction(n: int) -> Quantity:
+    """Return the quantity of a part's friction."""
     return Quantity(
         "1", f"mu_{n}", f"Friction, part {n}",
         f"Coefficient of friction between the track and {_of_part(n)}.", 0.0, parameter=True,
@@ -23,6 +25,7 @@ def _friction(n: int) -> Quantity:
 
 
 def _mass(n: int) -> Quantity:
+    """Return the quantity of a part's mass."""
     return Quantity(
         "kg", f"m_{n}", f"Mass, part {n}", f"Mass of {_of_part(n)}.", 0.0, strict=True,
         parameter=True, examples=("4 g",), usual=(1e-7, 10.0),
@@ -30,6 +33,7 @@ def _mass(n: int) -> Quantity:
 
 
 def _gap(n: int) -> Quantity:
+    """Return the quantity of the gap in front of a part."""
     return Quantity(
         "m", f"g_{n}", f"Gap, part {n}", f"Gap in front of {_of_part(n)}, at the start.", 0.0,
         parameter=True, examples=("1 mm",),
@@ -37,6 +41,7 @@ def _gap(n: int) -> Quantity:
 
 
 def _position(n: int) -> Quantity:
+    """Return the quantity of a part's position."""
     return Quantity(
         "m", f"x_{n}", f"Position, part {n}",
         f"Centre of {_of_part(n)} on the track, from the start of the rearmost.",
@@ -44,6 +49,7 @@ def _position(n: int) -> Quantity:
 
 
 def _platoon(n: int) -> dict[str, Quantity]:
+    """Return the quantities of a platoon: size and velocity."""
     which = f"platoon {n}" + (", the rearmost" if n == 1 else "")
     return {
         f"platoon_size_{n}": Quantity(
@@ -56,6 +62,7 @@ def _platoon(n: int) -> dict[str, Quantity]:
 
 
 def _stop_gap(symbol: str, label: str, says: str) -> Quantity:
+    """Return the quantity of the gap to a stop."""
     return Quantity(
         "m", symbol, label, f"Gap between the front part and a stop {says}, at the start.", 0.0,
         parameter=True, examples=("0 mm",),
@@ -63,6 +70,7 @@ def _stop_gap(symbol: str, label: str, says: str) -> Quantity:
 
 
 def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
+    """Return the quantity of a time; a parameter if it has an example."""
     return Quantity(
         "s", symbol, label, says, 0.0, parameter=bool(example),
         examples=(example,) if example else (),
@@ -70,6 +78,7 @@ def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
 
 
 def _rate(symbol: str, label: str, says: str, *, is_input: bool = False) -> Quantity:
+    """Return the quantity of a number of parts per minute."""
     return Quantity(
         "min-1", symbol, label, says, 0.0, parameter=is_input,
         examples=("120 1/min",) if is_input else (),
@@ -77,6 +86,7 @@ def _rate(symbol: str, label: str, says: str, *, is_input: bool = False) -> Quan
 
 
 def _acceleration(symbol: str, label: str, says: str) -> Quantity:
+    """Return the quantity of an acceleration above 0, as a parameter."""
     return Quantity(
         "m s-2", symbol, label, says, 0.0, strict=True, parameter=True, examples=("2 m/s^2",)
     )

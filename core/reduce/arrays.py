@@ -23,7 +23,7 @@ _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}
 
 
 def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
-    """Return the dimensions of every answer."""
+    """Return the dimensions of every variable of a reduction."""
     dims: dict[str, tuple[str, ...]] = {}
     for boxes in units.boxes:
         kept = tuple(dim for dim in boxes.field.dims if dim not in asked.over)
@@ -36,7 +36,7 @@ def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
 def reduced_arrays(
     units: Units, grid: Grid, asked: Reduction, states: Iterable[tuple[int, int, State]]
 ) -> Arrays:
-    """Return the arrays of a reduction from what is known of all of its blocks."""
+    """Return the variables of a reduction, from the states of all its blocks."""
     dims = dims_of(units, asked)
     sizes = {**grid.shape, QUANTILE: len(asked.quantiles)}
     arrays: Arrays = {}
@@ -57,6 +57,7 @@ def reduced_arrays(
 
 
 def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
+    """Yield the names of the variables of a field."""
     field = boxes.field
     for name in field.outputs:
         yield f"{name}_count"
@@ -76,7 +77,7 @@ def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
 def _arrays_of_block(
     boxes: Boxes, grid: Grid, asked: Reduction, state: State
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the answers of a block, each of shape (slots,), or (quantiles, slots)."""
+    """Yield the variables of a block, each of shape (slots,), or (quantiles, slots)."""
     field = boxes.field
     for name in field.outputs:
         yield from _statistics(name, boxes, grid, asked, state)
@@ -99,6 +100,7 @@ def _arrays_of_block(
 def _statistics(
     name: str, boxes: Boxes, grid: Grid, asked: Reduction, state: State
 ) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield the count and the statistics of one output in a block."""
     ends: NDArray[np.int64] = state[f"{name}.ends"]
     count = ends[4]
     largest, least = (np.where(count > 0, values_of(ends[row]), np.nan) for row in (0, 2))
@@ -120,7 +122,7 @@ def _statistics(
 def _points(
     boxes: Boxes, grid: Grid, asked: Reduction, number: NDArray[np.int64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the positions of cells, by their numbers, on each axis that goes.
+    """Return the positions of numbered cells on each axis that is reduced.
 
     Along an axis that the output does not depend on, all cells are alike, and it is the first.
     """

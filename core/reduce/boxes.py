@@ -88,13 +88,13 @@ class Boxes:
         self._threads = threading.local()
 
     def _tile(self) -> tuple[int, ...]:
-        """Return the cells of each axis that are followed together; 1 where only regimes are."""
+        """Return the tile size on each axis, in cells; 1 where only regimes are computed."""
         steps = self._order.steps if self.field.outputs or self._loop else {}
         return tuple(steps.get(dim, 1) for dim in self.field.dims)
 
     @cached_property
     def _compiled(self) -> FieldLoop | None:
-        """The compiled loop if it repays."""
+        """The compiled loop of the field, if compiling is worth its time."""
         seconds = self.cutting.cells * self.field.plan.scene.seconds_a_cell
         if self._loop is None or not repays(self._loop.missing, seconds):
             return None
@@ -102,7 +102,7 @@ class Boxes:
         return self._loop
 
     def seen(self, box: Box, watch: Watch | None = None) -> State:
-        """Return the state of the cells of a box.
+        """Return the statistics' state of the cells in a box.
 
         Raises
         ------
@@ -115,6 +115,7 @@ class Boxes:
         return self._seen_in_lanes(loop, box)
 
     def _seen_in_lanes(self, loop: FieldLoop, box: Box) -> State:
+        """Return the state of a box by the compiled loop."""
         field, state = self.field, State()
         counters = len(field.outputs) + len(self.flags) * field.regimes + len(field.shares)
         totals = Totals(self._slots(box), counters)
@@ -127,13 +128,15 @@ class Boxes:
         return state
 
     def _slots(self, box: Box) -> int:
+        """Return the number of slots in a box."""
         return math.prod(stop - start for start, stop in self.cutting.kept(box))
 
     def _ends(self, box: Box) -> dict[str, tuple[int, int]]:
+        """Return start and stop of a box, by axis."""
         return dict(zip(self.field.dims, box, strict=True))
 
     def _lanes(self) -> BoxLanes:
-        """Return the lanes of this thread."""
+        """Return this thread's buffers of lanes."""
         held: dict[str, Any] = self._threads.__dict__
         if "lanes" not in held:
             held["lanes"] = BoxLanes(
@@ -143,6 +146,7 @@ class Boxes:
         return lanes
 
     def _seen_stored(self, box: Box, watch: Watch) -> State:
+        """Return the state of a box by storing its cells."""
         field, state = self.field, State()
         rows = Rows.of(tuple(stop - start for start, stop in box), self.cutting.goes)
         wider = self._wider(box)
@@ -165,14 +169,14 @@ class Boxes:
         return state
 
     def _wider(self, box: Box) -> Box:
-        """Return a box with the cells before it along the axes of crossings."""
+        """Return a box extended by the cells before it along the axes of crossings."""
         return tuple(
             (start - (dim in self.field.along and start > 0), stop)
             for dim, (start, stop) in zip(self.field.dims, box, strict=True)
         )
 
     def _narrowed(self, wide: Buffers, wider: Box, box: Box) -> Buffers:
-        """Return the values of a box among those of the wider one."""
+        """Return the values of a box out of those of the extended box."""
         if wider == box:
             return wide
         lengths = [stop - start for start, stop in wider]
@@ -183,7 +187,7 @@ class Boxes:
         return {name: array.reshape(lengths)[here].reshape(-1) for name, array in wide.items()}
 
     def _evaluated(self, box: Box, watch: Watch) -> Buffers:
-        """Return the outputs and the regimes of all cells of a box, in the units of files."""
+        """Return outputs and regimes of all cells of a box, in the units of files."""
         field = self.field
         ends = dict(zip(field.dims, box, strict=True))
         piece = self._grid.piece(ends, field.plan.parameters)
@@ -212,7 +216,7 @@ class Boxes:
         return whole
 
     def _buffer(self, name: str, shape: tuple[int, ...], dtype: Any = None) -> NDArray[Any]:
-        """Return an array of this thread that is used again for the next box."""
+        """Return a buffer array of this thread, reused for every box."""
         held: Buffers = self._threads.__dict__
         cells = math.prod(shape)
         if name not in held or held[name].size < cells:
@@ -221,7 +225,7 @@ class Boxes:
         return held[name][:cells].reshape(shape)
 
     def _statistics(self, name: str, values: Buffers, box: Box) -> State:
-        """Return statistics of cells that are stored, gathered as a loop would."""
+        """Return the statistics of stored cells, summed in the order of the compiled loop."""
         lanes, totals = self._lanes(), Totals(self._slots(box), 1)
         ends = self._ends(box)
         cells = self._counted(name, values, box)
@@ -243,12 +247,13 @@ class Boxes:
         return state
 
     def _counted(self, name: str, values: Buffers, box: Box) -> NDArray[np.float64]:
-        """Return the cells of a box, and NaN where they do not count."""
+        """Return the cells of a box, NaN where they do not count."""
         cells = self._buffer("masked", tuple(stop - start for start, stop in box))
         others.masked(values[name], values["regime"], self._valid, cells.reshape(-1))
         return cells
 
     def _quantiles(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
+        """Return exact quantiles of a box, or its histogram."""
         if not self.is_exact:
             counts = self._buffer("bins", (others.BINS,), np.int64)
             counts[:] = 0
@@ -264,6 +269,7 @@ class Boxes:
     def _met(
         self, conditions: tuple[ShareCondition, ...], values: Buffers, rows: Rows
     ) -> NDArray[np.int64]:
+        """Return the number of cells of each slot that meet all conditions."""
         met = np.ones(values["regime"].size, np.int8)
         for condition in conditions:
             if condition.name == "regime":
@@ -277,6 +283,7 @@ class Boxes:
         return _counted(met, 1, rows)
 
     def _crossings(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
+        """Return the crossings of a level in each slot."""
         level, dims = self.field.levels[name], self.field.dims
         at = dims.index(level.along)
         stride = math.prod(stop - start for start, stop in box[at + 1 :])
@@ -293,7 +300,7 @@ class Boxes:
 def exact_quantiles(
     lines: NDArray[np.float64], quantiles: tuple[float, ...], times: int = 1
 ) -> NDArray[np.float64]:
-    """Return quantiles of each line without its NaN, shape (quantiles, lines), as numpy's linear.
+    """Return quantiles of each line, ignoring NaN, shape (quantiles, lines), as numpy's `linear`.
 
     Each value counts `times`: it stands for so many cells. A quantile between two cells is told by
     the straight line between their values.
@@ -317,6 +324,7 @@ def exact_quantiles(
 
 
 def _counted(flags: NDArray[np.int8], wanted: int, rows: Rows) -> NDArray[np.int64]:
+    """Return the number of cells of each slot with a flag."""
     counts = np.zeros(rows.count, np.int64)
     count: Callable[..., None] = others.count_across if rows.spread else others.count_along
     count(flags, wanted, rows.slots, rows.length, counts)
@@ -324,12 +332,12 @@ def _counted(flags: NDArray[np.int8], wanted: int, rows: Rows) -> NDArray[np.int
 
 
 def values_of(keys: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the floats of keys."""
+    """Return the floats that belong to ordered integer keys."""
     return (keys ^ ((keys >> 63) & MAGNITUDE)).view(np.float64)
 
 
 def stored_order(field: ReducedField, grid: Grid, asked: Reduction) -> LaneOrder:
-    """Return the tiles of cells that are stored; where quantiles are wanted, of one slot each."""
+    """Return the order of tiles for stored cells; with quantiles, one slot per tile."""
     dims = field.dims
     if asked.quantiles:
         dims = tuple(sorted(dims, key=lambda dim: dim in asked.over))

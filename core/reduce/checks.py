@@ -16,7 +16,7 @@ from core.suggestions import Suggestions
 def problems_of_names(
     asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
 ) -> list[Problem]:
-    """Return the problems of the names in a reduction, for the names of its study."""
+    """Return the problems of names in a reduction, given the names in its study."""
     axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
     suggest = Suggestions()
     problems = [
@@ -39,7 +39,7 @@ def problems_of_names(
 
 
 def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
-    """Yield outputs that are codes, of which there is no largest."""
+    """Yield problems of statistics of flags, which have no order."""
     fix = "Ask for shares or regimes"
     named = [(f"reduce.of.{k}", name) for k, name in enumerate(asked.of)]
     named += [(f"reduce.levels.{key}.output", level.output) for key, level in asked.levels.items()]
@@ -53,6 +53,7 @@ def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
 def _of_shares(
     asked: Reduction, outputs: Collection[str], suggest: Suggestions
 ) -> Iterator[Problem | None]:
+    """Yield problems of the conditions of shares."""
     for share, conditions in asked.shares.items():
         path = f"reduce.shares.{share}"
         if not conditions:
@@ -65,6 +66,7 @@ def _of_shares(
 def _of_levels(
     asked: Reduction, outputs: Collection[str], suggest: Suggestions
 ) -> Iterator[Problem | None]:
+    """Yield problems of the outputs and axes of levels."""
     for name, level in asked.levels.items():
         path = f"reduce.levels.{name}"
         yield _no_output(level.output, f"{path}.output", outputs, suggest)
@@ -75,11 +77,12 @@ def _of_levels(
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
-    """Return the problems of a reduction, for the plan of its study."""
+    """Return the problems of a reduction, given the plan of its study."""
     return [*_regimes(asked, plan), *_levels(asked, plan, grid)]
 
 
 def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
+    """Yield problems of regimes that no cell of the study can have."""
     for share, conditions in asked.shares.items():
         for k, one in enumerate(conditions):
             if one.name == "regime" and one.value not in plan.regimes:
@@ -89,6 +92,7 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
 
 
 def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
+    """Yield problems of levels along axes that their output does not depend on."""
     depends = plan.depends_on(grid.axes)
     for name, level in asked.levels.items():
         path = f"reduce.levels.{name}.along"
@@ -112,6 +116,7 @@ def _no_axis(
     values: Mapping[str, Values],
     suggest: Suggestions,
 ) -> Problem | None:
+    """Return the problem of a name that is no axis; None if it is one."""
     if name in axes:
         return None
     if name in values:
@@ -124,6 +129,7 @@ def _no_axis(
 def _no_output(
     name: str, path: str, outputs: Collection[str], suggest: Suggestions
 ) -> Problem | None:
+    """Return the problem of a name that is no output of the study; None if it is one."""
     if name in outputs:
         return None
     fix = suggest(name, outputs).removesuffix("?") + "? If not, add it to outputs"

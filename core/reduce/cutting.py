@@ -50,7 +50,7 @@ class Cutting:
         slots: int = BLOCK_SLOTS,
         tile: Sequence[int] = (),
     ) -> Cutting:
-        """Return the cutting into boxes of so many cells, and blocks of so many slots, at most.
+        """Return the cut of a field into boxes of at most `cells`, in blocks of at most `slots`.
 
         No box cuts a `tile`, of which one is larger if need be: it has so many values of each axis.
         """
@@ -61,6 +61,7 @@ class Cutting:
         kept = math.prod(step for step, gone in zip(steps, goes, strict=True) if not gone)
 
         def widen(axes: Iterable[int], budget: int) -> None:
+            """Enlarge the boxes along some axes within a budget of tiles."""
             for axis in axes:
                 tiles = _even(-(-shape[axis] // steps[axis]), budget)
                 steps[axis] = min(shape[axis], tiles * steps[axis])
@@ -78,25 +79,26 @@ class Cutting:
 
     @cached_property
     def _pieces(self) -> tuple[int, ...]:
+        """Return the number of boxes along each axis."""
         return tuple(-(-n // step) for n, step in zip(self.shape, self.steps, strict=True))
 
     @cached_property
     def blocks(self) -> int:
-        """Number of blocks."""
+        """The number of blocks."""
         return math.prod(n for n, gone in zip(self._pieces, self.goes, strict=True) if not gone)
 
     @cached_property
     def rounds(self) -> int:
-        """Number of rounds of each block."""
+        """The number of rounds of each block."""
         return math.prod(n for n, gone in zip(self._pieces, self.goes, strict=True) if gone)
 
     @property
     def cells(self) -> int:
-        """Number of cells of all boxes."""
+        """The number of cells of all boxes."""
         return math.prod(self.shape)
 
     def box(self, block: int, turn: int) -> Box:
-        """Return the box of a round of a block."""
+        """Return the box of a round in a block."""
         at = dict.fromkeys(range(len(self.shape)), 0)
         for gone, number in ((False, block), (True, turn)):
             axes = [axis for axis in at if self.goes[axis] == gone]
@@ -108,11 +110,11 @@ class Cutting:
         )
 
     def kept(self, box: Box) -> Box:
-        """Return the region of the slots of a box among all of them."""
+        """Return the region of slots that a box contributes to."""
         return tuple(ends for ends, gone in zip(box, self.goes, strict=True) if not gone)
 
     def order(self, box: Box, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the numbers, among all cells of their slots, of cells of a box."""
+        """Return the numbers of a box's cells among all cells of their slots."""
         lengths = [stop - start for start, stop in box]
         at = np.unravel_index(cells, lengths) if box else ()
         number = np.zeros_like(cells)
@@ -145,7 +147,7 @@ class Rows:
 
     @classmethod
     def of(cls, lengths: tuple[int, ...], goes: tuple[bool, ...]) -> Rows:
-        """Return the rows of a box, as long as they can be: axes of one kind at its end."""
+        """Return the longest possible rows of a box, along axes of one kind at its end."""
         axes = [(n, gone) for n, gone in zip(lengths, goes, strict=True) if n > 1]
         spread = bool(axes) and not axes[-1][1]
         length = 1
@@ -163,6 +165,6 @@ class Rows:
 
 
 def _even(size: int, most: int) -> int:
-    """Return the length of nearly equal pieces of an axis, none longer than `most`."""
+    """Return the length of nearly equal pieces of an axis, at most `most`."""
     pieces = -(-size // max(1, min(size, most)))
     return -(-size // pieces)

@@ -33,7 +33,7 @@ class ReducedVariable:
 
 
 def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
-    """Return the variable of a reduction by its name."""
+    """Return statistic, output and axis of a reduction's variable, by its name."""
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")
         if name != rest and rest in named:
@@ -49,7 +49,7 @@ def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> Reduce
 
 
 def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
-    """Return the unit of an answer."""
+    """Return the unit of a reduction's variable."""
     one = variable_of(name, asked, outputs)
     if one.axis:
         return QUANTITIES[one.axis].unit
@@ -59,7 +59,7 @@ def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
 def attributes_of(
     name: str, asked: Reduction, outputs: Collection[str], *, is_exact: bool
 ) -> dict[str, Any]:
-    """Return the CF attributes of an answer."""
+    """Return the CF attributes of a reduction's variable."""
     parts = variable_of(name, asked, outputs)
     attributes: dict[str, Any] = {"units": unit_of(name, asked, outputs)}
     label = QUANTITIES[parts.of].label if parts.of in QUANTITIES else parts.of
@@ -99,6 +99,7 @@ BINNED = "from a histogram whose bins are 1/512 of a value wide at most: the err
 
 
 def _crossing(level: LevelSet) -> str:
+    """Return the description of a level's crossing."""
     unit = QUANTITIES[level.output].unit
     return (
         f"the {level.take} value at which {level.output} is {level.level:g}"

@@ -83,7 +83,7 @@ class BoxLanes:
         self._layouts = lru_cache(maxsize=64)(self._placed)
 
     def buffer(self, kind: str, lanes: int) -> Array:
-        """Return the lanes of a kind, as they were folded last; empty ones at first."""
+        """Return the lanes of a kind as they were left, empty at first."""
         of = kind.split(".")[-1]
         name = f"{kind} {lanes}"
         if name not in self._held:
@@ -91,7 +91,7 @@ class BoxLanes:
         return self._held[name]
 
     def tiles(self, box: Ends) -> Iterator[Ends]:
-        """Yield the tiles of a box, which has whole ones only."""
+        """Yield the tiles of a box, which contains whole tiles only."""
         ranges = [
             [
                 (name, (start, min(start + self.order.steps[name], box[name][1])))
@@ -102,7 +102,7 @@ class BoxLanes:
         return map(dict, itertools.product(*ranges))
 
     def layout(self, tile: Ends, box: Ends) -> tuple[TileLayout, int]:
-        """Return the layout of the lanes of a tile, and the tile's offset in its box."""
+        """Return the lane layout of a tile, and the tile's offset in its box."""
         kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
         strides = _strides(kept)
         lengths = tuple((name, tile[name][1] - tile[name][0]) for name in self._dims)
@@ -110,6 +110,7 @@ class BoxLanes:
         return self._layouts(lengths, tuple(strides.items())), offset
 
     def _placed(self, lengths: Shape, slot_strides: Shape) -> TileLayout:
+        """Return the lane layout of tiles with these lengths."""
         lanes = self.order.lanes(dict(lengths), self._goes)
         of_slot = dict(slot_strides)
         count = math.prod(lanes.values())
@@ -129,7 +130,7 @@ class BoxLanes:
     def gather(
         self, cells: Array, tile: Ends, layout: TileLayout, lanes: Mapping[str, Array]
     ) -> None:
-        """Take stored cells of a tile, over the axes of the field, into lanes of every kind."""
+        """Add stored cells of a tile to the lanes of every kind."""
         axes = (*self.order.outer, *self.order.inner)
         rows = cells.transpose([self._dims.index(name) for name in axes])
         outer = rows.shape[: len(self.order.outer)]
@@ -175,7 +176,7 @@ class Totals:
     def fold_sum(
         self, name: str, lanes: Array, layout: TileLayout, offset: int, line: Array
     ) -> None:
-        """Fold the sums in the lanes of an output."""
+        """Add the sums in the lanes of an output to the totals."""
         if name not in self._sums:
             digits = np.zeros((LEVELS, self._slots), np.int64)
             self._sums[name] = digits, np.zeros(self._slots), np.array([LEVELS, -1])
@@ -184,7 +185,10 @@ class Totals:
     def fold_extremes(
         self, name: str, kind: str, lanes: Array, at: Array, layout: TileLayout, offset: int
     ) -> None:
-        """Fold the ``largest`` or ``least`` in lanes of an output; `at` is empty if unknown."""
+        """Update the largest or least values of an output from its lanes.
+
+        `at` is empty if unknown.
+        """
         ends, row = self._ends_of(name), 2 if kind == "least" else 0
         folding.fold_extremes(
             lanes, at, kind == "least", layout.order, layout.own_slots, offset, layout.numbers,
@@ -194,11 +198,11 @@ class Totals:
     def fold_counts(
         self, lanes: Array, layout: TileLayout, offset: int, first: int, last: int
     ) -> None:
-        """Fold the counts in lanes, several in one number."""
+        """Add packed counts in lanes to the totals."""
         folding.fold_counts(lanes, layout.order, layout.own_slots, offset, self.counts[first:last])
 
     def state(self, name: str, counter: int) -> State:
-        """Return the state of an output, of which a counter counts the cells."""
+        """Return the state of an output, whose cells a counter has counted."""
         ends = self._ends_of(name)
         state: State = {f"{name}.ends": np.concatenate([ends, self.counts[counter : counter + 1]])}
         if name in self._sums:
@@ -211,6 +215,7 @@ class Totals:
         return state
 
     def _ends_of(self, name: str) -> Integers:
+        """Return the extremes of an output, created if missing."""
         if name not in self._ends:
             self._ends[name] = np.zeros((4, self._slots), np.int64)
             self._ends[name][0], self._ends[name][2] = LEAST, MOST

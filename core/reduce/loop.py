@@ -47,7 +47,7 @@ class Gathering:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """The kinds of its lanes, as in `core.reduce.lanes.EMPTY`."""
+        """The kinds of lanes, as in `core.reduce.lanes.EMPTY`."""
         if self.counters[1]:
             return ("counts",)
         if self.update == "sum":
@@ -101,16 +101,16 @@ class FieldLoop:
 
     @property
     def order(self) -> LaneOrder:
-        """The tiles that lanes gather."""
+        """The tiles that the lanes gather."""
         return self._loop.order
 
     @property
     def missing(self) -> frozenset[str]:
-        """The sources of loops that have not run in this process."""
+        """The sources of loops that are not compiled in this process."""
         return self._loop.missing
 
     def gather(self, box: Ends, lanes: BoxLanes, totals: Totals) -> None:
-        """Compute the cells of a box and take them into totals."""
+        """Compute the cells of a box and add them to the totals."""
         for tile in lanes.tiles(box):
             layout, offset = lanes.layout(tile, box)
             held = [
@@ -131,12 +131,13 @@ class FieldLoop:
                     )
 
     def _outputs(self) -> list[str]:
+        """Return the outputs that the loop computes, for statistics and conditions."""
         compared = (one.name for conditions in self._field.shares.values() for one in conditions)
         names = dict.fromkeys((*self._field.outputs, *compared))
         return [name for name in names if name != "regime"]
 
     def _by_regime(self, values: Mapping[int, Any], otherwise: Any) -> Any:
-        """Return the value of each cell by its regime: one of its own, or that of all others."""
+        """Return a value by each cell's regime: a special one, or that of all others."""
         plan = self._field.plan
         chosen = values.get(int(REGIMES[plan.otherwise].value), otherwise)
         for condition, holds in zip(
@@ -147,7 +148,7 @@ class FieldLoop:
         return chosen
 
     def _counted(self, name: str) -> Any:
-        """Return an output in the units of files, and NaN where it does not count."""
+        """Return an output in the units of files, NaN where it does not count."""
         value = self._traced.known[name]
         if QUANTITIES[name].is_angle:
             value = self._traced.graph.apply(np.multiply, (value, 180 / np.pi))
@@ -159,7 +160,7 @@ class FieldLoop:
     def _counts(
         self, counted: Mapping[str, Any], flags: Sequence[int]
     ) -> list[tuple[Gathering, Any]]:
-        """Return the counts of cells, some in one number: each adds its own power of 2.
+        """Return the packed counts of cells: each condition adds its own power of 2.
 
         They are those of outputs, then of regimes, then of shares. Of the regimes of a cell at most
         one holds: all that are in one number are chosen at once.
@@ -185,6 +186,7 @@ class FieldLoop:
         return pairs
 
     def _met(self, conditions: Sequence[ShareCondition], counted: Mapping[str, Any]) -> Any:
+        """Return the condition that a cell meets all of some conditions."""
         met: Any = True
         for condition in conditions:
             if condition.name == "regime":
@@ -202,7 +204,7 @@ class FieldLoop:
 def _statistics(
     name: str, counted: Mapping[str, Any], asked: Reduction
 ) -> list[tuple[Gathering, Any]]:
-    """Return the statistics that lanes gather of an output."""
+    """Return the statistics of an output that lanes gather."""
     value, wanted = counted[name], asked.statistics
     pairs = []
     if "mean" in wanted:
@@ -218,7 +220,7 @@ def _statistics(
 def field_loop(
     field: ReducedField, grid: Grid, asked: Reduction, valid: int, flags: Sequence[int]
 ) -> FieldLoop | None:
-    """Return the loop of a field; None where there is none, or where cells have to be stored."""
+    """Return the compiled loop of a field; None if cells have to be stored."""
     if not field.dims or field.levels or (field.outputs and asked.quantiles):
         return None
     traced = traced_plan(field.plan, grid.axes)

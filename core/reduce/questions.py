@@ -47,7 +47,7 @@ class ReducedField:
 
 
 def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, ...]:
-    """Return the fields of a reduction, each with all that is asked of it.
+    """Return the fields of a reduction, each with the statistics asked of it.
 
     Crossings have fields of their own, unless cells take long: those are computed once for all.
     """
@@ -74,30 +74,30 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
 
 
 def takes_long(plan: Plan) -> bool:
-    """True if an equation of a plan takes long: it follows cells in time."""
+    """True if an equation of a plan simulates motion, which takes long."""
     return any(equation.takes_long for equation in plan.equations)
 
 
 def has_invalid(plan: Plan, asked: Reduction) -> bool:
-    """True if a regime of the plan can keep a cell from counting."""
+    """True if some regime of the plan keeps cells from counting."""
     return asked.cells == "valid" and not all(REGIMES[name].valid for name in plan.regimes)
 
 
 def valid_regimes(plan: Plan, asked: Reduction) -> int:
-    """Return the regimes of cells that count, one bit each."""
+    """Return the regimes of cells that count, as bits."""
     if not has_invalid(plan, asked):
         return EVERY_REGIME
     return sum(1 << REGIMES[name].value for name in plan.regimes if REGIMES[name].valid)
 
 
 def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
-    """Return the outputs of which there are statistics and quantiles: those that are no codes."""
+    """Return the outputs with statistics and quantiles: those that are no flags."""
     wanted = asked.of or plan.outputs
     return tuple(name for name in plan.outputs if name in wanted and name not in FLAGS)
 
 
 def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
-    """Yield each thing that is asked, and the arrays that it is asked of."""
+    """Yield each asked statistic and the arrays that it needs."""
     if asked.statistics or asked.quantiles:
         for name in outputs_of(plan, asked):
             yield {name}, ReducedField((), plan, outputs=(name,))

@@ -49,7 +49,7 @@ class Reduced(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """As in `Prepared`."""
+        """The reason why the result cannot be computed on reading."""
         return Problem("reduce", "what is reduced has no cells to read", "Leave it out")
 
     @property
@@ -59,65 +59,66 @@ class Reduced(Prepared):
         return self.study.reduce
 
     def attributes(self) -> dict[str, str]:
-        """Return the attributes of the whole that are known before anything is computed."""
+        """Return the attributes of the result that are known before computing."""
         raise NotImplementedError
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return the result of verifying cells, as attributes; `watch` may stop it."""
+        """Return the verification result as attributes; `watch` may stop it."""
         raise NotImplementedError
 
     @cached_property
     def work(self) -> Units:
-        """The boxes that it is carried out in."""
+        """The boxes in which the reduction is computed."""
         return reduce.run.Units(self.plan, self.grid, self.asked, self.box_cells)
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The dimensions of each answer."""
+        """The dimensions of each variable."""
         return reduce.arrays.dims_of(self.work, self.asked)
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each answer."""
+        """The unit of each variable."""
         return {name: unit_of(name, self.asked, self.plan.outputs) for name in self.dims}
 
     @property
     def sizes(self) -> dict[str, int]:
-        """The length of each dimension of the answers."""
+        """The length of each dimension."""
         return {**self.grid.shape, QUANTILE: len(self.asked.quantiles)}
 
     @property
     def stored(self) -> int:
-        """Number of points of the grid of answers."""
+        """The number of points of all variables."""
         return max(self._points.values())
 
     @cached_property
     def _points(self) -> dict[str, int]:
+        """Return the number of points of each variable."""
         sizes = self.sizes
         return {n: math.prod(sizes[dim] for dim in dims) for n, dims in self.dims.items()}
 
     @property
     def bytes(self) -> int:
-        """Bytes that the answers take, uncompressed."""
+        """The bytes of the result, uncompressed."""
         return 8 * sum(self._points.values())
 
     @property
     def computed_bytes(self) -> int:
-        """As in `Prepared`: those of the answers."""
+        """The bytes of the result as computed."""
         return self.bytes
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
-        """The axes that stay: cut along another one, a piece would have no answer."""
+        """The axes along which the study can be cut: those that stay."""
         return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
 
     def what_fits(self, share: float) -> str:
-        """As in `Prepared`."""
+        """Return a sentence that says how to shrink the study to a share of its size."""
         stays = ", ".join(self.cut_axes)
         return f"It fits over more axes, or with fewer values of {stays}"
 
     def compute(self, watch: Watch) -> Computed:
-        """Return the answers, in the units of files.
+        """Return the variables in the units of files.
 
         Raises
         ------
@@ -127,11 +128,11 @@ class Reduced(Prepared):
         return self.joined(self.work.states(0, len(self.work), watch))
 
     def joined(self, states: Iterable[tuple[int, int, State]]) -> Computed:
-        """Return the answers from what is known of all blocks."""
+        """Return the variables from the states of all blocks."""
         return Computed(reduce.arrays.reduced_arrays(self.work, self.grid, self.asked, states))
 
     def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return the answers, labelled; `watch` may stop verifying."""
+        """Return the labelled variables; `watch` may stop verifying."""
         asked, plan = self.asked, self.plan
         exact = {name: one.is_exact for one in self.work.boxes for name in one.field.outputs}
         variables = {}
@@ -150,36 +151,36 @@ class Reduced(Prepared):
         )
 
     def parts(self, where: str, count: int) -> ReducedParts:
-        """As in `Prepared`: ranges of its boxes, of which records hold what they tell."""
+        """Return the parts of the study: ranges of its boxes, whose states are kept in records."""
         return ReducedParts(self.study, self.cells, where, count, self.boxes, self)
 
     @property
     def boxes(self) -> int:
-        """As in `Prepared`."""
+        """The number of boxes, the largest number of parts."""
         return len(self.work)
 
     @property
     def cores(self) -> int:
-        """The number of cores that it uses here."""
+        """The number of cores used here."""
         return reduce.run.cores()
 
     def seconds_in_parts(self) -> float:
-        """As in `Prepared`."""
+        """Return the time of all parts on one core [s]."""
         return self.seconds_here * self.cores
 
     @property
     def seconds_here(self) -> float:
-        """As in `Prepared`: with all cores, as a few boxes tell."""
+        """The time here, with all cores, estimated from a few boxes [s]."""
         return float(self.work.seconds())
 
     @property
     def _by(self) -> str:
-        """The words on what its time depends on."""
+        """Return the words on what the time depends on."""
         return f", by a few of {len(self.work):,} boxes"
 
     @property
     def size_in_words(self) -> str:
-        """As in `Prepared`."""
+        """The size and the time in words."""
         return (
             f"{self.cells:,} cells reduced to {self.bytes // 8:,} values, {self.bytes:,} bytes; "
             f"some {in_words(self.seconds_here)} here{self._by}"
@@ -200,7 +201,7 @@ class ReducedParts(Parts):
     scheme: ClassVar[str] = "tree of tiles"
 
     def joined_table(self, watch: Watch | None = None) -> Table:
-        """As in `Parts`."""
+        """Return the result of all parts as one table."""
         watch, records = watch or Watch(), list[Mapping[str, Any]]()
         self._check(watch)
         computed = self.whole.joined(self._states(records))
@@ -210,6 +211,7 @@ class ReducedParts(Parts):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+        """Return the states of some boxes as arrays."""
         arrays: State = {}
         if stop > start:
             for field, block, state in self.whole.work.states(start, stop, watch):
@@ -217,12 +219,13 @@ class ReducedParts(Parts):
         return arrays, {}
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
+        """Write the result of all parts and return its table."""
         table = self.joined_table(watch)
         write_netcdf(table, Path(self.where), history=history)
         return table
 
     def _states(self, records: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
-        """Yield the states of all parts for each block, and collect their records."""
+        """Yield the states of each block from all parts, and collect their records."""
         known: tuple[int, int] | None = None
         state: State = {}
         for record in self._records():
@@ -239,7 +242,7 @@ class ReducedParts(Parts):
 
 
 def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
-    """Return the states of a record, by field and block, in their order."""
+    """Return the states in a record, by field and block, in order."""
     found: dict[tuple[int, int], State] = {}
     for name, values in arrays.items():
         field, block, of = name.split("/", 2)
@@ -248,7 +251,7 @@ def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
 
 
 def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
-    """Return the axes that stay; one that went is its middle, and says from where to where.
+    """Return the axes that stay, and the middle and range of those that are reduced.
 
     Bounds would say it in CF's own words, but its checker knows none of a scalar.
     """
@@ -268,6 +271,7 @@ def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
 
 
 def _which(prepared: Reduced) -> str:
+    """Return which cells count, in words."""
     if prepared.asked.cells == "all":
         return "all cells with a value count"
     return "cells count whose regime describes a real part and that have a value"

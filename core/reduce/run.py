@@ -28,7 +28,7 @@ FASTER = 0.7
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use, on a cluster a part of its machine."""
+    """Return the number of cores for this process, on a cluster a share of the machine."""
     return len(os.sched_getaffinity(0))
 
 
@@ -42,7 +42,7 @@ class ReductionBox:
 
     @property
     def cells(self) -> int:
-        """Number of cells."""
+        """The number of cells."""
         cells = 1
         for start, stop in self.box:
             cells *= stop - start
@@ -84,7 +84,7 @@ class Units:
         return ReductionBox(field, block, own.box(block, turn))
 
     def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
-        """Yield, for each block that the boxes from `start` to `stop` are of, what they tell.
+        """Yield the combined state of each block that the boxes from `start` to `stop` belong to.
 
         Raises
         ------
@@ -126,6 +126,7 @@ class Units:
             yield before.field, before.block, state
 
     def _seen(self, unit: ReductionBox, watch: Watch) -> State:
+        """Return the state of one box, with threads for its cells if boxes are few."""
         if watch.stopped():
             raise StoppedError(STOPPED)
         # Boxes are shared out among threads; where there are few, so are the cells of each.
@@ -134,7 +135,7 @@ class Units:
         return self.boxes[unit.field].seen(unit.box, silent)
 
     def seconds(self) -> float:
-        """Return about what all boxes take, from a few of each field that are tried.
+        """Return the estimated time of all boxes [s], by trying a few of each field.
 
         They are spread over the field and run side by side, as all will be; more than once, since
         a loop is compiled only when numpy has worked as long as that takes.

@@ -27,7 +27,7 @@ State = dict[str, NDArray[Any]]
 
 
 def merged(first: State, second: State) -> State:
-    """Return the state of two sets of cells together: counts, extremes, sums and histograms.
+    """Return the combined state of two sets of cells: counts, extremes, sums, histograms.
 
     The kinds of arrays are those of `State`; the order of the two does not matter.
 
@@ -72,7 +72,7 @@ def size(state: Mapping[str, NDArray[Any]]) -> int:
 
 
 def _ends(mine: NDArray[np.int64], yours: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the ends of two states; of equal values, the cell that comes first in the grid."""
+    """Return the combined extremes of two states; of equal values the first cell in the grid."""
     higher = (yours[0] > mine[0]) | ((yours[0] == mine[0]) & (yours[1] < mine[1]))
     lower = (yours[2] < mine[2]) | ((yours[2] == mine[2]) & (yours[3] < mine[3]))
     result = mine.copy()

@@ -16,7 +16,7 @@ Integers = NDArray[np.int64]
 
 
 def carried(sums: Integers) -> Integers:
-    """Return sums, by level from level 0 up, whose digits below the last are within one digit."""
+    """Return exact sums with carries propagated, from level 0 up."""
     sums = sums.copy()
     half = 1 << (DIGIT - 1)
     for level in range(len(sums) - 1):
@@ -27,7 +27,7 @@ def carried(sums: Integers) -> Integers:
 
 
 def added(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple[int, Integers]:
-    """Return the sum of two sums, each with its lowest level."""
+    """Return the sum of two exact sums, each with its lowest level."""
     low = min(first[0], second[0])
     high = max(level + len(sums) for level, sums in (first, second))
     total = np.zeros((high - low, first[1].shape[1]), np.int64)
@@ -37,7 +37,7 @@ def added(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple[in
 
 
 def means(low: int, sums: Integers, counts: Integers) -> NDArray[np.float64]:
-    """Return the sums over the counts, each rounded once; NaN where nothing was counted."""
+    """Return exact sums over counts, rounded once; NaN without counted cells."""
     result = np.full(counts.shape, np.nan)
     unit = LOWEST + DIGIT * low
     for slot in np.flatnonzero(counts).tolist():

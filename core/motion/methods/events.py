@@ -55,7 +55,7 @@ class EventPath(NamedTuple):
 def planar_motion(
     groups: Groups, *, tolerance: ArrayLike, max_periods: ArrayLike, watch: Watch | None = None
 ) -> Motion:
-    """Return the motion that a part falls into from rest on the floor, theory 13.2 to 13.8.
+    """Return the planar motion of parts that start at rest on the floor (theory 13.2 to 13.8).
 
     Exact but for rounding where the motion repeats: every flow is closed, every event is isolated.
     `tolerance` bounds the error of the sliding velocity at the start of the cycle, as a share of
@@ -166,7 +166,7 @@ def _in_space(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion in space; cells with speed-dependent restitution have none."""
+    """Return the motion in space; cells with speed-dependent restitution have no result."""
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     motion = spatial_motion(groups, contacts, **settings, watch=watch)
     falls = np.not_equal(groups.impact_damping, 0.0)
@@ -281,7 +281,7 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _price(cells: Priced) -> Price:
-    """Return the price: in closed form next to nothing, by series some microseconds a period."""
+    """Return the time to simulate a cell: next to nothing in the plane, more by series in space."""
     waves = cells.orders * (1.0 + cells.orders)
     flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3
     flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("max_periods")

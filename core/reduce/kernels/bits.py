@@ -11,7 +11,7 @@ MAGNITUDE = 2**63 - 1
 
 @borrowing
 def key(value: float) -> int:
-    """Return an integer in the order of floats; it is its own inverse on their bits.
+    """Return an integer in the order of floats; the same function inverts it on bits.
 
     Compilers vectorise the largest of integers, and not that of floats, which may be NaN. Zeros
     are one value if they are `value + 0.0`.
@@ -22,7 +22,7 @@ def key(value: float) -> int:
 
 @borrowing
 def counted(value: float, regime: int, valid: int) -> bool:
-    """True if a cell counts: its regime is in `valid`, and its value is not NaN."""
+    """True if a cell counts: its regime is in `valid` and its value is not NaN."""
     return ((valid >> regime) & 1 != 0) & (value == value)
 
 

@@ -38,7 +38,7 @@ def fold_sums(
     beyond: Array,
     levels: Integers,
 ) -> None:
-    """Add the lanes of each slot by halves, and their sum to the exact sum of the slot.
+    """Add the lanes of each slot pairwise, and their sum to the exact sum of the slot.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def fold_sums(
 
 @borrowing
 def _add(value: float, digits: Integers, levels: Integers) -> None:
-    """Add a float to an exact sum: its 53 bits lie in three digits at most."""
+    """Add a float to an exact sum: its 53 bits go into at most three digits."""
     own = bits(value)
     exponent = (own >> 52) & 0x7FF
     fraction = own & 0xFFFFFFFFFFFFF
@@ -113,7 +113,7 @@ def fold_extremes(
     keys: Integers,
     held_numbers: Integers,
 ) -> None:
-    """Take the extremes in lanes to their slots: of equal ones that of the lowest number.
+    """Update the extremes of slots from lanes; among equal values the lowest number wins.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def fold_extremes(
 def fold_counts(
     packed: Array, order: Integers, slots: Integers, offset: int, counts: Integers
 ) -> None:
-    """Add the counts in lanes, several in one number, to those of their slots.
+    """Add the counts in lanes, packed several to a number, to those of their slots.
 
     `counts` has a row for each count; lanes hold 0 afterwards. Every other count has room for twice
     as many bits: so many lanes are added before counts come apart.
@@ -191,7 +191,7 @@ def gather(
     least: Array,
     least_at: Array,
 ) -> None:
-    """Take stored cells into lanes as a loop of `core.plan.loops.lanes` does, step for step.
+    """Add stored cells to lanes in the same order as a compiled loop does.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ Flags = NDArray[np.int8]
 
 @borrowing
 def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
-    """Count the cells of each row that have a flag, each row into one slot."""
+    """Count the cells of each row that have a flag; each row is one slot."""
     for row in range(slots.size):
         mine = flags[row * length : (row + 1) * length]
         count = 0
@@ -32,7 +32,7 @@ def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts:
 
 @borrowing
 def count_across(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
-    """Count the cells of each row that have a flag, each cell into its own slot."""
+    """Count the cells of each row that have a flag; each cell is in its own slot."""
     for row in range(slots.size):
         mine = flags[row * length : (row + 1) * length]
         here = counts[slots[row] : slots[row] + length]
@@ -44,7 +44,7 @@ def count_across(flags: Flags, wanted: int, slots: Integers, length: int, counts
 def meet(
     values: Array, regimes: Flags, valid: int, comparison: int, level: float, met: Flags
 ) -> None:
-    """Take the flag from cells that do not count, or whose value does not compare as it should.
+    """Clear the flag of cells that do not count, or whose value fails a comparison.
 
     `comparison` has a bit each for a value below the level, equal to it, and above it.
     """
@@ -65,7 +65,7 @@ def masked(values: Array, regimes: Flags, valid: int, result: Array) -> None:
 
 @borrowing
 def histogram(values: Array, regimes: Flags, valid: int, counts: Integers) -> None:
-    """Count the cells of a box that count by the leading bits of their value."""
+    """Add the cells of a box to a histogram by the leading bits of their values."""
     for k in range(values.size):
         value = values[k] + 0.0
         if counted(value, regimes[k], valid):
@@ -86,7 +86,7 @@ def crossings(
     spread: bool,
     extremes: Array,
 ) -> None:
-    """Find where values cross a level between neighbours along an axis.
+    """Find where values cross a level between neighbours along an axis, and keep the extremes.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def crossings(
 def _between(
     lower: float, upper: float, level: float, first: float, last: float, largest: bool
 ) -> float:
-    """Return the point at which a line between two values crosses a level between them."""
+    """Return the point where a straight line between two values crosses a level."""
     if lower == level and upper == level:
         return max(first, last) if largest else min(first, last)
     if lower == level or math.isinf(upper):

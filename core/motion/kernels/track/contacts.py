@@ -131,7 +131,7 @@ def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
 
 @borrowing
 def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) -> None:
-    """Change the velocities where a part lands or meets the wall: `strike`.
+    """Change the velocities where a part lands on the floor or meets the wall.
 
     The speeds are -u_z on the floor, -u_y at the wall, 0 where it does not approach, and the
     restitutions those of `rebound`; `bent` is the acceleration across.

@@ -199,7 +199,7 @@ def settled_anew(
     row: Floats, wall: bool, rolling: float, settled: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return the deviation of other runs from a mean velocity, and whether rounding decides.
+    """Return the deviation of other runs from a mean velocity, and if rounding does not decide.
 
     max |v_other - v|. They start from rest again, by shorter series and with a restitution that is
     a hair smaller, `changed`: which of several motions a part with rebounds falls into may hang on

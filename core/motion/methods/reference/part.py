@@ -414,7 +414,7 @@ class Part:
             s[UY] = 0.0 if self.on_wall else s[UY]
 
     def rebound(self, approach: float, restitution: float, press: float) -> float:
-        """Return the speed after an impact: 0 where a run of hops ends (theory 13.5).
+        """Return the speed after an impact: 0 where a sequence of hops ends (theory 13.5).
 
         The impact that ends a run is one without rebound: the impulses then add up exactly.
         """

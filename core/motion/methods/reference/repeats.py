@@ -296,7 +296,7 @@ class ReferenceRun:
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
-        """True if measuring a cycle is worth its cost; records the attempt."""
+        """True if looking at a cycle is worth its cost so far; adds the cost of a look if it is."""
         takes = multiple * (len(self.indices(multiple)) + 1)
         if self.looked + takes > len(self.after) + LOOKS:
             return False

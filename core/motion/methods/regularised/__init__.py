@@ -67,7 +67,7 @@ LOOSER = 10.0
 def followed(
     cell: Cell, solver: str, tolerance: float, max_periods: int, watch: Watch | None = None
 ) -> tuple[RegularisedRun, Orbit, float]:
-    """Return the run, the motion once it repeats, and the tolerance at which states are equal."""
+    """Return the run, the repeating motion, and the distance at which states count as equal."""
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
