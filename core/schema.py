@@ -25,7 +25,7 @@ Schema = dict[str, Any]
 
 
 def study_schema() -> Schema:
-    """Return the JSON Schema of a study of any kind; what is said twice stands under `$defs`."""
+    """Return the JSON Schema of studies of all kinds; shared parts stand under `$defs`."""
     models = {kind.model: kind for kind in KINDS.values()}
     references, found = models_json_schema([(model, "validation") for model in models])
     named = found["$defs"]
@@ -37,7 +37,7 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    """Return the schema of a kind with the names of its scenes, variants and outputs."""
+    """Return the schema of a kind with the names of scenes, variants and outputs."""
     first, properties = kind.scenes[0], {**schema["properties"]}
     giving = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
@@ -53,7 +53,7 @@ def _with_names(schema: Schema, kind: Kind) -> Schema:
 
 
 def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema:
-    """Return a schema that is one of several, each part of which is written once.
+    """Return a schema of alternatives in which every repeated part is written once.
 
     A part that occurs twice or more, such as the values that an angle may have, becomes a
     definition of its own; its title and description stay where it is referred to.
@@ -70,7 +70,7 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     shared: dict[str, Schema] = {}
 
     def short(schema: Any) -> Any:
-        """Return a schema with references in the place of what is shared."""
+        """Return a schema with references in place of shared parts."""
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
             return _mapped(schema, short)
         if text not in names:
@@ -85,20 +85,22 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
 
 
 def _plain(schema: Mapping[str, Any]) -> Schema:
+    """Return a schema without titles and descriptions."""
     return {key: value for key, value in schema.items() if key not in NOTES}
 
 
 def _text(schema: Mapping[str, Any]) -> str:
+    """Return a schema as text, for comparison."""
     return json.dumps(_plain(schema), sort_keys=True)
 
 
 def _children(schema: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield each key below which schemas stand, and what stands there."""
+    """Yield each key of a schema that holds further schemas, and its value."""
     return ((key, value) for key, value in schema.items() if key in (*BY_NAME, *BELOW))
 
 
 def _below(schema: Any) -> Iterator[Schema]:
-    """Yield all schemas below one."""
+    """Yield all schemas nested in a schema."""
     if not isinstance(schema, dict):
         return
     for key, value in _children(schema):
@@ -110,7 +112,7 @@ def _below(schema: Any) -> Iterator[Schema]:
 
 
 def _mapped(schema: Any, change: Any) -> Any:
-    """Return a schema whose direct children are changed."""
+    """Return a schema with each direct child changed by a function."""
     if not isinstance(schema, dict):
         return schema
     changed: Schema = {}

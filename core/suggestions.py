@@ -91,6 +91,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
 
 
 def _spoken() -> dict[str, tuple[str, ...]]:
+    """Return the names that each synonym stands for."""
     spoken: dict[str, tuple[str, ...]] = {}
     for name, others in _SYNONYMS.items():
         for other in others.split():
@@ -106,7 +107,7 @@ What comes first is meant where several are known.
 
 
 def by_synonym(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that somebody means who types `name`, if another name says it."""
+    """Return the known name for which the typed word is a synonym; None if there is none."""
     choice = frozenset(known)
     spoken = name.strip().casefold().replace("-", "_").replace(" ", "_")
     return next((one for one in OTHER_NAMES.get(spoken, ()) if one in choice), None)
@@ -117,7 +118,7 @@ LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that another, mistyped or shortened one stands for; None if none is."""
+    """Return the known name most similar to a mistyped or shortened one; None if there is none."""
     choice, name = sorted(known), name[:LONGEST]
     said = by_synonym(name, choice)
     if said is not None:
@@ -132,7 +133,7 @@ SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 
 def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice.
+    """Return the sentence ``Did you mean ...?``, or the list of known names.
 
     `listed` are those of the known names that are the choice, if not all of them.
     """
@@ -150,17 +151,17 @@ class Suggestions:
         self.left = SEARCHED
 
     def __call__(self, name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-        """Return the same as `suggestion`, or a plain word once it was asked often."""
+        """Return a suggestion; after several calls only a plain text, as searching takes time."""
         return self.within(lambda: suggestion(name, known, listed))
 
     def within(self, search: Callable[[], str]) -> str:
-        """Return the result of a search, as above."""
+        """Return the result of a search, unless several were made already."""
         self.left -= 1
         return search() if self.left >= 0 else "Fix the ones before it first"
 
 
 def _in_families(names: Iterable[str]) -> list[str]:
-    """Return names, sorted, those that differ by a last number alone as one: `spin_1 to _3`."""
+    """Return sorted names; those differing in a last number are joined, as in `spin_1 to _3`."""
     families: dict[str, list[str]] = {}
     for name in names:
         stem, _, number = name.rpartition("_")

@@ -15,7 +15,7 @@ _T = TypeVar("_T")
 
 
 def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
-    """Call a function for each task, in threads; return when all are done.
+    """Call a function for each task in several threads, and return when all are done.
 
     One thread, or one task, is the caller's.
 
@@ -51,6 +51,7 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
 
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
+    """Return the pool of this many threads, made once."""
     return ThreadPoolExecutor(threads, thread_name_prefix="shared")
 
 

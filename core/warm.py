@@ -27,7 +27,7 @@ FIRST, REST = slice(1), slice(1, None)
 
 
 def compile_kernels(processes: int) -> Path | None:
-    """Compile every kernel that is not compiled yet for this processor.
+    """Compile all kernels that are not in the cache for this processor.
 
     Parameters
     ----------
@@ -58,19 +58,19 @@ def compile_kernels(processes: int) -> Path | None:
 
 
 def is_warm() -> bool:
-    """True if every kernel has been compiled for this processor, and kept."""
+    """True if all kernels are in the cache for this processor."""
     marks = [_mark(package) for package in STUDIES]
     return all(mark is not None and mark.exists() for mark in marks)
 
 
 def carry_out(package: str, part: slice = slice(None)) -> None:
-    """Carry out studies of a package."""
+    """Run studies that use all kernels of a package, which compiles them."""
     for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
 
 
 def _mark(package: str) -> Path | None:
-    """Return the file that says so; it goes with the code that it speaks of."""
+    """Return the marker file of a compiled package, stored with its code."""
     from core.kernel_cache import folder, processor
 
     place = folder(package)

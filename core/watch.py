@@ -43,18 +43,18 @@ class Watch:
     threads: int | None = None
 
     def stopped(self) -> bool:
-        """True if no further cell is to be started, and none gone on with."""
+        """True if no further cell may be started."""
         late = self.deadline is not None and time.monotonic() >= self.deadline
         return late or (self.stop is not None and self.stop())
 
     def check(self) -> None:
-        """Raise `StoppedError` if it is time to stop."""
+        """Raise `StoppedError` if the computation is to stop."""
         if self.stopped():
             raise StoppedError("it was stopped in the middle of a cell")
 
     @contextlib.contextmanager
     def flag(self) -> Iterator[NDArray[np.int8]]:
-        """Give an array of one flag for compiled code, not 0 once it is time to stop."""
+        """Yield a one-element array for compiled code, which becomes nonzero when it is to stop."""
         flag = np.zeros(1, dtype=np.int8)
         if self.stop is None and self.deadline is None:
             yield flag
@@ -66,7 +66,7 @@ class Watch:
             _lookout.end(flag)
 
     def advance(self, share: float) -> None:
-        """Tell that a share of the cells is done."""
+        """Report that a share of the cells is done."""
         if self.progress is not None:
             self.progress(share)
 
@@ -84,7 +84,7 @@ class _Lookout:
         self._thread: threading.Thread | None = None
 
     def begin(self, watch: Watch, flag: NDArray[np.int8]) -> None:
-        """Look at a watch from now on."""
+        """Begin to poll a watch and set its flag."""
         with self._changed:
             self._watched[id(flag)] = watch, flag
             if self._thread is None or not self._thread.is_alive():
@@ -94,11 +94,12 @@ class _Lookout:
                 self._changed.notify()
 
     def end(self, flag: NDArray[np.int8]) -> None:
-        """Look at it no more."""
+        """Stop polling the watch of a flag."""
         with self._changed:
             del self._watched[id(flag)]
 
     def _look(self) -> None:
+        """Poll all watches until the process ends, sleeping when there are none."""
         while True:
             with self._changed:
                 while not self._watched:

@@ -148,7 +148,7 @@ class Fit:
         return np.where(self.amplitudes > 0.0, errors, np.inf)
 
     def _turned(self, part: int) -> Array:
-        """Return the variance of a displacement's part in phase (0) or a quarter ahead (1)."""
+        """Return the variance of displacements, in phase (0) or a quarter period ahead (1)."""
         blocks = self.covariance[1:, 1:].reshape(*self.phases.shape, 2, *self.phases.shape, 2)
         own = np.einsum("jkajkb->jkab", blocks)
         cosine, sine = np.cos(self.phases), np.sin(self.phases)

@@ -74,7 +74,7 @@ class Solution(NamedTuple):
 
     @property
     def waves(self) -> NDArray[np.complex128]:
-        """Orders as complex numbers c, shape (axes, orders): each is Im(c exp(i k w t))."""
+        """The harmonics as complex amplitudes c, each Im(c exp(i k w t)), shape (axes, orders)."""
         pairs = self.coefficients[:, self.degree + 1 :]
         return pairs[:, 0::2] + 1j * pairs[:, 1::2]
 

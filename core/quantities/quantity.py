@@ -80,7 +80,7 @@ class Quantity:
 
     @property
     def is_angle(self) -> bool:
-        """True if the value is in degrees at the edge and in radians inside."""
+        """True if the value is in degrees in studies and files, but in radians in the code."""
         return self.unit == "degree"
 
 

@@ -6,7 +6,7 @@ from core.quantities.quantity import Quantity, acceleration, angle, force
 
 
 def _screw(name: str, label: str, what: str) -> dict[str, Quantity]:
-    """Return pitch and axis point of a wrench, components n (up), eta (rolling), sigma (axis)."""
+    """Return the quantities of a wrench: pitch and axis point by components n, eta, sigma."""
     pitch = Quantity(
         "m", "p", f"{label}, pitch", f"Moment along the wrench axis over force, of {what}."
     )

@@ -24,7 +24,7 @@ class Device:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that it needs besides the shares."""
+        """The quantities that the device needs besides the shares."""
         needs = {
             "wiper_height": ("aspect_sizes",), "gap_length": ("aspect_sizes",),
             "ledge_width": ("aspect_sizes", "centre_heights", "delta"),
@@ -37,16 +37,16 @@ class Device:
 
     @property
     def turns(self) -> bool:
-        """True if it turns parts."""
+        """True if the device turns parts."""
         return bool({"turned_share", "turn"} & set(self.numbers))
 
     def number(self, name: str, parameters: dict[str, Any]) -> Array:
-        """Return one of its numbers."""
+        """Return a number of the device from the parameters."""
         value: Array = parameters[f"{name}_{self.place}"]
         return value
 
     def matrix(self, aspects: int, parameters: dict[str, Any]) -> Matrix:
-        """Return its matrix."""
+        """Return the matrix that turns arriving shares into those behind the device."""
         tests = [self._kept(number, aspects, parameters) for number in self.numbers]
         tests = [kept for kept in tests if kept]
         matrix = orienting.unchanged(aspects)
@@ -60,7 +60,10 @@ class Device:
         return matrix
 
     def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
-        """Return the share of each aspect that one of its tests keeps; nothing if it is no test."""
+        """Return the share of each aspect that a test of the device lets pass.
+
+        None if it is no test.
+        """
         sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
         if number == "wiper_height":
             height = self.number(number, parameters)
@@ -78,7 +81,7 @@ class Device:
         return []
 
     def _rail(self, parameters: dict[str, Any]) -> Matrix:
-        """Return the matrix of two rails: what does not stand on its head hangs by it."""
+        """Return the matrix of two rails: only parts hanging by their head pass."""
         width = self.number("rail_width", parameters)
         hangs = orienting.hangs_on_rail(width, parameters["shank_diameter"], parameters["diameter"])
         zero = np.zeros(())
@@ -117,7 +120,7 @@ class DeviceLine:
         return keywords((self.shares, *own, *(["device_order"] * self.ordered)))
 
     def __call__(self, **values: Any) -> PassedShares:
-        """Return the shares that pass the line."""
+        """Return the shares of parts that pass the line."""
         matrices = [device.matrix(self.aspects, values) for device in self.devices]
         outlets = [
             device.number("outlet_capacity", values)
@@ -138,7 +141,7 @@ class DeviceLine:
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
     ) -> tuple[list[Matrix], list[Array | None]]:
-        """Return matrices and outlets in one of their orders, cell by cell."""
+        """Return the devices' matrices and outlets in one of their orders, for each cell."""
         capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
         chosen: list[Matrix] = []
         at: list[Array | None] = []
@@ -155,7 +158,7 @@ class DeviceLine:
 
 
 def _picked(pick: list[Any], values: list[Array]) -> Array:
-    """Return the value of the one that is picked."""
+    """Return the chosen one of several values, for each cell."""
     picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):
         picked = np.where(mask, value, picked)
@@ -174,7 +177,7 @@ class Counts:
 
     @property
     def names(self) -> list[str]:
-        """The counts."""
+        """The names of the counts."""
         return [f"drop_count_{k}" for k in range(1, self.aspects + 1)]
 
     @property
@@ -182,7 +185,7 @@ class Counts:
         return keywords(self.names)
 
     def __call__(self, **values: Any) -> Any:
-        """Return the value of the function for the counts."""
+        """Return the value of the function for the counts of all aspects."""
         return self.function([values[name] for name in self.names])
 
 
@@ -200,5 +203,5 @@ class AnyOf:
         return keywords(self.names)
 
     def __call__(self, **values: Any) -> Any:
-        """Fail: no study is computed by a scene that is not fitted to it."""
+        """Raise: the scene must first be fitted to the devices of a study."""
         raise NotImplementedError

@@ -11,7 +11,7 @@ class Step(Protocol):
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that it needs."""
+        """Names of the quantities that the equation needs."""
         ...
 
 
@@ -20,7 +20,7 @@ class Giver(Step, Protocol):
 
     @property
     def gives(self) -> str:
-        """Name of the quantity that it gives."""
+        """Name of the quantity that the equation gives."""
         ...
 
 
@@ -41,7 +41,7 @@ def behind(
     producer: Callable[[str], Some | None],
     enters: Callable[[Some], bool] = lambda step: True,
 ) -> Mapping[str, Some | None]:
-    """Return the wanted quantities and all that they need, each after those it needs itself.
+    """Return the wanted quantities and all that they depend on, in order of computation.
 
     Parameters
     ----------
@@ -65,6 +65,7 @@ def behind(
     met: dict[str, Some | None] = {}
 
     def visit(name: str, path: tuple[str, ...]) -> None:
+        """Add a quantity after all that it depends on; raise `CycleError` for a cycle."""
         if name in path:
             raise CycleError((*path, name))
         if name in met:
@@ -83,7 +84,7 @@ def behind(
 def between(
     steps: Collection[Known], sources: Collection[str], targets: Collection[str]
 ) -> tuple[Known, ...]:
-    """Return the steps on the way from some quantities to others, in order."""
+    """Return the equations between some quantities and others, in order of computation."""
     changes, way = {*sources}, []
     for one in behind(targets, {one.gives: one for one in steps}.get).values():
         if one is not None and one.gives not in sources and changes & {*one.inputs}:

@@ -50,12 +50,12 @@ OF_LINE = frozenset(("yield", *(one.gives for one in RESULTS if one.source == LI
 
 
 def numbers_of(shape: str) -> tuple[str, ...]:
-    """Return the numbers of devices that a shape can meet: rails hold parts with a head."""
+    """Return the device numbers that a shape can have; rails need parts with a head."""
     return tuple(n for n in DEVICES if n != "rail_width" or ASPECTS[shape][0] == "upright")
 
 
 def shares_of(shape: str) -> tuple[Equation, ...]:
-    """Return the shares of each aspect that rests, passes and leaves."""
+    """Return the quantities of each aspect's shares: resting, passing, leaving."""
     rows: list[tuple[str, tuple[Any, ...], str, str]] = [
         ("yield", ("total",), "line", "the share of the arriving parts that leave [1]")
     ]
@@ -75,7 +75,7 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
-    """Return the equations of a shape that hold whatever the devices are."""
+    """Return the equations of a shape that do not depend on the devices."""
     count, posterior = (
         Counts(function, len(ASPECTS[shape]))
         for function in (drop_test.posterior_count, drop_test.posterior_shares)
@@ -91,7 +91,7 @@ def equations(shape: str) -> tuple[Equation, ...]:
 
 
 def any_line(shape: str) -> tuple[Equation, ...]:
-    """Return the equations of a shape and of any devices, for lists of what a study may give."""
+    """Return the equations of a shape with any devices, for listing parameters."""
     every = tuple(Device(place, numbers_of(shape)) for place in POSITIONS)
     names = (name for device in every for name in device.inputs)
     return (
@@ -103,7 +103,7 @@ def any_line(shape: str) -> tuple[Equation, ...]:
 
 
 def fitted(scene: Scene, parameters: Collection[str]) -> Scene:
-    """Return the scene of a study: with the devices and the drop test of which it gives numbers."""
+    """Return the scene fitted to a study: with its devices and its drop test."""
     names = {*parameters}
     numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
     tested = any(name.startswith("drop_count_") for name in names)
@@ -112,6 +112,7 @@ def fitted(scene: Scene, parameters: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
+    """Return the scene with these devices, an order if asked for, and a drop test if given."""
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -132,7 +133,7 @@ def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Sc
 def _with(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
 ) -> tuple[Equation, ...]:
-    """Return the equations of a shape with some devices; of a drop test, if there is one."""
+    """Return the equations of a shape with some devices, and a drop test if given."""
     known, aspects = numbers_of(shape), len(ASPECTS[shape])
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
@@ -147,6 +148,7 @@ def _with(
 
 
 def _turns(least: float, largest: float) -> bool:
+    """True if both ends are pairs of aspects, so that a device can turn one into the other."""
     return least in PAIRS and largest in PAIRS
 
 

@@ -60,7 +60,7 @@ STANDS = (
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
-    """Return all equations of a shape."""
+    """Return all equations of a shape at rest."""
     rows = [
         Equation(
             f"{kind}_{name}", Field(bundle, (place,), f"Return {says} {WORDS[name]} [1]."), SOURCE
@@ -72,7 +72,7 @@ def equations(shape: str) -> tuple[Equation, ...]:
 
 
 def conditions(shape: str) -> tuple[Condition, ...]:
-    """Return the conditions of a shape."""
+    """Return the conditions of a shape at rest."""
     shares = frozenset(f"{kind}_{name}" for kind in SHARES for name in ASPECTS[shape])
     return (*lying(shape, shares), *STANDS)
 

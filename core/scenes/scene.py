@@ -21,25 +21,25 @@ _VERB = re.compile(r"^(?:Return|True) ")
 
 
 def _inputs(function: Function) -> tuple[str, ...]:
-    """Return the names of the arguments that have no default: those are quantities."""
+    """Return the quantities that a function takes: its arguments without default."""
     parameters = inspect.signature(function).parameters.values()
     return tuple(p.name for p in parameters if p.default is inspect.Parameter.empty)
 
 
 def keywords(names: Iterable[str]) -> inspect.Signature:
-    """Return the signature of a function that takes some quantities by keyword."""
+    """Return a signature with these quantities as keyword arguments."""
     keyword = inspect.Parameter.KEYWORD_ONLY
     return inspect.Signature([inspect.Parameter(name, keyword) for name in dict.fromkeys(names)])
 
 
 def taking(function: Function, *more: str, without: str = "") -> inspect.Signature:
-    """Return the signature of a function that takes more than another, or something else."""
+    """Return a function's signature with further arguments, and perhaps without one."""
     kept = [p for p in inspect.signature(function).parameters.values() if p.name != without]
     return inspect.Signature([*keywords(more).parameters.values(), *kept])
 
 
 def _summary(function: Function) -> str:
-    """Return the first paragraph of a function's docstring, for users, as a description.
+    """Return the first paragraph of a function's docstring as a description for users.
 
     Its first word ("Return", "True"), its units, which the catalogue has beside it, and its marks
     of code are left out.
@@ -77,17 +77,17 @@ class Equation:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the equation needs."""
+        """The names of the quantities that the equation needs."""
         return _inputs(self.function)
 
     @cached_property
     def takes_long(self) -> bool:
-        """True if the function takes a `Watch`, which may stop it; it has a trajectory."""
+        """True if the function simulates motion: it takes a `Watch` and has a trajectory."""
         return "watch" in inspect.signature(self.function).parameters
 
     @property
     def summary(self) -> str:
-        """One sentence: what the equation gives."""
+        """A sentence on what the equation gives, from its function's docstring."""
         return _summary(self.function)
 
 
@@ -118,7 +118,7 @@ class Field:
         return keywords((self.bundle,))
 
     def __call__(self, **values: Any) -> Any:
-        """Return the field."""
+        """Return the field of the bundle."""
         value = values[self.bundle]
         for step in self.path:
             value = getattr(value, step) if isinstance(step, str) else value[step]
@@ -126,7 +126,7 @@ class Field:
 
 
 def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
-    """Return the equations of quantities that stand in a bundle.
+    """Return the equations that take quantities out of a bundle, such as a `Motion`.
 
     A row is the quantity's name, the way to its field, and last what it is, as one says "Return".
     """
@@ -163,12 +163,12 @@ class Condition:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the condition needs."""
+        """The names of the quantities that the condition needs."""
         return _inputs(self.function)
 
     @property
     def summary(self) -> str:
-        """One sentence: where the condition holds."""
+        """A sentence on where the condition holds, from its function's docstring."""
         return _summary(self.function)
 
 
@@ -262,11 +262,11 @@ class Scene:
     fit: Callable[[Scene, Collection[str]], Scene] | None = None
 
     def fitted(self, names: Collection[str]) -> Scene:
-        """Return the scene of a study that gives some parameters: itself, unless they shape it."""
+        """Return the scene fitted to a study's parameters; by default the scene itself."""
         return self if self.fit is None else self.fit(self, names)
 
     def defaults_of(self, variant: str) -> dict[str, float]:
-        """Return the defaults that are in force with a variant."""
+        """Return the default values of a variant's parameters."""
         return {**self.defaults, **self.variant_defaults.get(variant, {})}
 
     def __post_init__(self) -> None:
@@ -276,17 +276,17 @@ class Scene:
             self._check(variant)
 
     def producers(self, variant: str) -> dict[str, Equation]:
-        """Return the equation that gives each output of a variant."""
+        """Return the equation that gives each quantity of a variant."""
         return {equation.gives: equation for equation in self.variants[variant]}
 
     def outputs(self, variant: str) -> tuple[str, ...]:
-        """Return the names of the outputs of a variant, `regime` last."""
+        """Return the outputs of a variant, `regime` last."""
         given = self.producers(variant)
         names = (n for n in given if not (QUANTITIES[n].bundle or QUANTITIES[n].parameter))
         return (*names, "regime")
 
     def variant_of(self, variant: str, output: str) -> str:
-        """Return the variant whose formulas an output uses when `variant` is in force.
+        """Return the variant whose formula an output uses when `variant` is chosen.
 
         The physical variant, for one, has no law of its own for the velocity after a distance and
         takes the derived one.
@@ -296,7 +296,7 @@ class Scene:
         return found.pop() if len(found) == 1 else variant
 
     def _check(self, variant: str) -> None:
-        """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""
+        """Raise `SceneError` for ambiguous, undeclared or cyclic quantities."""
         where = f"{self.name} ({variant})"
         for names, wrong in self._misplaced_names(variant):
             if names:
@@ -308,7 +308,7 @@ class Scene:
             raise SceneError(f"{where}: {error}") from None
 
     def _misplaced_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
-        """Yield names that may not stand where they do, and what is wrong with them."""
+        """Yield names that are used in the wrong place, with the reason."""
         equations, conditions = self.variants[variant], self.conditions[variant]
         gives = [equation.gives for equation in equations]
         yield {name for name in gives if gives.count(name) > 1}, "two equations give {}"

@@ -51,7 +51,7 @@ WORDS = {
 
 
 def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
-    """Return the conditions of a shape, for outputs that hang on how it lies."""
+    """Return the conditions of a shape for outputs that depend on its resting aspect."""
     if ASPECTS[shape][0] != "upright":
         return ()
     return (

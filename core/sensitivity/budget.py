@@ -79,22 +79,22 @@ class Budget:
 
     @cached_property
     def ends(self) -> Array:
-        """The ends of the tolerances, shape (2, parameters), in the unit of studies."""
+        """The ends of the tolerances, shape (2, parameters), in the units of studies."""
         return np.array([tolerance(name, one) for name, one in self.distributions.items()]).T
 
     @cached_property
     def middle(self) -> Array:
-        """The nominal values, shape (parameters,), in the unit of studies."""
+        """The nominal values, shape (parameters,), in the units of studies."""
         return np.array([nominal(one) for one in self.distributions.values()])
 
     @cached_property
     def _steps(self) -> Array:
-        """The step of a difference, shape (parameters,)."""
+        """The step of the finite difference for each parameter."""
         return NEAR * (self.ends[1] - self.ends[0]) / 2
 
     @cached_property
     def _points(self) -> Array:
-        """Every point, shape (parameters, points): the nominal one first."""
+        """Every evaluated point, shape (parameters, points); the nominal one first."""
         count = len(self.middle)
         unit = np.eye(count)
         lower, upper, middle = self.ends[0], self.ends[1], self.middle
@@ -117,14 +117,14 @@ class Budget:
         return int(self._points.shape[1])
 
     def values(self) -> dict[str, Array]:
-        """Return the parameters at every point, in the unit of the code."""
+        """Return the parameters at every point, in SI units and radians."""
         return {
             name: parameter_to_si(name, values)
             for name, values in zip(self.distributions, self._points, strict=True)
         }
 
     def budget_of(self, values: Array) -> BudgetValues:
-        """Return the budget from the values of an output, shape (cells, points)."""
+        """Return the tolerance budget from an output's values, shape (cells, points)."""
         count = len(self.middle)
         values = values.T
         parts = values[1 : 1 + 7 * count].reshape(7, count, -1)

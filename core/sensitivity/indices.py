@@ -46,7 +46,7 @@ class Indices(NamedTuple):
 
 
 def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> Array:
-    """Return the points at which indices are estimated.
+    """Return the sample points for Sobol indices.
 
     Returns
     -------
@@ -85,6 +85,7 @@ def indices_of(values: Array) -> Indices:
     size = np.asarray(np.abs(centre[..., 0, 0, 0]))
 
     def estimate(sums: Array) -> Array:
+        """Return the indices from sums over replicates."""
         count, both, squares, *means = sums
         mean = both / (2 * count)
         variance = squares / (2 * count) - mean**2
@@ -103,7 +104,7 @@ def indices_of(values: Array) -> Indices:
 def sobol_indices(
     function: Callable[[Array], Array], inputs: int, samples: int, seed: int = 0
 ) -> Indices:
-    """Return the Sobol indices of any function of inputs that are uniform between 0 and 1.
+    """Return the Sobol indices of a function of inputs uniform between 0 and 1.
 
     Parameters
     ----------

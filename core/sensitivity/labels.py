@@ -18,7 +18,7 @@ from core.watch import Watch
 
 
 def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
-    """Return the arrays of a study, labelled."""
+    """Return the results of a sensitivity study, labelled."""
     arrays, dims = computed.arrays, prepared.dims
     variables = {
         name: TableVariable(dims[name], arrays[name], one.attributes)
@@ -42,7 +42,7 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
 
 
 def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
-    """Return the dimensions beside the grid, as far as some variable has them."""
+    """Return the dimensions that occur besides the grid's axes."""
     names = [*prepared.uncertain]
     ends = np.linspace(0.0, 1.0, LEVELS)
     uncertain = {
@@ -64,5 +64,5 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
 
 
 def _distributions(prepared: Sensitivity) -> str:
-    """Return the distributions as JSON, in the units of studies."""
+    """Return the distributions as JSON text, in the units of studies."""
     return json.dumps({name: one.canonical() for name, one in prepared.uncertain.items()})

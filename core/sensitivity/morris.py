@@ -56,7 +56,7 @@ class Paths(NamedTuple):
 
 
 def paths(inputs: int, count: int, seed: int) -> Paths:
-    """Return random paths; the same for equal seeds."""
+    """Return random paths for Morris's screening; equal seeds give equal paths."""
     random = np.random.default_rng((seed, 1991))
     level = random.integers(LEVELS, size=(count, inputs))
     start = (level + 0.5) / LEVELS
@@ -72,7 +72,7 @@ def paths(inputs: int, count: int, seed: int) -> Paths:
 
 
 def effects_of(values: Array, along: Paths) -> Effects:
-    """Return the effects from values at the points of paths.
+    """Return the elementary effects from values at the points of paths.
 
     Parameters
     ----------

@@ -55,22 +55,22 @@ class Sensitivity(Prepared):
 
     @cached_property
     def uncertain(self) -> dict[str, Distribution]:
-        """The parameters that are not known exactly, and their distributions."""
+        """The uncertain parameters with their distributions."""
         return self.study.distributions()
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
-        """The outputs that are told of: those that the study asks for."""
+        """The outputs of the result: those that the study asks for."""
         return tuple(name for name in self.plan.outputs if name in self.study.outputs)
 
     @cached_property
     def result_variables(self) -> dict[str, ResultVariable]:
-        """Every variable of the result, `regime` left out."""
+        """Every variable of the result except `regime`."""
         return {one.name: one for one in result_variables(self.study, self.outputs)}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The dimensions of each variable: one more may stand before the axes of the grid."""
+        """The dimensions of each variable: the grid's axes, perhaps with one more in front."""
         axes = tuple(self.grid.axes)
         found = {
             n: (one.over, *axes) if one.over else axes for n, one in self.result_variables.items()
@@ -91,37 +91,37 @@ class Sensitivity(Prepared):
 
     @property
     def bytes(self) -> int:
-        """Bytes that the result takes, uncompressed."""
+        """The bytes of the result, uncompressed."""
         each = sum(8 * self.sizes.get(one.over, 1) for one in self.result_variables.values())
         return self.cells * (each + 1)
 
     @property
     def computed_bytes(self) -> int:
-        """As in `Prepared`."""
+        """The bytes of the result as computed."""
         return self.bytes
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """As in `Prepared`: they are computed in the units of files."""
+        """Return values unchanged: they are computed in the units of files."""
         return values
 
     @cached_property
     def budget(self) -> Budget:
-        """The points of the tolerance budget."""
+        """The points of the tolerance budget; None if not asked for."""
         return Budget(self.uncertain, self.study.seed)
 
     @property
     def paths(self) -> int:
-        """The paths of Morris's screening."""
+        """The paths of Morris's screening; None if not asked for."""
         return max(FEWEST_PATHS, self.study.samples // PATH_SAMPLES)
 
     @cached_property
     def evaluations(self) -> int:
-        """The number of times that the outputs of each design are computed."""
+        """The number of evaluations of each design."""
         return evaluations_of(self.study, self.budget)
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """Seconds of an evaluation as is likely, and at most."""
+        """The likely and the largest time of one evaluation [s]."""
         if not any(equation.takes_long for equation in self.plan.equations):
             seconds = self.plan.scene.seconds_a_cell * pace()
             return seconds, seconds
@@ -134,25 +134,26 @@ class Sensitivity(Prepared):
 
     @property
     def _counting(self) -> float:
+        """Return the time of counting the results of one evaluation [s]."""
         return COUNT_SECONDS * len(self.plan.outputs)
 
     @property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The likely time of a design on one core [s]."""
         return self.evaluations * (self._price[0] + self._counting)
 
     @property
     def most_seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The largest time of a design on one core [s]."""
         return self.evaluations * (self._price[1] + self._counting)
 
     def what_fits(self, share: float) -> str:
-        """As in `Prepared`."""
+        """Return a sentence that says how to shrink the study to a share of its size."""
         return super().what_fits(share) if self.grid.shape else "It fits with fewer outputs"
 
 
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
-    """Return the number of evaluations of each design that a study takes."""
+    """Return the number of evaluations per design that a study needs."""
     count, total = len(study.distributions()), 1
     if {"distribution", "sobol"} & set(study.analyses) or study.demands:
         total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
@@ -162,7 +163,7 @@ def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
 
 
 def prepare(study: SensitivityStudy) -> Sensitivity:
-    """Return a study of uncertain parameters that can be carried out.
+    """Return the prepared sensitivity study; raise `StudyError` with every problem.
 
     Raises
     ------
@@ -199,7 +200,7 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
 
 
 def choose(sketch: Sketch) -> Chosen:
-    """Return the scene of closed forms, or of motion where a method or an output asks for it."""
+    """Return the closed-form scene, or the system of motion if a method or output needs it."""
     if sketch.method is None:
         return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
     scene, chosen, problems = choose_system(sketch.scene, sketch.method, sketch.names)
@@ -210,13 +211,13 @@ def choose(sketch: Sketch) -> Chosen:
 
 
 def _span(name: str, distribution: Distribution) -> Values:
-    """Return the values that a parameter can have, as far as constraints of a scene ask."""
+    """Return the range of a parameter's values, for checking constraints."""
     lower, upper = tolerance(name, distribution)
     return Span(lower, upper, 2) if lower < upper else Fixed(nominal(distribution))
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    """Yield the problems between the sections of a study."""
+    """Yield problems between the sections of a study."""
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
@@ -236,7 +237,7 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
 
 
 def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
-    """Yield the problems of each demand, and of two with one name."""
+    """Yield problems of each demand, and of equal names of demands."""
     seen: set[str] = set()
     for number, demand in enumerate(demands):
         path = f"demands.{number}"
@@ -254,7 +255,7 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
 
 
 def _unclear(demand: Demand) -> tuple[str, str] | None:
-    """Return the problem of a demand that asks for nothing definite; None if it does."""
+    """Return the problem of a demand without bounds or regime; None if it is clear."""
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"
@@ -269,7 +270,7 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
 
 
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
-    """Yield the demands of regimes that the outputs asked for do not tell."""
+    """Yield problems of demanded regimes that the outputs cannot have."""
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:
             if demand.regime in REGIMES:
@@ -284,7 +285,7 @@ def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Proble
 
 
 def _check_size(prepared: Sensitivity) -> None:
-    """Raise `StudyError` if a study takes more than memory and patience hold."""
+    """Raise `StudyError` if a study needs too much memory or time."""
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
     if each * outputs > MAX_VALUES:
         message = f"each design takes {each:,} evaluations of {outputs} outputs"

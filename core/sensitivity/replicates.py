@@ -22,12 +22,12 @@ CONFIDENCE = 0.95
 
 @cache
 def wide(replicates: int = REPLICATES) -> float:
-    """Return the errors of a mean of so many replicates that make half an interval (Student's)."""
+    """Return Student's factor for a 95 % interval of the mean of so many replicates."""
     return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, replicates - 1))
 
 
 def jackknife(sums: Array, estimate: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Return an estimate from sums over all replicates, and its error.
+    """Return an estimate from sums over all replicates, with its jackknife error.
 
     Parameters
     ----------

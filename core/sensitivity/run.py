@@ -49,7 +49,7 @@ class SampledOutputs:
     regime: NDArray[np.int8]
 
     def shaped(self, *shape: int) -> SampledOutputs:
-        """Return the same with the points in another shape."""
+        """Return the outputs with the points in another shape."""
         return SampledOutputs(
             {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
             self.regime.reshape(-1, *shape),
@@ -57,7 +57,7 @@ class SampledOutputs:
 
 
 def compute(prepared: Sensitivity, watch: Watch) -> Computed:
-    """Return every variable of a study, in the units of studies.
+    """Return the arrays of every variable of a study, in the units of studies.
 
     Raises
     ------
@@ -98,7 +98,7 @@ class _Evaluator:
         return self.of(drawn).shaped(*shares.shape[1:])
 
     def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return the outputs where uncertain parameters have values, each of shape (n,)."""
+        """Return the outputs for values of the uncertain parameters, each of shape (n,)."""
         number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
         parts = []
@@ -112,6 +112,7 @@ class _Evaluator:
         )
 
     def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
+        """Return the outputs at a piece of the points."""
         plan, number = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
@@ -129,7 +130,7 @@ class _Evaluator:
         return SampledOutputs(outputs, regime)
 
     def _valid(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
-        """Return a mask for each output: True where it describes a real part, by its conditions."""
+        """Return a mask for each output of the cells that describe a real part."""
         plan, valid, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
             doubted = plan.conditions if name not in EXACT else ()
@@ -142,7 +143,7 @@ class _Evaluator:
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
-    """Return every variable of some designs; designs are the last axis."""
+    """Return the arrays of every variable for some designs, which are the last axis."""
     prepared = evaluator.prepared
     study = prepared.study
     statistics_of: Arrays = {
@@ -166,11 +167,12 @@ def _variables(evaluator: _Evaluator) -> Arrays:
 
 
 def _first(values: Mapping[str, Array]) -> dict[str, Array]:
+    """Return the first value of every array."""
     return {name: one[:1] for name, one in values.items()}
 
 
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the statistics of points that are sampled from the distributions."""
+    """Yield the statistics of points sampled from the distributions."""
     prepared, study = evaluator.prepared, evaluator.prepared.study
     drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
     if not drawn:

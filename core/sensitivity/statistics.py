@@ -22,7 +22,7 @@ class Estimate(NamedTuple):
 
 
 def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
-    """Return mean and standard deviation of values, shape (..., replicates, count); NaN left out.
+    """Return mean and standard deviation, ignoring NaN; values (..., replicates, count).
 
     Where all have no value, neither has the mean.
     """
@@ -36,6 +36,7 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
         sums = np.moveaxis(sums, -1, 1)
 
         def moments(sums: Array) -> Array:
+            """Return mean and deviation from sums over replicates."""
             count, first, second = sums
             mean = first / count
             left = np.maximum(second / count - mean**2, 0.0)
@@ -47,7 +48,7 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
 
 
 def quantiles(values: Array, shares: Array) -> Estimate:
-    """Return quantiles of values, shape (..., replicates, count); NaN left out.
+    """Return quantiles with errors, ignoring NaN; values (..., replicates, count).
 
     Returns
     -------
@@ -63,7 +64,7 @@ def quantiles(values: Array, shares: Array) -> Estimate:
 
 
 def quantile(values: Array, shares: Array) -> Array:
-    """Return quantiles along the last axis, shape (shares, ...); NaN left out.
+    """Return quantiles along the last axis, ignoring NaN, shape (shares, ...).
 
     Between two neighbours it is linear, as numpy does by default.
     """
@@ -79,7 +80,7 @@ def quantile(values: Array, shares: Array) -> Array:
 
 
 def probability(met: Mask) -> Estimate:
-    """Return the probability of an event, by where it was met, shape (..., replicates, count).
+    """Return the probability of an event from where it occurred, (..., replicates, count).
 
     Where all points agree, chance may have left out one: the error then is one point's share.
     """
@@ -90,5 +91,5 @@ def probability(met: Mask) -> Estimate:
 
 
 def share(lost: NDArray[np.bool_]) -> Any:
-    """Return the share of points, shape (..., replicates, count), that are lost."""
+    """Return the share of points that have no value, (..., replicates, count)."""
     return lost.mean(axis=(-2, -1))

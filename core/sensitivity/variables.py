@@ -44,14 +44,14 @@ class ResultVariable:
 
     @property
     def attributes(self) -> Mapping[str, Any]:
-        """Its CF attributes."""
+        """The CF attributes of the variable."""
         return {"units": self.unit, "long_name": self.label, "comment": self.comment} | dict(
             self.more
         )
 
 
 def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
-    """Yield every variable of the result of a study, in order, `regime` left out."""
+    """Yield every variable of a study's result except `regime`, in order."""
     for demand in study.demands:
         yield from _of_demand(demand)
     for name in outputs:
@@ -59,6 +59,7 @@ def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Itera
 
 
 def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
+    """Yield the probability of a demand, and its error."""
     name = f"probability_{demand.name}"
     comment = "Points without a valid value count as not meeting it."
     yield ResultVariable(name, "", "1", f"Probability of {in_words(demand)}", comment,
@@ -82,19 +83,23 @@ def in_words(demand: Demand) -> str:
 
 
 def _lower(label: str) -> str:
+    """Return a label that begins with a small letter."""
     return label[:1].lower() + label[1:]
 
 
 def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
+    """Yield the variables of one output: mean, quantiles, indices, budget."""
     quantity = QUANTITIES[name]
     unit, what = quantity.unit, _lower(quantity.label)
 
     def variable(
         part: str, words: str, comment: str, over: str = "", unit: str = unit
     ) -> ResultVariable:
+        """Return a variable of the output."""
         return ResultVariable(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
 
     def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
+        """Yield a variable of the output and its error."""
         yield variable(part, words, comment, over, unit)
         error = f"Error of the {_lower(words)}"
         yield variable(f"{part}_error", error, INTERVAL, over, unit)

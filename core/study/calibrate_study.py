@@ -41,7 +41,7 @@ _PRIOR_SCHEMA = {
 
 
 def quantity_of(table: str, parameter: str) -> Quantity:
-    """Return the quantity of an unknown: a parameter, or a difference or factor of one."""
+    """Return the quantity of an unknown: of a parameter, its offset, or its factor."""
     quantity = QUANTITIES[parameter]
     if table == "unknowns":
         return quantity
@@ -50,6 +50,7 @@ def quantity_of(table: str, parameter: str) -> Quantity:
 
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
+    """Return the prior that a user wrote: a range or a normal distribution."""
     of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
     prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
@@ -61,7 +62,9 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
 
 
 def _prior_field(table: str, name: str) -> Any:
+    """Return the pydantic field of a parameter's prior."""
     def read(raw: object) -> Prior:
+        """Return the prior; raise a refusal for a wrong one."""
         try:
             return _read_prior(table, name, raw)
         except UnitError as error:
@@ -79,6 +82,7 @@ def _prior_field(table: str, name: str) -> Any:
 
 
 def _table(table: str, doc: str) -> Any:
+    """Return the pydantic model of a table of unknowns, one field per parameter."""
     fields = {name: _prior_field(table, name) for name in PARAMETERS}
     return create_model(table.capitalize(), __base__=Frozen, __doc__=doc, **fields)
 
@@ -101,6 +105,7 @@ else:
 
 
 def _read_probability(raw: object) -> object:
+    """Return a probability below 0.5; raise a refusal for anything else."""
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
     fix = "Write a number above 0 and below 0.5, such as 0.01"
@@ -163,7 +168,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
 
     def priors(self) -> dict[str, Prior]:
-        """Return the unknowns by name, those of each table in the order of the declaration."""
+        """Return the unknowns with their priors, tables in the order of the declaration."""
         priors_of: dict[str, Prior] = {}
         for table in STEMS:
             given = getattr(self, table)
@@ -173,14 +178,14 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return priors_of
 
     def asked_next(self) -> dict[str, Values]:
-        """Return the candidates and their values, in the order of the declaration."""
+        """Return the parameters of candidate runs with their values."""
         if self.candidates is None:
             return {}
         given = self.candidates.model_fields_set
         return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
 
     def places(self) -> dict[str, str]:
-        """As in `Study`: what runs have of their own stands before what is unknown of it."""
+        """Return the paths of parameters outside `parameters`: in runs, then among the unknowns."""
         origins: dict[str, str] = {}
         for run in self.observations:
             origins |= {name: f"observations, {name}" for name in parameters_of(run)}
@@ -192,7 +197,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return origins
 
     def content(self) -> dict[str, Any]:
-        """Return the study as plain values, ranges and units in one form."""
+        """Return the study as plain values, with ranges and units in canonical form."""
         content = super().content()
         if self.candidates is not None:
             told = self.asked_next().items()

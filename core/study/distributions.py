@@ -42,11 +42,11 @@ class Normal:
     upper: float | None = None
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the distribution as plain JSON, in the quantity's unit."""
         return {name: value for name, value in vars(self).items() if value is not None}
 
     def within(self, quantity: Quantity) -> tuple[float, float]:
-        """Return between which values it lies: its own bounds, and those of its quantity."""
+        """Return the range of its values: its own bounds, and those of the quantity."""
         lower = quantity.lower if self.lower is None else max(self.lower, quantity.lower)
         upper = quantity.upper if self.upper is None else min(self.upper, quantity.upper)
         return lower, upper
@@ -62,7 +62,7 @@ class Triangular:
     upper: float
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the distribution as plain JSON, in the quantity's unit."""
         return {"lower": self.lower, "most_likely": self.most_likely, "upper": self.upper}
 
 
@@ -75,7 +75,7 @@ class Lognormal:
     factor: float
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the distribution as plain JSON, in the quantity's unit."""
         return {"median": self.median, "factor": self.factor}
 
 
@@ -88,7 +88,7 @@ class Tabulated:
     densities: tuple[float, ...]
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the distribution as plain JSON, in the quantity's unit."""
         return {"values": list(self.values), "densities": list(self.densities)}
 
 
@@ -109,7 +109,7 @@ BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 
 
 def read_distribution(name: str, raw: object, quantity: Quantity | None = None) -> Distribution:
-    """Return the distribution that a user wrote for the parameter `name`.
+    """Return the distribution that a user wrote for a parameter.
 
     Where it is that of something else than a parameter, `quantity` says what.
 
@@ -142,6 +142,7 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
 
 
 def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Triangular:
+    """Return a triangular distribution from its three keys."""
     lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
     if not (lower <= likely <= upper and lower < upper):
         message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
@@ -150,14 +151,14 @@ def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Tri
 
 
 def _no_width(value: str, width: str) -> tuple[str, str]:
-    """Return the problem of a value with +- behind it, which has two meanings, and its fix."""
+    """Return the error for a value with +-, which could mean two things, and the fix."""
     message = f"'{value} +- {width}' may mean limits or a standard deviation"
     normal = f'{{ mean = "{value}", deviation = "{width}" }}'
     return message, f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation"
 
 
 def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    """Return the problem of keys that no distribution has, and the right ones."""
+    """Return the error for keys that fit no distribution, with the valid ones."""
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
@@ -169,6 +170,7 @@ def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
 
 
 def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
+    """Return a normal distribution from mean, deviation and bounds."""
     mean = read_number(name, quantity, raw["mean"])
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
@@ -186,6 +188,7 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
 
 
 def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
+    """Return a lognormal distribution from median and factor."""
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
         message = f"the median of {name} is {median:g}, and a lognormal value is above 0"
@@ -198,6 +201,7 @@ def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognorm
 
 
 def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
+    """Return a tabulated distribution from values and densities."""
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(f"values and densities of {name} are no lists", "Write two lists")
@@ -217,7 +221,7 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
 
 
 def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
-    """Return the values below which shares of a distribution lie.
+    """Return quantiles of a parameter's distribution.
 
     Parameters
     ----------
@@ -249,7 +253,7 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    """Return scipy's record of a distribution, not cut."""
+    """Return scipy's distribution, without bounds."""
     import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):
@@ -261,7 +265,7 @@ def _law(distribution: Normal | Triangular | Lognormal) -> Any:
 
 
 def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
-    """Return quantiles of a density that is linear in each piece."""
+    """Return quantiles of a density that is linear between listed values."""
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
     whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
@@ -277,7 +281,7 @@ def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
 
 
 def nominal(distribution: Distribution) -> float:
-    """Return the value that is meant, in the unit of studies: middle, mean, most likely, median."""
+    """Return the nominal value in the unit of studies: middle, mean, most likely, or median."""
     match distribution:
         case Between(lower, upper):
             return (lower + upper) / 2
@@ -292,7 +296,7 @@ def nominal(distribution: Distribution) -> float:
 
 
 def tolerance(name: str, distribution: Distribution) -> tuple[float, float]:
-    """Return the ends of the tolerance of a parameter, in the unit of studies.
+    """Return the ends of a parameter's tolerance, in the unit of studies.
 
     They are the ends of the distribution; of one without ends those between which 99.73 % lie, as
     three deviations are on either side of a mean.

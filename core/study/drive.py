@@ -89,18 +89,19 @@ class MeasuredDrive(BaseModel):
 
 
 def only_the_plain_sine(fix: str) -> Problem:
-    """Return the problem of a measured drive where the motion is not followed in time."""
+    """Return the error for a measured drive in a study that does not simulate motion."""
     message = "closed forms support only the plain sine of amplitude, alpha and beta"
     return Problem("drive", message, fix)
 
 
 def names_recording(content: object) -> bool:
-    """True if the content of a study names a recording that is yet to be fitted."""
+    """True if a study's content names a recording that has not been fitted."""
     drive = content.get("drive") if isinstance(content, Mapping) else None
     return isinstance(drive, Mapping) and "sha256" not in drive
 
 
 def _fitted(raw: object) -> object:
+    """Refuse a drive whose recording has not been fitted."""
     problem = None
     if isinstance(raw, Mapping) and "sha256" not in raw:
         fix = "Carry the study out, or load it by vibrafeed.load_study"
@@ -114,6 +115,7 @@ def _fitted(raw: object) -> object:
 
 
 def _schema() -> dict[str, Any]:
+    """Return the JSON Schema of a measured drive."""
     source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
     either = [
         RecordedDrive.model_json_schema() | source,

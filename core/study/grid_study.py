@@ -29,7 +29,7 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 
 
 def _without_echoes(schema: dict[str, Any]) -> None:
-    """Take out of a schema what says nothing, a thousand times.
+    """Remove redundant entries from a schema, which repeat for every parameter.
 
     Those are titles that repeat their key, and null for what may be left out.
     """
@@ -54,6 +54,7 @@ class Frozen(BaseModel):
 
 
 def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
+    """Return the JSON Schema of a parameter's values."""
     number: dict[str, Any] = {"type": "number"}
     if quantity.lower > -float("inf"):
         number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
@@ -88,11 +89,14 @@ def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
 
 
 def _canonical(values: Values | None) -> Any:
+    """Return values as plain JSON."""
     return None if values is None else values.canonical()
 
 
 def _parameter_field(name: str, quantity: Quantity) -> Any:
+    """Return the pydantic field of a parameter's values."""
     def read(raw: object) -> Values:
+        """Return the values; raise a refusal for wrong ones."""
         try:
             return read_values(name, raw)
         except UnitError as error:
@@ -124,7 +128,9 @@ else:
 
 
 def _between_field(name: str, quantity: Quantity) -> Any:
+    """Return the pydantic field of a variable's bounds."""
     def read(raw: object) -> Between:
+        """Return the bounds; raise a refusal for wrong ones."""
         try:
             return read_between(name, raw)
         except UnitError as error:
@@ -168,7 +174,7 @@ MAX_SHOWN = 8  # to look a unit up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
-    """Return the words that say which units are shown, without saying so if none is."""
+    """Return the words for the units to show, without repetition; None for the usual ones."""
     if raw is None:
         return None
     words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw
@@ -231,7 +237,7 @@ class Study(Frozen):
     )
 
     def values(self) -> dict[str, Values]:
-        """Return the given parameters and their values, in the order of the declaration.
+        """Return the parameters that are set, with their values, in the order of the declaration.
 
         The order in which a user writes them does not matter: equal studies have equal axes.
         """
@@ -239,21 +245,21 @@ class Study(Frozen):
         return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
 
     def places(self) -> dict[str, str]:
-        """Return the paths of parameters that do not stand under `parameters` in the study."""
+        """Return the paths of parameters that are not under `parameters`."""
         return {}
 
     def output_places(self) -> dict[str, str]:
-        """Return the paths of outputs that do not stand under `outputs` in the study."""
+        """Return the paths of outputs that are not under `outputs`."""
         return {}
 
     def content(self) -> dict[str, Any]:
-        """Return the study as plain values, ranges and units in one form."""
+        """Return the study as plain values, with ranges and units in canonical form."""
         content = self.model_dump(exclude_none=True, exclude={"parameters"})
         content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
         return content
 
     def said(self) -> dict[str, Any]:
-        """Return the fields of the study that differ from its model's defaults."""
+        """Return the fields that differ from their defaults."""
         fields = type(self).model_fields
         return {
             name: value
@@ -262,14 +268,14 @@ class Study(Frozen):
         }
 
     def __repr__(self) -> str:
-        """Return the study as keywords would make it, what is left to defaults left out."""
+        """Return the study as the Python call that makes it, without defaults."""
         words = (f"{name}={value!r}" for name, value in self.said().items() if name != "kind")
         return f"{type(self).__name__}({', '.join(words)})"
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Return the study as a table, for notebooks."""
+        """Return the study as an HTML table for notebooks."""
         rows: list[tuple[str, object]] = []
         for name, value in self.said().items():
             inner = value.items() if isinstance(value, dict) else None
@@ -281,13 +287,13 @@ class Study(Frozen):
         return f"<table>{cells}</table>"
 
     def canonical(self) -> str:
-        """Return the study as JSON that equal studies share to the letter."""
+        """Return the study as canonical JSON: equal studies give equal texts."""
         return json.dumps(
             self.content(), separators=(",", ":"), ensure_ascii=False, allow_nan=False
         )
 
     def key(self) -> str:
-        """Return the SHA-256 of the canonical form, in hexadecimal."""
+        """Return the SHA-256 of the canonical JSON, in hexadecimal."""
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
 

@@ -13,7 +13,7 @@ from core.study.units import UnitError, read_number
 
 
 def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
-    """Return the error of one value, in our words; a fix that has to be searched for is called.
+    """Return the validation error of a wrong value; `fix` may be a function, called on demand.
 
     Of many errors it is called for the first few alone.
     """
@@ -21,9 +21,10 @@ def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
 
 
 def at_most(count: int) -> BeforeValidator:
-    """Return a validator that refuses a longer list at once; pydantic looks at every entry."""
+    """Return a validator that refuses longer lists before pydantic checks each entry."""
 
     def check(raw: object) -> object:
+        """Return the list unless it is too long."""
         if isinstance(raw, list | tuple) and len(raw) > count:
             raise refusal(f"it has {len(raw):,} entries", f"Give at most {count:,}")
         return raw
@@ -32,7 +33,7 @@ def at_most(count: int) -> BeforeValidator:
 
 
 def read_level(name: str, raw: object) -> float:
-    """Return a value that is compared with a quantity, in its unit; raise `UnitError` if none."""
+    """Return a level of a quantity in its unit; raise `UnitError` if it is invalid."""
     quantity = QUANTITIES[name]
     # What is compared with a parameter may lie outside the parameter's own bounds.
     shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
@@ -43,7 +44,7 @@ def read_level(name: str, raw: object) -> float:
 
 
 def _read_level(raw: object, info: ValidationInfo) -> object:
-    """Return a value of the output that stands before it, in that output's unit."""
+    """Return a level of the output in the field before it, in that output's unit."""
     output = info.data.get("against") or info.data.get("output")
     if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere
         return raw if raw is None or isinstance(raw, int | float) else 0.0

@@ -67,7 +67,9 @@ def read_error(output: str, raw: object, value: float) -> float:
 
 
 def _single(name: str, quantity: Quantity) -> Any:
+    """Return the pydantic field of a single value of a parameter."""
     def read(raw: object) -> float | None:
+        """Return the value; raise a refusal for a wrong one."""
         try:
             return None if raw is None else read_number(name, quantity, raw)
         except UnitError as error:
@@ -77,7 +79,9 @@ def _single(name: str, quantity: Quantity) -> Any:
 
 
 def _observed(name: str) -> Any:
+    """Return the pydantic field of a measured output."""
     def read(raw: object) -> float | None:
+        """Return the value; raise a refusal for a wrong one."""
         try:
             return None if raw is None else read_level(name, raw)
         except UnitError as error:
@@ -88,6 +92,7 @@ def _observed(name: str) -> Any:
 
 
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
+    """Return the error of a run's measured value; None without a valid value."""
     given = {name: info.data.get(name) for name in OBSERVED}
     output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
     if raw is None or output is None or value is None:
@@ -99,6 +104,7 @@ def _read_row_error(raw: object, info: ValidationInfo) -> object:
 
 
 def _read_regime(raw: object) -> str | None:
+    """Return the observed regime in small letters; raise a refusal for an unknown one."""
     if raw is None:
         return None
     text = " ".join(str(raw).replace("_", " ").split()).lower()
@@ -152,7 +158,7 @@ def parameters_of(run: Run) -> dict[str, float]:
 
 
 def spread_rows(raw: object) -> object:
-    """Return rows of single values; an entry whose values are lists stands for as many runs.
+    """Return rows of single values; an entry with lists becomes several rows.
 
     Raises
     ------
@@ -176,6 +182,7 @@ def spread_rows(raw: object) -> object:
 
 
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
+    """Yield the rows of one entry."""
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
     if not lengths:
         yield {str(name): value for name, value in entry.items()}

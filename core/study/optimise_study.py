@@ -81,7 +81,7 @@ class OutputLimit(Frozen):
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
     def ends(self) -> Iterable[tuple[str, float]]:
-        """Yield the name and the bound of each constraint that it stands for."""
+        """Yield name and bound of each constraint that the limit contains."""
         name = f"{self.output}_absolute" if self.absolute else self.output
         if self.lower is not None:
             yield f"{name}_lower", self.lower
@@ -152,27 +152,27 @@ class OptimiseStudy(DrivenStudy):
     )
 
     def intervals(self) -> dict[str, Distribution]:
-        """Return the uncertain parameters and their distributions."""
+        """Return the uncertain parameters with their distributions."""
         return distributions_of(self.uncertain)
 
     def bounds(self) -> dict[str, Between]:
-        """Return the given variables and their bounds, in the order of the declaration."""
+        """Return the variables with their bounds, in the order of the declaration."""
         if self.variables is None:
             return {}
         given = self.variables.model_fields_set
         return {name: getattr(self.variables, name) for name in PARAMETERS if name in given}
 
     def criterion_outputs(self) -> tuple[str, ...]:
-        """Return the outputs that the criterion names."""
+        """Return the outputs in the criterion."""
         against = getattr(self.criterion, "against", None)
         return (self.criterion.output, *((against,) if against else ()))
 
     def places(self) -> dict[str, str]:
-        """As in `Study`."""
+        """Return the paths of parameters outside `parameters`."""
         return {name: f"variables.{name}" for name in self.bounds()}
 
     def output_places(self) -> dict[str, str]:
-        """As in `Study`."""
+        """Return the paths of outputs outside `outputs`."""
         origins: dict[str, str] = {}
         for number, one in enumerate(self.constraints):
             origins.setdefault(one.output, f"constraints.{number}.output")

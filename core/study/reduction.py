@@ -61,6 +61,7 @@ class ShareCondition:
 
 
 def _read_condition(raw: object) -> ShareCondition:
+    """Return the condition in a text such as ``regime == stick``."""
     if isinstance(raw, ShareCondition):
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
@@ -87,6 +88,7 @@ def _read_condition(raw: object) -> ShareCondition:
 
 
 def _read_statistic(raw: object) -> str:
+    """Return the name of a statistic; raise a refusal for an unknown one."""
     if raw not in STATISTICS:
         text = str(raw)[:60]
         message = f"'{text}' is not a statistic"
@@ -97,6 +99,7 @@ def _read_statistic(raw: object) -> str:
 
 
 def _read_quantile(raw: object) -> float:
+    """Return a quantile from 0 to 1; raise a refusal for anything else."""
     if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
         raise refusal(
             f"{str(raw)[:40]!r} is not a quantile", "Write a number from 0 to 1: 0.5 is the median"
@@ -105,6 +108,7 @@ def _read_quantile(raw: object) -> float:
 
 
 def _read_name(raw: object) -> str:
+    """Return a valid variable name; raise a refusal for anything else."""
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
             f"{str(raw)[:60]!r} cannot be the name of a variable",
@@ -114,10 +118,11 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    """Return a validator that sorts names, each once: equal studies have equal keys."""
+    """Return a validator that sorts names and removes repetitions, so that equal studies agree."""
     place = {name: k for k, name in enumerate(order)}
 
     def sort(names: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names sorted, each once."""
         return tuple(sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place))))
 
     return AfterValidator(sort)

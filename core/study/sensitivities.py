@@ -13,7 +13,7 @@ MAX_PARAMETERS = 30
 
 
 def _read(raw: object) -> bool | tuple[str, ...] | None:
-    """Return True for all given parameters, or names; None for nothing, however it is said."""
+    """Return True for all parameters, a list of names, or None if none are asked for."""
     if raw is None or isinstance(raw, bool):
         return raw or None
     names = tuple(raw) if isinstance(raw, list | tuple) else ()

@@ -31,7 +31,7 @@ class Demand(Frozen):
 
     @property
     def name(self) -> str:
-        """The name of its probability in the result."""
+        """The name of the demand's probability in the result."""
         if self.regime is not None:
             return self.regime
         ends = [end for end in ("at_least", "at_most") if getattr(self, end) is not None]
@@ -93,6 +93,7 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("samples")
     @classmethod
     def _power_of_two(cls, value: int) -> int:
+        """Refuse a number that is not a power of two."""
         if value & (value - 1):
             below = 1 << (value.bit_length() - 1)
             raise refusal(f"{value:,} is not a power of two", f"Give {below:,} or {2 * below:,}")
@@ -101,12 +102,13 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("analyses")
     @classmethod
     def _in_order(cls, value: tuple[Analysis, ...]) -> tuple[Analysis, ...]:
-        """Return each once, in one order, so that equal studies are equal to the letter."""
+        """Return the entries sorted, each once, so that equal studies agree."""
         return tuple(name for name in ANALYSES if name in value)
 
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        """Refuse quantiles outside 0 to 1 or out of order."""
         wrong = [one for one in value if not 0 < one < 1]
         if wrong:
             raise refusal(f"{wrong[0]:g} is not between 0 and 1", "Write 0.05 for five per cent")
@@ -115,7 +117,7 @@ class SensitivityStudy(DrivenStudy):
         return value
 
     def distributions(self) -> dict[str, Distribution]:
-        """Return the uncertain parameters and their distributions, in one order."""
+        """Return the uncertain parameters with their distributions, in order."""
         return distributions_of(self.uncertain)
 
     def asked(self) -> tuple[str, ...]:
@@ -123,14 +125,15 @@ class SensitivityStudy(DrivenStudy):
         return tuple(dict.fromkeys((*self.outputs, *self._demanded())))
 
     def _demanded(self) -> Iterable[str]:
+        """Return the outputs of the demands."""
         return (one.output for one in self.demands if one.output is not None)
 
     def places(self) -> dict[str, str]:
-        """As in `Study`."""
+        """Return the paths of parameters outside `parameters`."""
         return {name: f"uncertain.{name}" for name in self.distributions()}
 
     def output_places(self) -> dict[str, str]:
-        """As in `Study`."""
+        """Return the paths of outputs outside `outputs`."""
         paths: dict[str, str] = {}
         for number, one in enumerate(self.demands):
             if one.output is not None and one.output not in self.outputs:

@@ -100,7 +100,7 @@ class ShownUnits:
     wanted: Mapping[str, Shown] = field(default_factory=dict)
 
     def of(self, unit: str, largest: float) -> Shown:
-        """Return the unit for values in `unit`, of which the largest has the size `largest`."""
+        """Return the unit in which to show values in `unit` with the largest size `largest`."""
         if unit in self.wanted:
             return self.wanted[unit]
         if self.system == "trade" and unit in TRADE:
@@ -111,7 +111,7 @@ class ShownUnits:
 
 
 def read_shown(words: Iterable[str]) -> ShownUnits:
-    """Return the units that `words` ask for: ``trade``, ``si``, or units such as ``m/min``.
+    """Return the units to show: ``trade``, ``si``, or a list such as ``m/min``.
 
     A unit stands for all quantities of its kind.
 
@@ -135,7 +135,7 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
 
 
 def _unit(word: str) -> tuple[str, Shown]:
-    """Return the unit of quantities that a word stands for, and how it is read."""
+    """Return a shown unit and the unit of the quantities that it is for."""
     for unit in dict.fromkeys(quantity.unit for quantity in QUANTITIES.values()):
         if unit == "1":
             continue

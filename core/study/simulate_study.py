@@ -31,7 +31,7 @@ _TRAJECTORY_SCHEMA = {
 
 
 def _are_times(raw: Sequence[object]) -> bool:
-    """True if values are times that rise, within what is allowed."""
+    """True if values are ascending times within the allowed range."""
     numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
     if not 0 < len(raw) <= MAX_SAMPLES or len(numbers) < len(raw):
         return False
@@ -40,7 +40,7 @@ def _are_times(raw: Sequence[object]) -> bool:
 
 
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
-    """Return a number of steps, or times in seconds."""
+    """Return the number of steps of a trajectory, or times in seconds."""
     whole = isinstance(raw, int) and not isinstance(raw, bool)
     if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]
@@ -118,7 +118,7 @@ class MotionSettings(Frozen):
     )
 
     def settings(self) -> dict[str, float]:
-        """Return the settings that the study gives, by their names among the quantities."""
+        """Return the settings in the study, by their names as quantities."""
         given = {name: getattr(self, name) for name in SETTINGS}
         return {name: float(value) for name, value in given.items() if value is not None}
 

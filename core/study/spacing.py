@@ -26,7 +26,7 @@ SIMPLE: Final = 1_000_000  # largest denominator of a fraction that is no decima
 
 
 def as_typed(number: float) -> Fraction:
-    """Return the number that a float stands for: its shortest decimal, or a simple fraction.
+    """Return the exact number behind a float: its shortest decimal, or a simple fraction.
 
     What takes more digits than people type may be 1000 turns a minute in hertz, 50/3.
     """
@@ -41,7 +41,7 @@ def as_typed(number: float) -> Fraction:
 def evenly(
     first: float, last: float, size: int, start: int = 0, stop: int | None = None
 ) -> NDArray[np.float64]:
-    """Return even steps from `first` to `last`, both included, or the part of them that is asked.
+    """Return evenly spaced values from `first` to `last` inclusive, or a slice of them.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def evenly(
 def geometrically(
     first: float, last: float, size: int, start: int = 0, stop: int | None = None
 ) -> NDArray[np.float64]:
-    """Return the same as numpy's geomspace, or a part of it; parameters are those of `evenly`."""
+    """Return geometrically spaced values as numpy's geomspace, or a slice of them."""
     stop = size if stop is None else stop
     ends = float(np.log10(first)), float(np.log10(last))
     values = np.power(10.0, _approximately(*ends, size, start, stop))
@@ -86,7 +86,7 @@ def geometrically(
 
 @functools.lru_cache(maxsize=256)
 def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
-    """Return whole numbers a, b, c such that value k is (a + b k) / c."""
+    """Return integers a, b, c such that value k is exactly (a + b k)/c."""
     begin = as_typed(first)
     step = (as_typed(last) - begin) / (size - 1)
     common = begin.denominator * step.denominator
@@ -98,7 +98,7 @@ def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
-    """Return a part of numpy's linspace: an axis may have a hundred million values."""
+    """Return a slice of numpy's linspace without computing the whole axis."""
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)

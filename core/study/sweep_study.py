@@ -37,5 +37,5 @@ class SweepStudy(Study):
     @field_validator("precision")
     @classmethod
     def _double_is_nothing(cls, value: str | None) -> str | None:
-        """Leave the default out, so that equal studies are equal to the letter."""
+        """Drop the default precision, so that equal studies agree."""
         return None if value == "double" else value

@@ -19,6 +19,7 @@ from core.study.units import UnitError
 
 
 def _schema(quantity: Quantity) -> dict[str, Any]:
+    """Return the JSON Schema of a parameter's distribution."""
     # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
     value: dict[str, Any] = {"type": ["number", "string"]}
     many = {"type": "array", "items": value, "minItems": 2, "maxItems": MAX_TABULATED}
@@ -33,7 +34,9 @@ def _schema(quantity: Quantity) -> dict[str, Any]:
 
 
 def _field(name: str, quantity: Quantity) -> Any:
+    """Return the pydantic field of a parameter's distribution."""
     def read(raw: object) -> Distribution:
+        """Return the distribution; raise a refusal for a wrong one."""
         try:
             return read_distribution(name, raw)
         except UnitError as error:
@@ -65,7 +68,7 @@ else:
 
 
 def distributions_of(uncertain: Uncertain | None) -> dict[str, Distribution]:
-    """Return the uncertain parameters and their distributions, in the order of the declaration."""
+    """Return the uncertain parameters with their distributions, in the order of the declaration."""
     if uncertain is None:
         return {}
     given = uncertain.model_fields_set

@@ -42,7 +42,7 @@ class UnitError(ValueError):
 
 
 def read_number(name: str, quantity: Quantity, raw: object) -> float:
-    """Return `raw` (a number, or text with a unit) in the unit of `quantity`.
+    """Return a number, or a text with a unit, in the unit of a quantity.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    """Return the same as `read_number`; `factors` holds the factors of units that have been met."""
+    """Return a value in the unit of a quantity; `factors` caches the factors of units."""
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
@@ -70,7 +70,7 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
 
 
 def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[float, ...]:
-    """Return the same as `read_number` for each of many, plain numbers a good deal faster.
+    """Return many values in the unit of a quantity, fast for plain numbers.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
 
 
 def share_of(value: float, raw: object, example: str) -> float | None:
-    """Return the part of a value that a text such as ``"5 %"`` means; None if it is no share.
+    """Return the fraction of a value that a text such as ``"5 %"`` means; None for other texts.
 
     Raises
     ------
@@ -109,11 +109,12 @@ def share_of(value: float, raw: object, example: str) -> float | None:
 
 
 def problem(path: str, error: UnitError) -> Problem:
-    """Return the error as a problem at `place`."""
+    """Return a unit error as a problem at a path."""
     return Problem(path, error.message, error.fix)
 
 
 def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:
+    """Return the value of a text with a unit, exactly rounded."""
     match = _TEXT.fullmatch(text[:200])
     if match is None:
         raise UnitError(
@@ -140,7 +141,7 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
 
 
 def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
-    """Return one `unit` in the unit of `quantity`, exactly; raise `UnitError` if unknown."""
+    """Return the exact factor of a unit; raise `UnitError` for an unknown one."""
     if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
         return Fraction(1, 60)
     fix = _how_to_write(name, quantity)
@@ -165,19 +166,21 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
 
 
 def _pint_name(unit: str) -> str:
-    """Return the unit of a quantity as pint reads it: "m s-2" as "m**1*s**-2"."""
+    """Return a unit in pint's notation: "m s-2" as "m**1*s**-2"."""
     factors = (f"{name}**{power or 1}" for name, power in _FACTOR.findall(unit))
     return "*".join(factors) or "dimensionless"
 
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[Fraction]:
+    """Return pint's unit registry with exact fractions."""
     import pint  # costs a third of a second, and a study without unit texts does not need it
 
     return pint.UnitRegistry(non_int_type=Fraction)
 
 
 def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
+    """Raise `UnitError` if a number is outside the bounds of its quantity."""
     low, high = quantity.lower, quantity.upper
     if number < low or (quantity.strict and number == low):
         least = f"greater than {low:g}" if quantity.strict else f"at least {low:g}"
@@ -187,10 +190,12 @@ def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
 
 
 def _suffix(quantity: Quantity) -> str:
+    """Return the unit with a blank before it; empty for dimensionless quantities."""
     return "" if quantity.unit == "1" else f" {quantity.unit}"
 
 
 def _how_to_write(name: str, quantity: Quantity) -> str:
+    """Return advice on how to write a value of a quantity."""
     bare = "a plain number" if quantity.unit == "1" else f"a bare number is in {quantity.unit}"
     if quantity.unit == "1":
         return f"Write {name} = {quantity.examples[0]} ({bare})"
@@ -199,6 +204,7 @@ def _how_to_write(name: str, quantity: Quantity) -> str:
 
 
 def _shown(raw: object) -> str:
+    """Return a value as shown in messages, cut to 60 characters."""
     if isinstance(raw, bool):
         return str(raw).lower()  # as TOML and JSON have it
     text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)

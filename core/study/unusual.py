@@ -24,7 +24,7 @@ ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median
 
 
 def questions(content: object) -> list[str]:
-    """Return a line for each unusual parameter in the content of a sound study.
+    """Return a question for each unusual parameter value in a valid study.
 
     A number that is written with its unit is not asked about for being small.
     """
@@ -40,7 +40,7 @@ def questions(content: object) -> list[str]:
 
 
 def _leaves(raw: object) -> Iterator[Any]:
-    """Yield the numbers, or texts, of a value, a list, a range or bounds."""
+    """Yield the single values in a value, list, range or bounds."""
     if isinstance(raw, Mapping):
         yield from (raw[end] for end in ENDS if end in raw)
         yield from raw.get("values", ())
@@ -53,6 +53,7 @@ def _leaves(raw: object) -> Iterator[Any]:
 def _question(
     name: str, quantity: Quantity, usual: tuple[float, float], leaves: list[Any]
 ) -> str | None:
+    """Return the question about a parameter's unusual value; None if it is usual."""
     if not leaves:  # what is uncertain may come from a file
         return None
     sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
@@ -73,7 +74,7 @@ def _question(
 
 
 def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
-    """Return the likely meaning of a bare number, if that would be usual."""
+    """Return the likely intended unit of a number without one, if that would be usual."""
     unit = SLIPS.get(quantity.unit)
     if unit is None:  # of a share, per cent
         text, value = f"{typed / 100:g}", typed / 100

@@ -37,7 +37,7 @@ class Fixed:
     value: float
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the value as plain JSON, in the quantity's unit."""
         return self.value
 
 
@@ -49,15 +49,15 @@ class Points:
 
     @property
     def size(self) -> int:
-        """Number of values."""
+        """The number of values."""
         return len(self.values)
 
     def array(self, start: int = 0, stop: int | None = None) -> NDArray[np.float64]:
-        """Return the values from position `start` to before `stop`; all if left out."""
+        """Return the values from index `start` to before `stop`; all by default."""
         return np.array(self.values[start:stop])
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the list as plain JSON, in the quantity's unit."""
         return list(self.values)
 
 
@@ -71,7 +71,7 @@ class Span:
     spacing: Literal["linear", "log"] = "linear"
 
     def array(self, start: int = 0, stop: int | None = None) -> NDArray[np.float64]:
-        """Return the values from position `start` to before `stop`; all if left out.
+        """Return the values from index `start` to before `stop`; all by default.
 
         A part has the bits of the whole. Linear values are as typed: see `core.study.spacing`.
         """
@@ -79,7 +79,7 @@ class Span:
         return spaced(self.start, self.stop, self.size, start, stop)
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the range as plain JSON, in the quantity's unit."""
         return {
             "start": self.start,
             "stop": self.stop,
@@ -99,12 +99,12 @@ class Between:
     upper: float
 
     def canonical(self) -> Any:
-        """Return the plain JSON form, in the quantity's unit."""
+        """Return the bounds as plain JSON, in the quantity's unit."""
         return {"lower": self.lower, "upper": self.upper}
 
 
 def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Between:
-    """Return the bounds that a user wrote for the variable `name`; `quantity` is what it is else.
+    """Return the bounds that a user wrote for a variable.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
 
 
 def read_values(name: str, raw: object) -> Values:
-    """Return the values that a user wrote for the parameter `name`.
+    """Return the values that a user wrote for a parameter: one, a list, or a range.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def read_values(name: str, raw: object) -> Values:
 def position_on_axis(
     name: str, values: NDArray[np.float64], wanted: float, system: str = "si"
 ) -> int:
-    """Return the position of a value on an axis.
+    """Return the index of a value on an axis.
 
     Texts such as 33.33333333 name a value: it may be missed by 1e-9 of the value or of the gap to
     its neighbour. `system` says in which units of `core.study.shown` the error speaks.
@@ -181,6 +181,7 @@ def position_on_axis(
 
 
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
+    """Return the listed values; raise `UnitError` if they are not monotonic."""
     if not raw:
         raise UnitError(f"{name} is an empty list", "Give at least one value")
     values = read_numbers(name, quantity, raw)
@@ -194,6 +195,7 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
 
 
 def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:
+    """Return the range of a mapping with start, stop, and num or step."""
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
         raise UnitError(
@@ -235,6 +237,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
 
 
 def _num(name: str, raw: object) -> int:
+    """Return the number of values of a range."""
     if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
         raise UnitError(
             f"num of {name} is {str(raw)[:40]!r}",
@@ -246,7 +249,7 @@ def _num(name: str, raw: object) -> int:
 def _step(
     name: str, quantity: Quantity, start: float, stop: float, raw: object
 ) -> tuple[float, int]:
-    """Return the last value that whole steps reach, and the number of values."""
+    """Return last value and number of values of a range with a step."""
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
     step = read_number(f"step of {name}", as_difference(quantity), raw)
     first, apart = as_typed(start), as_typed(step)
@@ -263,7 +266,7 @@ def _step(
 
 
 def as_difference(quantity: Quantity) -> Quantity:
-    """Return the quantity of a difference of two values: above 0, without other bounds."""
+    """Return the quantity of a difference of two values, above 0."""
     return Quantity(
         quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
         examples=quantity.examples,

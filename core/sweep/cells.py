@@ -16,7 +16,7 @@ from core.watch import Watch
 
 
 def compute(prepared: Prepared, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a sweep, SI units; it cannot be stopped."""
+    """Return outputs and `regime` of a sweep in SI units."""
     plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
     arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
     if asked is not None:
@@ -27,10 +27,11 @@ def compute(prepared: Prepared, watch: Watch) -> Computed:
 
 
 def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
-    """Return the arrays of a sweep, labelled; `watch` may stop verifying it."""
+    """Return the results of a sweep, labelled and verified if asked for."""
     plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
 
     def values_at(sample: Sample) -> dict[str, Array]:
+        """Return the outputs at sampled cells."""
         return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
 
     variables = outputs_of(prepared, arrays)
@@ -44,7 +45,7 @@ def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
 
 
 def attributes_of(prepared: Prepared) -> dict[str, str]:
-    """Return the attributes of a whole sweep that are known before anything is computed."""
+    """Return the attributes of a sweep's result that are known before computing."""
     told = accuracy(prepared.plan.scene)
     if getattr(prepared.study, "precision", None) == "single":
         told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"

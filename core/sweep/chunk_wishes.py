@@ -17,7 +17,7 @@ _FIX = "Write AXIS:all or AXIS:NUMBER, with commas between, as in frequency:all,
 
 
 def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int | None]:
-    """Return the wishes in a text; raise `StudyError` with every problem.
+    """Return the chunk sizes that a text asks for; raise `StudyError` with every problem.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
 def wished_shape(
     dims: Sequence[str], shape: Sequence[int], wishes: Wishes, most: int
 ) -> tuple[int, ...]:
-    """Return the shape of the chunks of an array, of `most` values at most.
+    """Return the chunk shape of an array as asked for, with at most `most` values.
 
     Numbers come first, then the axes that are wanted whole: if all of them do not fit, they are cut
     alike. What room is left the other axes share.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def open_lazily(sweep: Prepared) -> xarray.Dataset:
-    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
+    """Return a sweep's dataset whose values are computed when they are read.
 
     Raises
     ------

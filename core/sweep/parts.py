@@ -24,7 +24,7 @@ TRIED = 3  # tiles from which the time of all is told
 
 
 def seconds_in_shards(sweep: Prepared) -> float:
-    """Return the time to compute and pack all tiles on one core, estimated from a few of them."""
+    """Return the time to compute and pack all tiles on one core [s], from trying a few."""
     tiled = Tiled(sweep)
     count = len(tiled.tiles)
     tried = [tiled.tiles[count * k // (TRIED + 1)] for k in range(min(count, TRIED + 1))]
@@ -51,7 +51,7 @@ class Shards(Parts):
     sweep: Prepared
 
     def begin(self) -> None:
-        """As in `Parts`."""
+        """Write the metadata of the group, so that readers can open it while it grows."""
         growing = self._growing(outline(self.sweep.unverified()))
         try:
             growing.show()
@@ -59,12 +59,14 @@ class Shards(Parts):
             growing.close()
 
     def _growing(self, table: Table, history: str | None = None) -> GrowingZarr:
+        """Return the Zarr group under way."""
         tiles, made = Tiled(self.sweep).tiles, identity(self.study)
         return GrowingZarr(self.where, tiles, table, made, shared=True, history=history)
 
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+        """Compute and write some tiles; return the digests of their shards."""
         sweep = self.sweep.unverified()
         growing = self._growing(outline(sweep))
         try:
@@ -80,6 +82,7 @@ class Shards(Parts):
         return {}, growing.digests
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
+        """Finish the group and return its table."""
         table = outline(self.sweep, watch)
         growing = self._growing(table, history)
         try:
@@ -91,7 +94,7 @@ class Shards(Parts):
 
 
 def _is_there(growing: GrowingZarr, record: Record) -> bool:
-    """True if the shards of a part have the digests that its record tells."""
+    """True if the shards of a part have the digests in its record."""
     shards: Mapping[str, str] = record.fields["shards"]
     return all(growing.digest(key) == digest for key, digest in shards.items())
 
@@ -105,11 +108,13 @@ class _Range:
 
     @property
     def missing(self) -> Iterator[int]:
+        """Return the tiles of the part."""
         return iter(self._tiles)
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
+        """Write a tile."""
         self._growing.write(index, arrays, seconds)
         self.left -= 1
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Leave it to those who join."""
+        """Do nothing: the group is finished when the parts are joined."""

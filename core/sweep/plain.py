@@ -32,7 +32,7 @@ class Sweep(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """As in `Prepared`: each cell can be evaluated by itself."""
+        """None: each cell can be computed by itself."""
         return None
 
     @property
@@ -41,11 +41,11 @@ class Sweep(Prepared):
         return self.study.precision == "single"
 
     def width(self, name: str) -> int:
-        """As in `Prepared`."""
+        """Return the bytes of a stored value."""
         return min(super().width(name), 4) if self.is_single else super().width(name)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values of an output in the units of files; rounded to 32 bits if asked for."""
+        """Return values of an output in the units of files, rounded to 32 bits if asked for."""
         values = super().in_files(name, values)
         if not self.is_single or values.dtype != np.float64:
             return values
@@ -54,28 +54,28 @@ class Sweep(Prepared):
 
     @cached_property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The time of a cell on one core [s]."""
         return evaluation_seconds(self.plan, self.grid) / self.cells
 
     def compute(self, watch: Watch) -> Computed:
-        """Return outputs and `regime`, SI units; it cannot be stopped."""
+        """Return outputs and `regime` in SI units."""
         return compute(self, watch)
 
     def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return the arrays, labelled; `watch` may stop verifying them."""
+        """Return the labelled results; `watch` may stop verifying."""
         return label(self, computed, watch)
 
     def parts(self, where: str, count: int) -> Shards:
-        """As in `Prepared`: ranges of its tiles, which go into the shards of a Zarr group."""
+        """Return the parts of the sweep: ranges of tiles, written as shards of a Zarr group."""
         return Shards(self.study, self.cells, where, count, self.boxes, self)
 
     @property
     def boxes(self) -> int:
-        """As in `Prepared`: its tiles."""
+        """The number of tiles, the largest number of parts."""
         return len(Tiled(self).tiles)
 
     def seconds_in_parts(self) -> float:
-        """As in `Prepared`."""
+        """Return the time of all parts on one core [s]."""
         return seconds_in_shards(self)
 
 
@@ -87,25 +87,25 @@ class DerivedSweep(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """As in `Prepared`."""
+        """The reason why cells cannot be computed on reading: their derivatives."""
         message = "derivatives are computed as a whole, not where read"
         return Problem("sensitivities", message, "Leave it out")
 
     @cached_property
     def derived(self) -> Asked | None:
-        """As in `Prepared`."""
+        """The derivatives in the result."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
     @cached_property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`: each parameter takes a pass of its own, with two numbers for one."""
+        """The time of a cell on one core [s]: each parameter needs its own pass."""
         passes = 1 + (2 * len(self.derived.parameters) if self.derived else 0)
         return passes * self.plan.scene.seconds_a_cell * pace()
 
     def compute(self, watch: Watch) -> Computed:
-        """Return outputs and `regime`, SI units; it cannot be stopped."""
+        """Return outputs and `regime` in SI units."""
         return compute(self, watch)
 
     def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return the arrays, labelled; `watch` may stop verifying them."""
+        """Return the labelled results; `watch` may stop verifying."""
         return label(self, computed, watch)

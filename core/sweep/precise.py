@@ -51,7 +51,7 @@ class NotPreciseError(VibrafeedError):
 
 
 def _mpf(value: Any) -> Any:
-    """Return a value as a number of mpmath; NaN where it is complex, as floats would have it."""
+    """Return a value as an mpmath number; NaN if it is complex."""
     if isinstance(value, Number):
         return value.value
     if isinstance(value, CONTEXT.mpf | CONTEXT.mpc):
@@ -95,7 +95,7 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
     ) -> Any:
-        """Apply a function of numpy with 50 digits."""
+        """Apply a numpy function with 50 digits."""
         operation = OPERATIONS.get(ufunc)
         if method == "__call__" and operation is not None and operation.digits is not None:
             result = _applied(operation, inputs)
@@ -109,23 +109,24 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
         return _labelled(getattr(ufunc, method)(*plain, **settings))
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        """Rearrange numbers, as `np.where` does; what it gives are such arrays again."""
+        """Apply a numpy function that rearranges numbers, such as `np.where`."""
         return _labelled(super().__array_function__(func, types, args, kwargs))
 
 
 def _applied(operation: Operation, inputs: Sequence[Any]) -> Any:
-    """Return the result of a row of the table for each number: numbers, or truth values."""
+    """Return the results of an operation on numbers, or on truth values."""
     results = _of_elements(operation, len(inputs))(*map(np.asarray, inputs))
     return np.asarray(results).astype(np.bool_) if operation.gives_truth else _labelled(results)
 
 
 @cache
 def _of_elements(operation: Operation, count: int) -> Any:
-    """Return a function of numpy that applies a row of the table to each element of arrays."""
+    """Return a numpy function that applies an operation to each element of arrays."""
     digits, truth = operation.digits, operation.gives_truth
     assert digits is not None
 
     def apply(*elements: Any) -> Any:
+        """Return the result of the operation on one element."""
         result = digits(CONTEXT, *[x.value if type(x) is Number else _mpf(x) for x in elements])
         return result if truth else Number(result)
 
@@ -133,7 +134,7 @@ def _of_elements(operation: Operation, count: int) -> Any:
 
 
 def _numbers(values: Any) -> Any:
-    """Return the arguments of a function with numbers for floats; truth values and counts stay."""
+    """Return arguments with floats replaced by 50-digit numbers."""
     array = np.asarray(values)
     if array.dtype.kind == "b" or array.dtype.kind in "iu":
         return array
@@ -141,6 +142,7 @@ def _numbers(values: Any) -> Any:
 
 
 def _as_number(value: Any) -> Any:
+    """Return a value as a 50-digit number; truth values unchanged."""
     return value if isinstance(value, Number | bool | np.bool_) else Number(value)
 
 
@@ -148,7 +150,7 @@ _AS_NUMBERS = np.frompyfunc(_as_number, 1, 1)
 
 
 def _labelled(result: Any) -> Any:
-    """Return arrays of objects as `Precise`, also within lists and tuples."""
+    """Return object arrays as `Precise`, also inside lists and tuples."""
     if isinstance(result, np.ndarray):
         return result.view(Precise) if result.dtype == object else result
     if isinstance(result, tuple):
@@ -162,7 +164,7 @@ def _labelled(result: Any) -> Any:
 def exact_values(
     plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
 ) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs of a plan of closed forms at given cells, to 50 digits.
+    """Return the outputs of a closed-form plan at cells to 50 digits.
 
     Parameters
     ----------
@@ -192,7 +194,7 @@ def exact_values(
 def sensitivities(
     plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
 ) -> dict[str, NDArray[np.object_]]:
-    """Return sum |x dF/dx| of each output over the parameters; as `exact_values`.
+    """Return the condition sum |x dF/dx| of each output over the parameters, to 50 digits.
 
     Over |F| it is the condition number: a change of every parameter by a share h moves the output
     by up to that share times it. Central differences.
@@ -222,7 +224,7 @@ def sensitivities(
 
 
 def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
-    """Return the cells as numbers, all of one length, and that length.
+    """Return the cells as columns of 50-digit numbers, and their length.
 
     A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.angles`).
     """
@@ -237,7 +239,7 @@ _AS_NUMBER = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1
 def _outputs(
     plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
 ) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs at columns of numbers, piece by piece; raise for what rounds."""
+    """Return the outputs at columns of numbers; raise if an equation rounds to floats."""
     rounds: dict[str, str] = {}
     outputs = {name: np.empty(size, dtype=object) for name in plan.outputs}
     for start in range(0, size, PIECE):
@@ -264,7 +266,7 @@ def _outputs(
 
 
 def _run(plan: Plan, known: dict[str, Any], rounds: dict[str, str]) -> None:
-    """Add what equations give to `known`, and to `rounds` what cannot be known, with the reason."""
+    """Add the results of equations to `known`; names that cannot be computed go to `rounds`."""
     for equation in plan.equations:
         lost = [name for name in equation.inputs if name in rounds]
         if lost:
@@ -305,7 +307,7 @@ class Errors:
 def errors_of(
     got: Array, exact: NDArray[np.object_], moved: NDArray[np.object_], dtype: Any
 ) -> Errors:
-    """Return the errors of values in floats of a type.
+    """Return the errors of values computed in a floating-point type.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from core.sweep.reduced import ReducedSweep
 
 
 def prepare(study: SweepStudy) -> Sweep | DerivedSweep | ReducedSweep:
-    """Return the sweep of a study.
+    """Return the prepared sweep of a study; raise `StudyError` with every problem.
 
     Raises
     ------

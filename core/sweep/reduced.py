@@ -26,19 +26,20 @@ class ReducedSweep(Reduced):
 
     @cached_property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The time of a cell on one core [s]."""
         return evaluation_seconds(self.plan, self.grid) / self.cells + SEEN_SECONDS * pace()
 
     def attributes(self) -> dict[str, str]:
-        """As in `Reduced`."""
+        """Return the attributes of the result that are known before computing."""
         return attributes_of(self)
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """As in `Reduced`: the cells are evaluated each by itself."""
+        """Return the verification result as attributes; cells are computed one by one."""
         whole = Sweep(self.study, self.plan, self.grid)
         tiled = Tiled(whole)
 
         def values_at(sample: Sample) -> dict[str, Array]:
+            """Return the outputs at sampled cells."""
             return tiled.at(sample.positions, sample.count)
 
         return {**verified(whole, values_at, watch)}

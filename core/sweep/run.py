@@ -12,10 +12,10 @@ AnySweep = Sweep | DerivedSweep | ReducedSweep
 
 
 def compute(prepared: AnySweep, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a prepared sweep, SI units; or what it asks for besides."""
+    """Return outputs and `regime` of a sweep in SI units, or its reduction."""
     return prepared.compute(watch)
 
 
 def label(prepared: AnySweep, computed: Computed, watch: Watch) -> Table:
-    """Return the arrays of a sweep, labelled; `watch` may stop verifying it."""
+    """Return the labelled results of a sweep; `watch` may stop verifying."""
     return prepared.label(computed, watch)

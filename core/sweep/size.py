@@ -15,7 +15,7 @@ CHUNKS = 12  # how many are tried
 
 
 def bytes_in_file(sweep: Prepared, *, compressed: bool) -> int:
-    """Return the bytes of the arrays of a sweep in a file; of compressed ones, an estimate.
+    """Return the bytes of a sweep in a file; an estimate if compressed.
 
     It is told from a few chunks, which are the same for equal studies.
     """

@@ -45,7 +45,7 @@ class SliceCut:
 def cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> dict[str, Any]:
-    """Return one output, and its regime, over one or two axes of a sweep.
+    """Return an output and its regime over one or two axes of a sweep.
 
     Only the slice is computed, by the equations that this output needs.
 
@@ -81,7 +81,7 @@ def cut(
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> SliceCut:
-    """Return the sweep that `cut` would compute; takes and raises the same."""
+    """Return the sweep that computes a slice; same arguments and errors as `cut`."""
     problems = list(_problems(sweep, output, axes, at))
     if problems:
         raise StudyError(problems)
@@ -107,7 +107,7 @@ def prepare_cut(
 
 
 def carried_out(prepared: SliceCut) -> dict[str, Any]:
-    """Return the values of a slice, as `cut` does."""
+    """Return the computed values of a prepared slice."""
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid)
     depends = plan.depends_on(grid.axes)
@@ -132,7 +132,7 @@ def carried_out(prepared: SliceCut) -> dict[str, Any]:
 
 
 def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
-    """Return the result of `cut` of a sweep as a table, with the attributes of the whole."""
+    """Return a slice as a table, with the attributes of its sweep."""
     output = piece["output"]
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
     fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
@@ -153,7 +153,7 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
 def _problems(
     sweep: Prepared, output: str, axes: Sequence[str], at: Mapping[str, str]
 ) -> Iterator[Problem]:
-    """Yield the problems of the names in a request."""
+    """Yield problems of the names in a request for a slice."""
     known, suggest = sweep.grid.axes, Suggestions()
     if output not in sweep.dims:
         fix = suggest(output, sweep.dims)
@@ -173,7 +173,7 @@ def _problems(
 
 
 def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
-    """Return the value of an axis that a text names; raise `UnitError` if there is none."""
+    """Return the value of an axis that a text means; raise `UnitError` if the axis lacks it."""
     values = grid.coordinate(name)
     if name not in at:
         raise UnitError(
@@ -185,4 +185,5 @@ def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
 
 
 def _labelled(values: Any, dims: tuple[str, ...]) -> dict[str, Any]:
+    """Return an array with its dimensions as a document."""
     return {"dims": list(dims), "data": np.ascontiguousarray(values)}

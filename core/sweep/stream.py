@@ -46,17 +46,17 @@ class Target(Protocol):
 
     @property
     def missing(self) -> Iterator[int]:
-        """The tiles that are not written, in the order in which it takes them."""
+        """The indices of the tiles that are not written, in order."""
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write a tile, in the units of files; `seconds` is what all so far cost."""
+        """Write a tile in the units of files; `seconds` is the cost of all so far."""
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Make the result whole, and let it appear."""
+        """Finish the result and make it visible."""
 
 
 def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
-    """Return the table of a sweep of any size but for the values of its arrays, which are hollow.
+    """Return the table of a sweep of any size without the values of its arrays.
 
     Shapes, types and attributes are those of `tabulate`, with cells verified that are evaluated
     for it, and a price that is not known yet; `watch` may stop verifying.
@@ -66,6 +66,7 @@ def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
     tiled, shape = Tiled(sweep), sweep.grid.shape
 
     def values_at(sample: Sample) -> dict[str, Array]:
+        """Return the outputs at sampled cells."""
         return tiled.at(sample.positions, sample.count)
 
     variables = {
@@ -99,7 +100,7 @@ class Passed:
     cells: int = 0
 
     def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], flags: tuple[int, ...]) -> None:
-        """Count a tile in; `flags` are the regimes that cells can have."""
+        """Add the statistics of a tile; `flags` are the possible regimes."""
         self.cells += tile.cells
         for name, values in arrays.items():
             if name == "regime":
@@ -118,7 +119,7 @@ class Passed:
 
 
 def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple[Passed, bool]:
-    """Compute the tiles that a target misses, and have them written.
+    """Compute the missing tiles of a target and write them.
 
     Parameters
     ----------
@@ -145,9 +146,11 @@ def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple
     started = time.perf_counter()
 
     def spent() -> float:
+        """Return the cost so far [s]."""
         return target.seconds + time.perf_counter() - started
 
     def deliver(index: int, tile: Tile, arrays: Mapping[str, NDArray[Any]], cost: float) -> None:
+        """Check, write and count a tile."""
         expected.check(tile, arrays)
         target.write(index, arrays, cost)
         passed.add(tile, arrays, flags)
@@ -184,7 +187,7 @@ class _Expected:
             self._values = tiled.at(self._sample.positions, self._sample.count)
 
     def check(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Raise `VibrafeedError` if a tile has another value at such a cell."""
+        """Raise `VibrafeedError` if a tile differs from the verified value of a cell."""
         if self._sample is None:
             return
         positions = [self._sample.positions[dim] for dim in tile.field.dims]

@@ -18,19 +18,19 @@ from core.plan.tiles import Tiled
 
 
 def is_zarr(where: str) -> bool:
-    """True if a name is that of a Zarr group: a URL, or a path that ends in ``.zarr``."""
+    """True if a path or URL names a Zarr group."""
     return "://" in where or where.lower().endswith(".zarr")
 
 
 def attributes_there(where: str) -> Mapping[str, object]:
-    """Return the global attributes of the result under a name; none if there is no result."""
+    """Return the global attributes of an existing result; none if there is none."""
     if is_zarr(where):
         return attributes_at(where)
     return attributes_of_file(Path(where)) if Path(where).exists() else {}
 
 
 def is_complete(where: str, prepared: Prepared) -> bool:
-    """True if the result of a study stands there already; one of a sweep is whole then."""
+    """True if a complete result of the study exists at a path."""
     attributes = attributes_there(where)
     made = str(attributes.get("source")).partition(",")[0]
     return (
@@ -48,7 +48,7 @@ def open_target(
     resume: bool = False,
     history: str | None = None,
 ) -> GrowingNetcdf | GrowingZarr:
-    """Return the file or store under way that takes the tiles of a sweep.
+    """Return the file or Zarr group that takes the tiles of a sweep.
 
     Parameters
     ----------

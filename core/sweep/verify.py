@@ -27,7 +27,7 @@ MAX_SECONDS_OF_A_PIECE = 1.0  # else one cell at a time
 
 
 def accuracy(scene: Scene) -> str:
-    """Return the error that closed forms of a scene are known to keep, in words."""
+    """Return the known accuracy of a scene's closed forms in words."""
     if scene.rounding_bound is None:
         return "rounding of 64-bit floats; how much it amounts to, the study's key verify says"
     return (
@@ -90,23 +90,23 @@ class Rounding:
 
     @property
     def cell(self) -> int:
-        """The cell of the worst; -1 if none is judged."""
+        """The cell with the worst value; -1 if none is judged."""
         return -1 if self.worst is None else self.worst.cell
 
     @property
     def failed(self) -> int:
-        """The number of values that are known to be beyond the bound: the worst one, or none."""
+        """The number of values known to exceed the bound: 0 or 1, as only the worst is judged."""
         if self.worst is None or self.bound is None:
             return 0
         return int(self.worst.conditioned > self.bound)
 
     @property
     def compared(self) -> NDArray[np.bool_]:
-        """The cells that are compared: all that were evaluated."""
+        """The number of compared cells."""
         return self.evaluated
 
     def in_words(self, where: str) -> str:
-        """Return one sentence; `where` is the place of the worst."""
+        """Return a sentence on the worst value; `where` is its position."""
         if self.worst is None:
             text = "no value that is not 0 is known to 50 digits"
         else:
@@ -134,7 +134,7 @@ def rounding_of(
     got: Mapping[str, Array],
     watch: Watch | None = None,
 ) -> Rounding:
-    """Return the effect of rounding on the outputs of a plan.
+    """Return the effect of rounding on a plan's outputs at cells.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def _judged(
     worst: Value | None,
     watch: Watch,
 ) -> tuple[Value | None, float, tuple[str, ...]] | None:
-    """Return the first three parts of a `Rounding` of some of the cells; None if stopped.
+    """Return the worst value, and the numbers of judged cells, for some cells; None if stopped.
 
     `worst` is that of the cells before.
     """
@@ -201,7 +201,7 @@ def _worst(
     piece: NDArray[np.intp],
     worst: Value | None,
 ) -> Value | None:
-    """Return the value of largest error over the condition number, or `worst` if none is larger.
+    """Return the value with the largest error over its condition number, in a piece.
 
     The plan has one output; `exact` is of the piece of the cells. Condition numbers take long, and
     are at least 1: those of errors that are no larger than the worst are not computed.
@@ -234,7 +234,7 @@ def _worst(
 def verified(
     prepared: Prepared, values_at: Callable[[Sample], Mapping[str, Array]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return the result of verifying a sweep, as attributes of the dataset, if it was asked for.
+    """Return the verification result of a sweep as attributes; empty if not asked for.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ class ViewStore(Store):
         self._view = view
 
     def with_read_only(self, read_only: bool = True) -> ViewStore:
-        """Return a store of the same view; there is no other kind than read-only."""
+        """Return a store of the same view, which is always read-only."""
         return ViewStore(self._view) if read_only else _refuse()
 
     def __eq__(self, other: object) -> bool:
@@ -42,7 +42,7 @@ class ViewStore(Store):
         prototype: BufferPrototype | None = None,
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
-        """Return the bytes of a key, or a part of them; None if there is no such key."""
+        """Return the bytes of a key, or a range of them; None if there is no such key."""
         try:
             content = await asyncio.to_thread(self._view.read, key)
         except KeyError:
@@ -55,7 +55,7 @@ class ViewStore(Store):
         prototype: BufferPrototype,
         key_ranges: Iterable[tuple[str, ByteRequest | None]],
     ) -> list[Buffer | None]:
-        """Return parts of keys, in the order asked for."""
+        """Return ranges of several keys, in order."""
         return [await self.get(key, prototype, part) for key, part in key_ranges]
 
     async def exists(self, key: str) -> bool:
@@ -67,27 +67,28 @@ class ViewStore(Store):
         return True
 
     async def set(self, key: str, value: Buffer) -> None:
-        """Refuse: the values follow from the study."""
+        """Raise: the view is read-only."""
         _refuse()
 
     async def delete(self, key: str) -> None:
-        """Refuse: the values follow from the study."""
+        """Raise: the view is read-only."""
         _refuse()
 
     def list(self) -> AsyncIterator[str]:
-        """Refuse: see `supports_listing`."""
+        """Raise: keys cannot be listed."""
         raise NotImplementedError
 
     def list_prefix(self, prefix: str) -> AsyncIterator[str]:
-        """Refuse: see `supports_listing`."""
+        """Raise: keys cannot be listed."""
         raise NotImplementedError
 
     def list_dir(self, prefix: str) -> AsyncIterator[str]:
-        """Refuse: see `supports_listing`."""
+        """Raise: keys cannot be listed."""
         raise NotImplementedError
 
 
 def _part(wanted: ByteRequest | None) -> slice:
+    """Return the slice that a byte range means."""
     if isinstance(wanted, RangeByteRequest):
         return slice(wanted.start, wanted.end)
     if isinstance(wanted, OffsetByteRequest):
@@ -98,4 +99,5 @@ def _part(wanted: ByteRequest | None) -> slice:
 
 
 def _refuse() -> NoReturn:
+    """Raise the error of a read-only view."""
     raise ValueError("the view of a sweep is read-only")

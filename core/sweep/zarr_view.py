@@ -41,11 +41,12 @@ class _Array:
 
     @property
     def chunks(self) -> tuple[int, ...]:
-        """Number of chunks along each dimension."""
+        """The number of chunks along each dimension."""
         return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk_shape, strict=True))
 
     @property
     def chunk_bytes(self) -> int:
+        """The bytes of a chunk."""
         return math.prod(self.chunk_shape) * self.dtype.itemsize
 
 
@@ -82,22 +83,23 @@ class ZarrView:
         self._arrays = self._lay_out(sweep, chunk_cells, wishes)
 
     def read(self, key: str) -> bytes:
-        """Return the bytes of a key; raise `KeyError` if the group has no such key."""
+        """Return the bytes of a key; raise `KeyError` if the group does not have it."""
         name, index = self._find(key)
         if index is None:
             return self._documents[name]
         return self._chunk(name, index)
 
     def length(self, key: str) -> int:
-        """Return the number of bytes of a key without computing them; raises as `read` does."""
+        """Return the length of a key's bytes without computing them; raises as `read` does."""
         name, index = self._find(key)
         return len(self._documents[name]) if index is None else self._arrays[name].chunk_bytes
 
     def chunks(self) -> dict[str, tuple[int, ...]]:
-        """Return the number of chunks of each array along each of its dimensions."""
+        """Return the number of chunks along each dimension of every array."""
         return {name: array.chunks for name, array in self._arrays.items()}
 
     def _lay_out(self, sweep: Prepared, chunk_cells: int, wishes: Wishes) -> dict[str, _Array]:
+        """Return shape, chunks and plan of every array."""
         arrays = {}
         labels = self._labels
         for name, variable in (*labels.coordinates.items(), *labels.variables.items()):
@@ -120,7 +122,7 @@ class ZarrView:
 
     @cached_property
     def _documents(self) -> dict[str, bytes]:
-        """The ``zarr.json`` of each array, and that of the group under an empty name."""
+        """The metadata documents of the group and of each array."""
         documents = {
             name: array_document(self._labels, name, array.shape, array.chunk_shape)
             for name, array in self._arrays.items()
@@ -132,7 +134,7 @@ class ZarrView:
         }
 
     def _find(self, key: str) -> tuple[str, tuple[int, ...] | None]:
-        """Return the array that a key names and the position of the chunk, if it names one."""
+        """Return the array and the chunk position that a key names."""
         if key == "zarr.json":
             return "", None
         name, _, rest = key.partition("/")
@@ -147,6 +149,7 @@ class ZarrView:
         raise KeyError(key)
 
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
+        """Return the bytes of a chunk."""
         array = self._arrays[name]
         box = {
             dim: (i * c, min((i + 1) * c, n))
