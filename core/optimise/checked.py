@@ -51,6 +51,7 @@ def checked(
     size = problem.scale(scales)
 
     def whole(values: Array) -> Array:
+        """Return values over all cells, NaN where there is no optimum."""
         return np.where(lost, np.nan, np.broadcast_to(values, cells))
 
     uncertain = problem.uncertain is not None
@@ -109,7 +110,7 @@ def checked(
 def _at_bounds(
     problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
 ) -> dict[str, NDArray[np.int8]]:
-    """Return a mask of variables that lie on a bound, within a share of their range."""
+    """Return a mask of the variables that are at a bound, within a share of their range."""
     span = problem.upper - problem.lower
     arrays = {}
     for i, name in enumerate(problem.names):
@@ -127,7 +128,7 @@ def _status(
     scales: Mapping[str, Array],
     forward: Array,
 ) -> NDArray[np.int8]:
-    """Return the statuses, with what a method that knows no physics cannot tell.
+    """Return the statuses, after physical checks that a general optimiser cannot make.
 
     `forward` is the output that is looked for, in the case that counts.
     """
@@ -154,7 +155,7 @@ def _status(
 def _of_each_point(
     problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
 ) -> tuple[OptimisationProblem, Mapping[str, Array]]:
-    """Return the problem that each answer solves: on a front, with the limit at its own value."""
+    """Return the problem of each point; on a front, with the limit at the point's own value."""
     if not isinstance(problem.criterion, Pareto):
         return problem, design
     other = np.abs(problem.output(problem.criterion.against, dict(known)))
@@ -169,7 +170,7 @@ def _gap(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of another answer less the one found; NaN without either."""
+    """Return the objective of another method's optimum less this one; NaN without both."""
     if LIMIT in (kept.name for kept in problem.kept) and problem.against:
         # A limit of nothing, which rounding may just break, would leave no answer.
         design = {**design, LIMIT: design[LIMIT] + ROUNDING * scales[problem.against]}

@@ -15,7 +15,7 @@ from core.study.values import Between, Values
 
 
 def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield the problems between the sections of a study."""
+    """Yield problems between the sections of a study."""
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
         fix = "Give the largest absolute value, 0 or more"
@@ -36,7 +36,7 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield the problems of each constraint, and of two bounds of one name."""
+    """Yield problems of each constraint, and of two bounds with one name."""
     seen: set[str] = set()
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
@@ -64,7 +64,7 @@ def problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    """Yield the problems of the uncertain parameters."""
+    """Yield problems of the uncertain parameters."""
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
@@ -87,7 +87,7 @@ def problems_of_intervals(
 
 
 def of_other_drive(problem: Problem, scene: Scene) -> Problem:
-    """Return a problem of the plan, in words that say why if only the plain sine has the output."""
+    """Return a plan's problem, reworded if only the plain sine drive has the output."""
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)
     if "wave" not in producers or closed is None or not problem.about:

@@ -22,7 +22,9 @@ def residual(
     scales: Mapping[str, Array],
     touching: float,
 ) -> Array:
-    """Return the residual of the optimality conditions over the objective's scale; (cells,).
+    """Return the residual of the optimality conditions, relative to the objective's scale.
+
+    (cells,).
 
     At an optimum the gradient is a combination, with no negative weight, of the inward gradients of
     the constraints that bind, negated; a kink of the objective at |other| = 0 adds the other's
@@ -48,6 +50,7 @@ def residual(
     back = allowed[..., 0] & allowed[..., 1] & ~allowed[..., 2]
 
     def slope(values: Array) -> Array:
+        """Return the derivative by every variable, from values on the difference stencil."""
         values = np.broadcast_to(values, (cells, 4 * count + 1))
         here = values[:, -1:]
         two_back, one_back, one_on, two_on = np.moveaxis(
@@ -100,7 +103,7 @@ def residual(
 
 
 def _least(target: Array, pulls: Array, binds: NDArray[np.bool_], most: list[float]) -> Array:
-    """Return the least |target - sum of weights pulls| with weights from 0 to `most`; (cells,).
+    """Return the smallest |target - sum of weights pulls|, weights from 0 to `most`; (cells,).
 
     Of some directions at most as many as there are variables are needed (Caratheodory): their
     subsets are tried.

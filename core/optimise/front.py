@@ -31,7 +31,7 @@ def find_front(
     method: str,
     watch: Watch,
 ) -> Optima:
-    """Return the front of every design, from the largest output to the least other one.
+    """Return the Pareto front of every design, from the largest output to the least other one.
 
     Where there is no closed form: both ends, then the largest output at equally spaced limits of
     the other between them, all designs and limits at once. The arrays have the shape
@@ -72,7 +72,7 @@ def _least(
     method: str,
     watch: Watch,
 ) -> Optima:
-    """Return the end with the least other output."""
+    """Return the end of the front with the least other output."""
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
     heavy = Weighted(output=criterion.output, against=criterion.against, weight=HEAVY)
@@ -97,7 +97,7 @@ def _least(
 
 
 def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    """Return the other output's absolute value at an end; NaN without one."""
+    """Return the other output's absolute value at an end of the front; NaN if there is none."""
     assert problem.against is not None
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
@@ -113,6 +113,7 @@ def knee(output: Array, other: Array) -> NDArray[np.int8]:
     """
 
     def over_range(values: Array) -> Array:
+        """Return values scaled to 0 to 1 over their range."""
         low, high = values.min(axis=1, keepdims=True), values.max(axis=1, keepdims=True)
         # A range of rounding is none.
         span = np.where(high - low > FLAT * np.maximum(np.abs(high), np.abs(low)), high - low, 0.0)

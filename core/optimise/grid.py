@@ -32,7 +32,7 @@ def by_grid(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the best point of a grid, then of ever finer ones around it."""
+    """Return the best point of a grid, then of successively finer grids around it."""
     cells, count = cells_of(design), len(problem.names)
     size = problem.scale(scales)
     low, high = np.zeros((count, cells)), np.ones((count, cells))
@@ -97,12 +97,12 @@ def with_best_rest(
 
 
 def dense_width(variables: int, cells: int, points: int) -> int:
-    """Return the points of each variable of a grid that spends about so many on a design."""
+    """Return the points per variable of a grid with about `points` points per design."""
     return max(5, min(201, int(min(points, MAX_POINTS / cells) ** (1 / variables))))
 
 
 def _filled(variables: int, cells: int, points: int) -> Array:
-    """Return a grid over the unit box, shape (variables, n); points of a sequence, if it is coarse.
+    """Return a grid over the unit box, shape (variables, n); a sequence of points if coarse.
 
     In many variables a grid of so few points holds little but edges.
     """
@@ -119,7 +119,7 @@ def _top(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[Any, Array, Array]:
-    """Return the place of the best of points (variables, cells, n), its violation and value."""
+    """Return index, violation and value of the best of some points (variables, cells, n)."""
     cells = unit.shape[1]
     step = max(1, BLOCK // (unit.shape[2] * problem.nodes))
     position = np.zeros(cells, dtype=np.intp)
@@ -145,7 +145,7 @@ def reliable_grid(
     scales: Mapping[str, Array],
     points: int,
 ) -> Array:
-    """Return the same for motions: the objective that stands once chance has been asked again."""
+    """Return the best objective on a grid for motions, after checking chance by longer runs."""
     count, cells = len(problem.names), cells_of(design)
     unit = _filled(count, cells, points)
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * unit
@@ -165,7 +165,7 @@ def dense_grid(
     scales: Mapping[str, Array],
     points: int,
 ) -> Array:
-    """Return the best objective on a grid of at most so many points a design; -inf without one."""
+    """Return the best objective on a grid of at most `points` points a design; -inf without one."""
     count, cells = len(problem.names), cells_of(design)
     shares = _filled(count, cells, points)[:, np.newaxis]
     unit = np.broadcast_to(shares, (count, cells, shares.shape[2]))

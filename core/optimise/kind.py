@@ -23,7 +23,7 @@ BATCHED = (
 
 
 def _fastest(scene: str, variant: str) -> dict[str, Any]:
-    """Return a study of the largest acceleration."""
+    """Return a study of the largest acceleration, for compiling kernels."""
     return {
         "kind": "optimise",
         "scene": scene,

@@ -30,7 +30,7 @@ class Answered:
 
 
 def answered(problem: OptimisationProblem) -> Answered | None:
-    """Return the answered problem that a problem is, if any; its bounds and criterion apart."""
+    """Return the solved problem that matches a problem, apart from bounds and criterion."""
     plan, criterion = problem.plan, problem.criterion
     family = OF_SYSTEM.get((plan.scene.name, plan.variant, criterion.output))
     names = {kept.name for kept in problem.kept}
@@ -44,7 +44,7 @@ def answered(problem: OptimisationProblem) -> Answered | None:
 
 
 def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
-    """True if a family has an answer for the variables, the limit and the track of a problem."""
+    """True if a family has an optimum for the variables, limit and contacts of a problem."""
     plan = problem.plan
     at_rest = "speed" not in plan.parameters and (
         plan.scene.name != "rectangle-on-track" or "centripetal_acceleration" in plan.defaults
@@ -55,7 +55,7 @@ def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
 
 
 def _within_reach(problem: OptimisationProblem) -> bool:
-    """True if the bounds are within half a turn of alpha, and beta within a right angle."""
+    """True if the bounds are within half a turn of alpha and a right angle of beta."""
     for variable in problem.variables:
         if variable.name == "alpha" and variable.upper - variable.lower > np.pi:
             return False
@@ -68,7 +68,7 @@ def _within_reach(problem: OptimisationProblem) -> bool:
 
 
 def is_closed(problem: OptimisationProblem) -> bool:
-    """True if there is a closed form: both angles from 0 to 90 degrees."""
+    """True if the optimum has a closed form: both angles range from 0 to 90 degrees."""
     which = answered(problem)
     whole = (
         set(problem.names) == set(ANGLES)
@@ -79,19 +79,19 @@ def is_closed(problem: OptimisationProblem) -> bool:
 
 
 def is_compiled(problem: OptimisationProblem) -> bool:
-    """True if the batch solver has the answer, or that of each point of a front."""
+    """True if the batch solver has the optimum, or that of each point of a front."""
     which = answered(problem)
     criterion = problem.limited().criterion if is_front(problem) else problem.criterion
     return which is not None and type(criterion) in which.family.batch
 
 
 def is_front(problem: OptimisationProblem) -> bool:
-    """True if a whole front is asked for."""
+    """True if the problem asks for a whole front."""
     return isinstance(problem.criterion, Pareto)
 
 
 def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the inputs of the closed forms, shape (cells,): drive, gravity and friction."""
+    """Return the inputs of the closed forms, shape (cells,): drive, gravity, friction."""
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
     inputs = {name: known[name] for name in names}
@@ -108,7 +108,7 @@ def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[st
 def _closed(
     problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0
 ) -> Optimum | ParetoSet:
-    """Return the closed answer of every design, or that many points of its front."""
+    """Return the closed-form optimum of every design, or so many points of its front."""
     which = answered(problem)
     assert which is not None
     inputs = groups(problem, design)
@@ -124,7 +124,7 @@ def _closed(
 
 
 def by_closed_form(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
-    """Return the closed answer of every design."""
+    """Return the closed-form optimum of every design."""
     best = _closed(problem, design)
     value = best.acceleration_x - problem.weight * np.abs(best.acceleration_y)
     return Optima(_ordered(problem, best.alpha, best.beta), best.status, value)
@@ -133,14 +133,14 @@ def by_closed_form(problem: OptimisationProblem, design: Mapping[str, Array]) ->
 def by_closed_front(
     problem: OptimisationProblem, design: Mapping[str, Array], points: int
 ) -> Optima:
-    """Return the closed front of every design, as `by_closed_form`; shape (cells * points,)."""
+    """Return the closed-form front of every design, shape (cells * points,)."""
     front = _closed(problem, design, points)
     x = _ordered(problem, front.alpha.ravel(), front.beta.ravel())
     return Optima(x, np.repeat(front.status, points), front.acceleration_x.ravel())
 
 
 def by_newton(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
-    """Return the compiled answer of every design."""
+    """Return the optimum of every design by the compiled batch solver."""
     which = answered(problem)
     assert which is not None
     inputs = groups(problem, design)

@@ -33,7 +33,7 @@ KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
 
 
 def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
-    """Return the arrays of an optimisation, labelled; `watch` may stop verifying it."""
+    """Return the results of an optimisation, labelled and verified if asked for."""
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
     variables = {
@@ -103,6 +103,7 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
 
 
 def _binds(what: str) -> dict[str, Any]:
+    """Return the attributes of the flag that says if a constraint binds."""
     return flag_attributes("optimum_status", BINDS, tuple(BINDS)) | {
         "long_name": f"Whether {what} binds"
     }
@@ -129,6 +130,7 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:
+    """Return the global attributes of the result."""
     study, plan = prepared.study, prepared.plan
     method, words = METHODS[prepared.method], criterion_in_words(prepared.problem)
     attributes = {

@@ -19,7 +19,7 @@ from core.watch import Watch
 
 
 def _known(solver: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:
-    """Return the method that takes known answers, and where nothing moves the best rest."""
+    """Return the method that takes known optima, and the best standstill where nothing moves."""
 
     def solve(
         problem: OptimisationProblem,
@@ -27,6 +27,7 @@ def _known(solver: Callable[[OptimisationProblem, Mapping[str, Array]], Optima])
         scales: Mapping[str, Array],
         watch: Watch,
     ) -> Optima:
+        """Return the known optima of every design."""
         optima = with_best_rest(problem, solver(problem, design), design, scales, watch)
         watch.advance(1.0)
         return optima
@@ -109,7 +110,7 @@ METHODS: dict[str, OptimisationMethod] = {
 
 
 def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
-    """Return the reason why a method cannot solve a problem and what could, or None if it can."""
+    """Return why a method cannot solve a problem, with an alternative; None if it can."""
     if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
         return "the worst case has kinks, and it needs slopes", "Leave method out"
     if name == "exact" and not known_optima.is_closed(problem):
@@ -124,7 +125,7 @@ def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
 
 
 def default_method(problem: OptimisationProblem, cells: int) -> str:
-    """Return the method of a study that names none.
+    """Return the method for a study that names none.
 
     The known answers where there are; else what `benchmarks/optimise.py` shows to be the fastest
     of those that miss nothing.

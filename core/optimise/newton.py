@@ -142,6 +142,7 @@ def fastest(
     )
 
     def run(start: int) -> None:
+        """Solve one piece of the cells."""
         piece = slice(start, start + PIECE)
         solve(kept, groups[piece], table[piece], active[piece], status[piece])
 

@@ -72,11 +72,11 @@ class Optimisation(Prepared):
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The axes of each variable: all of them."""
+        """The axes of each variable: all axes."""
         return dict.fromkeys(self.units, tuple(self.grid.axes))
 
     def facts(self) -> dict[str, Any]:
-        """As in `Prepared`."""
+        """Return further facts for the plan's JSON document."""
         return {
             "criterion": criterion_in_words(self.problem),
             "variables": [*self.problem.names],
@@ -86,7 +86,7 @@ class Optimisation(Prepared):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """As in `Prepared`."""
+        """Return further facts for the plan as sentences."""
         facts = self.facts()
         free, kept = (", ".join(facts[name]) for name in ("variables", "kept"))
         return (
@@ -96,7 +96,7 @@ class Optimisation(Prepared):
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """Seconds of a design as is likely, and at most."""
+        """The likely and the largest time of a design [s]."""
         if not self.problem.is_motion:
             seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
             seconds *= max(1.0, self.problem.nodes / NODES)
@@ -109,35 +109,35 @@ class Optimisation(Prepared):
         return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
 
     def _priced_by(self, method: Method) -> tuple[float, float]:
-        """Return the likely time of a motion by a method, and the largest."""
+        """Return the likely and the largest time of one motion by a method [s]."""
         free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         return price_of(method, self.plan, self.designs, free)
 
     @property
     def seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The likely time of a design on one core [s]."""
         return self._price[0]
 
     @property
     def most_seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The largest time of a design on one core [s]."""
         return self._price[1]
 
     @property
     def other_motion(self) -> Method | None:
-        """The method that follows the motions again, if the outputs are those of a motion."""
+        """The method that simulates optima again; None if the outputs are not those of a motion."""
         return other_method(self.plan, self.designs, self.problem.names)
 
     @property
     def verified_by(self) -> str:
-        """As in `Prepared`."""
+        """The name of the method that verifies optima; empty if none can."""
         if not self.problem.is_motion:
             return super().verified_by
         return f"the method {self.other_motion.name}" if self.other_motion else ""
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """As in `Prepared`."""
+        """The time to verify a design [s]."""
         if not self.problem.is_motion:
             return super().seconds_a_verified_cell + RIVAL_SECONDS
         other = self.other_motion
@@ -149,11 +149,11 @@ class Optimisation(Prepared):
         return tuple(self.designs.axes)
 
     def within(self, box: Box) -> Optimisation:
-        """Return the same study for a part of its designs."""
+        """Return the study restricted to a part of its designs."""
         return replace(self, grid=self.grid.within(box), designs=self.designs.within(box))
 
     @property
     def bytes(self) -> int:
-        """Bytes that the result takes, uncompressed."""
+        """The bytes of the result, uncompressed."""
         short = sum(name in FLAGS or name.startswith("binds_") for name in self.units)
         return self.cells * (8 * (len(self.units) - short) + short)

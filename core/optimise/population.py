@@ -57,6 +57,7 @@ def _evolve(
     watch: Watch,
     all_cells: int,
 ) -> Optima:
+    """Evolve the populations of some designs until they have narrowed; return their best."""
     cells, count = cells_of(design), len(problem.names)
     members = MEMBERS + 8 * count
     random = np.random.default_rng(SEED)
@@ -107,7 +108,7 @@ def _evolve(
 
 
 def _share_done(widths: Array, cells: int) -> float:
-    """Return the progress of populations, 0 to 1, by the orders of magnitude that they narrowed.
+    """Return the progress of populations, 0 to 1, from how far they have narrowed.
 
     `widths` are those still alive, of so many `cells`; the others are done.
     """
@@ -121,7 +122,7 @@ def _first(
     scales: Mapping[str, Array],
     members: int,
 ) -> tuple[Array, Array, Array]:
-    """Return the first members with their ranks: half are the best of many, half fill the box.
+    """Return the first members with their ranks: half from the best of many, half spread out.
 
     Where little is feasible, a few dozen points would know one corner of it only: the box around
     what the first points find feasible is sampled once more.
@@ -156,6 +157,7 @@ def _judge(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[Array, Array]:
+    """Return violation and objective of points of the unit box."""
     lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
     x = np.where(unit == 1, upper, lower + unit * (upper - lower))
     value, beyond = problem.judged(x, design, scales)
@@ -163,7 +165,7 @@ def _judge(
 
 
 def _trial(unit: Array, beyond: Array, value: Array, random: np.random.Generator) -> Array:
-    """Return a candidate for each member: from it towards the best, plus a difference of two."""
+    """Return a candidate per member: a step towards the best plus a difference of two others."""
     count, _, members = unit.shape
     top = np.lexsort((-value, beyond), axis=-1)[:, 0]
     best = np.take_along_axis(unit, top[None, :, None], axis=2)
@@ -181,9 +183,10 @@ def _trial(unit: Array, beyond: Array, value: Array, random: np.random.Generator
 
 
 def _others(members: int, random: np.random.Generator) -> NDArray[np.intp]:
-    """Return another member for each member."""
+    """Return a random other member for each member."""
     return (np.arange(members) + random.integers(1, members, size=members)) % members
 
 
 def _corners(count: int) -> Array:
+    """Return the corners of the unit box, shape (count, 2^count)."""
     return np.stack(np.meshgrid(*[[0.0, 1.0]] * count, indexing="ij")).reshape(count, -1)

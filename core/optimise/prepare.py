@@ -33,7 +33,7 @@ FRONT = "front"
 
 
 def prepare(study: OptimiseStudy) -> Optimisation:
-    """Return the optimisation of a study.
+    """Return the prepared optimisation of a study; raise `StudyError` with every problem.
 
     Raises
     ------
@@ -80,20 +80,20 @@ def _spans(
     intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],
 ) -> dict[str, Span]:
-    """Return the values that a plan is made for beside those of a study: both ends of each span."""
+    """Return the ends of all ranges of variables and uncertain parameters, to plan for."""
     ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
     ends |= {name: tolerance(name, one) for name, one in intervals.items()}
     return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
 
 
 def _unknown_method(name: str | None) -> Iterable[Problem]:
-    """Yield that there is no such method."""
+    """Yield the problem of an unknown method."""
     if name is not None and name not in METHODS:
         yield Problem("method", f"'{name[:60]}' is not a method", suggestion(name, METHODS))
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
-    """Return scene and variant of a study; raise for those that it does not have."""
+    """Return scene and variant of a study; raise `StudyError` if there are none such."""
     named = (*asked, *(each.output for each in study.constraints))
     given = (*study.values(), *study.bounds(), *study.intervals())
     try:
@@ -108,7 +108,7 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
 
 
 def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield the problems of bounds of whole numbers."""
+    """Yield problems of bounds of counted parameters."""
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
             message = "it is a whole number, and there is no choice between these bounds"
@@ -117,7 +117,7 @@ def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem
 
 
 def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield the problem of too many variables, or none."""
+    """Yield a problem if there are too many variables, or none."""
     if not bounds:
         message = "nothing is left to choose"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
@@ -128,7 +128,10 @@ def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
 
 
 def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    """Return the method of a study, or the one that suits its problem; raise if it does not."""
+    """Return the method of a study, or the suitable one.
+
+    Raise `StudyError` if it cannot solve it.
+    """
     if study.sensitivities and designs.cells > MAX_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
         fix = f"Range over at most {MAX_SENSITIVE:,} designs, or leave sensitivities out"
@@ -141,6 +144,7 @@ def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -
 
 
 def _variable(name: str, between: Between) -> Variable:
+    """Return a variable with bounds in SI units, whole numbers for counts."""
     ends = (between.lower, between.upper)
     if QUANTITIES[name].count:
         ends = (math.ceil(between.lower), math.floor(between.upper))
@@ -150,7 +154,7 @@ def _variable(name: str, between: Between) -> Variable:
 def choose_problem_scene(
     name: str, variant: str | None, outputs: Iterable[str], parameters: Iterable[str] = ()
 ) -> Chosen:
-    """Return the closed-form scene with its variant; or the system, if an output asks for it.
+    """Return the closed-form scene with its variant, or the system of motion if an output needs it.
 
     So does a drive that is no plain sine, of which the closed forms know nothing: `parameters` are
     names of all parameters, variables among them. The third is what is wrong with the variant,
@@ -179,7 +183,7 @@ def choose_problem_scene(
 
 
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
-    """Yield every constraint: contacts, the limit of the criterion, those of the study."""
+    """Yield every constraint: contacts, the criterion's limit, limits of the study."""
     if isinstance(study.criterion, Limited):
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}

@@ -92,48 +92,48 @@ class OptimisationProblem:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the variables."""
+        """The names of the variables."""
         return tuple(variable.name for variable in self.variables)
 
     @cached_property
     def lower(self) -> Array:
-        """Lower bounds, shape (variables,)."""
+        """The lower bounds, shape (variables,), SI units."""
         return np.array([variable.lower for variable in self.variables])
 
     @cached_property
     def upper(self) -> Array:
-        """Upper bounds, shape (variables,)."""
+        """The upper bounds, shape (variables,), SI units."""
         return np.array([variable.upper for variable in self.variables])
 
     @property
     def sign(self) -> float:
-        """-1 where the least value is looked for, else 1."""
+        """-1 if the criterion is minimised, else 1."""
         return -1.0 if isinstance(self.criterion, Minimise) else 1.0
 
     @property
     def against(self) -> str | None:
-        """The output whose absolute value is to be low, if any."""
+        """The output whose absolute value is to be small; None if there is none."""
         return getattr(self.criterion, "against", None)
 
     @property
     def weight(self) -> float:
-        """Weight of the other output in the objective."""
+        """The weight of the other output in the objective."""
         return self.criterion.weight if isinstance(self.criterion, Weighted) else 0.0
 
     @cached_property
     def is_motion(self) -> bool:
-        """True if the outputs are those of a motion in time, which jump."""
+        """True if the outputs are those of a simulated motion, which have jumps."""
         return any(equation.takes_long for equation in self.plan.equations)
 
     @cached_property
     def concerned(self) -> tuple[str, ...]:
-        """The outputs that candidates are judged by."""
+        """The outputs by which candidates are judged."""
         names = (self.criterion.output, self.against, *(kept.output for kept in self.kept))
         return tuple(dict.fromkeys(name for name in names if name))
 
     @cached_property
     def bare(self) -> Plan:
-        """The plan without outputs that are only told, and without regimes."""
+        """The plan without regimes and outputs that are only reported."""
         return self.plan.part(self.concerned, ())
 
     def known(
@@ -143,7 +143,7 @@ class OptimisationProblem:
         watch: Watch | None = None,
         plan: Plan | None = None,
     ) -> Arrays:
-        """Return every quantity of the plan at candidates x, shape (variables, ...); SI units.
+        """Return every quantity of the plan at candidates x, shape (variables, ...), SI units.
 
         Of what is counted, such as springs, the nearest whole number is evaluated.
         """
@@ -153,7 +153,7 @@ class OptimisationProblem:
         return run_equations(plan, {**given, **chosen}, watch)
 
     def whole(self, x: Array) -> Array:
-        """Return candidates with the whole numbers that are evaluated of what is counted."""
+        """Return candidates with counted variables rounded to whole numbers."""
         counted = np.array([QUANTITIES[name].count for name in self.names])
         if not counted.any():
             return x
@@ -171,7 +171,7 @@ class OptimisationProblem:
         return value
 
     def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the objective as it counts: under uncertain parameters over all of their nodes.
+        """Return the objective; under uncertain parameters, over all of their nodes.
 
         That is the worst case, the mean or the quantile that the study asks for; NaN where an
         output has no value at a node. Shape of one candidate of `x`, broadcast with the design.
@@ -187,7 +187,7 @@ class OptimisationProblem:
         return np.where(lost, np.nan, counts)
 
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
-        """Return the distance of an output from its bound; negative beyond it."""
+        """Return the distance of an output from its bound; negative if it is violated."""
         value = self.output(kept.output, known)
         bound = design[LIMIT] if kept.bound is None else kept.bound
         value = np.abs(value) if kept.absolute else value
@@ -216,7 +216,7 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None = None,
     ) -> tuple[Array, Array]:
-        """Return the objective and the sum of all violations, each over its scale; no NaN.
+        """Return the objective and the sum of all violations over their scales, without NaN.
 
         Where an output has no value the objective is -inf and the violation inf: a NaN would end
         scipy's differential evolution.
@@ -230,7 +230,7 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None = None,
     ) -> tuple[Array, Array, Array]:
-        """Return the same, and how far chance may have moved the objective.
+        """Return objective and violations, and the error of the objective by chance.
 
         That is the error of the objective where a motion does not repeat, 0 where it does, and
         `UNKNOWN` where the output is another than the mean velocity, whose error alone is known. Of
@@ -245,11 +245,11 @@ class OptimisationProblem:
 
     @property
     def states_error(self) -> bool:
-        """True if the output is a mean over a motion, whose error is known."""
+        """True if the output is a mean over a motion with a known error."""
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
-        """Return the problem with motions that do not repeat followed so many times as long."""
+        """Return the problem with aperiodic motions simulated `times` as long."""
         if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
         most = times * self.plan.defaults["max_periods"]
@@ -257,7 +257,7 @@ class OptimisationProblem:
         return replace(self, plan=plan)
 
     def chance_error(self, known: Arrays) -> Array:
-        """Return the error of the objective by chance, as `judged_with_error` defines it."""
+        """Return the error of the objective by chance: that of aperiodic motions."""
         motion = known.get("motion")
         if not isinstance(motion, Motion):
             return np.zeros(())
@@ -275,7 +275,7 @@ class OptimisationProblem:
         return 1 if self.uncertain is None else self.uncertain.size
 
     def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
-        """Return designs at the nodes of the uncertain parameters, along a first axis more.
+        """Return designs at the nodes of the uncertain parameters, along a new first axis.
 
         What candidates x give without these parameters then is computed once.
         """
@@ -285,7 +285,7 @@ class OptimisationProblem:
         return {**design, **{name: one.reshape(-1, *(1,) * axes) for name, one in nodes}}
 
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the least margin over the nodes of the uncertain parameters, if there are any."""
+        """Return the least margin over the nodes of the uncertain parameters."""
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
         over = self.over(design, x)
@@ -300,6 +300,7 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None,
     ) -> tuple[Array, Array, Array]:
+        """Return objective, violation and error of candidates, at given parameters."""
         known = self.known(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
@@ -311,7 +312,7 @@ class OptimisationProblem:
         return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), chance_error
 
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
-        """Return the largest size of each output that takes part, for each design.
+        """Return the scale of each output that takes part, for each design: its largest size.
 
         It is taken over the corners and middles of the bounds: margins and gaps are compared with
         it. 1 where an output is 0 or has no value. `design` has the shape (cells,).
@@ -336,7 +337,7 @@ class OptimisationProblem:
     def regime(
         self, known: Arrays, scales: Mapping[str, Array], touching: float
     ) -> NDArray[np.int8]:
-        """Return the regime of each point; a contact is kept within `touching` of its scale.
+        """Return the regime of each point; contacts count as kept within `touching` of their scale.
 
         At a lift-off optimum the normal acceleration is a rounding of either sign.
         """
@@ -349,7 +350,7 @@ class OptimisationProblem:
         return regimes(self.plan, snapped)
 
     def limited(self) -> OptimisationProblem:
-        """Return the problem of one point of a front: the output within a limit of the other."""
+        """Return the problem of one point of a front: the output with a limit of the other one."""
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
         inner = Limited(output=criterion.output, against=criterion.against, limit=0.0)
@@ -376,5 +377,5 @@ def columns(design: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def chosen_cells(design: Mapping[str, Array], cells: Any) -> dict[str, Array]:
-    """Return some cells of a design."""
+    """Return a selection of the designs."""
     return {name: values[cells] for name, values in design.items()}

@@ -55,7 +55,7 @@ Bound = tuple[OutputLimit, str]
 
 
 def nearest(study: Study) -> list[Reach]:
-    """Return the nearest approach to each bound with all others kept.
+    """Return, for each bound, the nearest approach to it with all others kept.
 
     Bounds of absolute values are left out.
     """
@@ -66,7 +66,7 @@ def nearest(study: Study) -> list[Reach]:
 
 
 def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
-    """Return the reach of an output towards its bound while others are kept; None if unknown."""
+    """Return the nearest approach to one bound with the others kept; None if unknown."""
     limit, end = named_bound
     kept = []
     for other, side in _single(study):
@@ -84,7 +84,7 @@ def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
 
 
 def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
-    """Return the result of a study of one design, by name; None if it has no solution."""
+    """Return the result of a one-design study by name; None without a solution."""
     try:
         table = carry_out(prepare(study), KIND.compute, KIND.label)
     except VibrafeedError:  # such as an output that is none of this sort of study
@@ -96,14 +96,14 @@ def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
 
 
 def _is_beyond(value: float, named_bound: Bound) -> bool:
-    """True where a value does not keep a bound."""
+    """True where a value violates a bound."""
     limit, end = named_bound
     bound = float(getattr(limit, end))
     return value > bound if end == "upper" else value < bound
 
 
 def _single(study: OptimiseStudy) -> list[Bound]:
-    """Return every bound of every limit by itself."""
+    """Return every bound of every limit separately."""
     return [
         (limit, end)
         for limit in study.constraints
@@ -146,7 +146,7 @@ OF_A_LINE = ("amplitude", "beta")
 
 
 def ways(study: Study) -> list[Way]:
-    """Return the changes that keep all limits: another frequency, more friction, an ellipse."""
+    """Return changes that would satisfy all limits: frequency, friction, or an ellipse."""
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
     reached = []
@@ -164,7 +164,7 @@ def ways(study: Study) -> list[Way]:
 
 
 def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with its frequency among the variables; None if that is nothing new."""
+    """Return the study with the frequency as a variable; None if it already is one."""
     given = study.values().get("frequency")
     if not isinstance(given, Fixed):
         return None
@@ -173,7 +173,7 @@ def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with its friction among the variables; None if there is no more to have."""
+    """Return the study with the friction as a variable; None if it cannot be larger."""
     given = study.values().get("friction")
     if not isinstance(given, Fixed) or given.value >= MAX_FRICTION:
         return None
@@ -181,7 +181,7 @@ def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:
-    """Return the study with a parameter among its variables; None if it chooses no variables."""
+    """Return the study with a parameter as a variable; None if it sets no variables."""
     if study.variables is None:
         return None
     return study.model_copy(
@@ -193,7 +193,7 @@ def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | 
 
 
 def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with an ellipse as large as its line; None if it has no line to choose."""
+    """Return the study with an ellipse as large as its line; None without a variable line."""
     bounds, values = study.bounds(), study.values()
     line = [name for name in OF_A_LINE if name in bounds]
     size = bounds.get("amplitude") or values.get("amplitude")
@@ -217,6 +217,6 @@ def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _changed(section: Section, left: Collection[str], more: Mapping[str, Any]) -> Section:
-    """Return a section of a study without some of its names, and with others."""
+    """Return a section of a study with some names removed and others added."""
     kept = {n: getattr(section, n) for n in section.model_fields_set if n not in left}
     return section.model_construct(**kept, **more)

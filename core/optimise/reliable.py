@@ -29,7 +29,7 @@ def most_reliable(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[int, float]:
-    """Return the place of the best point, and its objective, -inf without a value.
+    """Return index and objective of the best point after longer runs; -inf without a value.
 
     That of the largest objective if its motion repeats; else that of the largest objective less
     error, once the motions that chance favours are followed for longer. Points that keep the
@@ -65,7 +65,7 @@ def most_reliable(
 
 
 def _known(chance_error: Array) -> Array:
-    """Return the doubt, 0 where nobody knows it: the longer run has the word there."""
+    """Return the error by chance, 0 where it is unknown."""
     return np.where(chance_error < UNKNOWN, chance_error, 0.0)
 
 

@@ -42,7 +42,7 @@ def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array
 
 
 def over_nodes(values: Array, weights: Array | None) -> Array:
-    """Return the least, or the mean, of values over nodes, which are the first axis."""
+    """Return the least, or the weighted mean, of values over nodes (the first axis)."""
     if weights is None:
         return np.asarray(values.min(axis=0))
     return np.asarray(np.tensordot(weights, values, axes=1))
@@ -78,7 +78,7 @@ class Uncertain:
         return next(iter(self.values.values())).size
 
     def counts(self, values: Array, sign: float) -> Array:
-        """Return the statistic that counts, of values over the nodes, which are the first axis.
+        """Return the judged statistic of values over the nodes (the first axis).
 
         `sign` is -1 where they are those of an output with the sign turned.
         """
@@ -112,7 +112,7 @@ def uncertain_of(
 
 
 def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
-    """Return nodes over the box of the tolerances, the middle among them."""
+    """Return nodes over the box of the tolerances, with its middle."""
     count = len(distributions)
     shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
     nodes = np.array(list(product(shares, repeat=count)))

@@ -25,7 +25,7 @@ BLOCK_CELLS = 65_536  # answers at a time: bounds the memory
 
 
 def compute(prepared: Optimisation, watch: Watch) -> Computed:
-    """Return every variable of the optima of a prepared study, in the units of studies."""
+    """Return every variable of the optima of a study, in the units of studies."""
     everything = designs_of(prepared.problem, prepared.designs)
     cells = prepared.designs.cells
     step = max(1, BLOCK_CELLS * cells // prepared.cells)
@@ -45,7 +45,7 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 def _solved(
     prepared: Optimisation, design: Mapping[str, Array], watch: Watch
 ) -> tuple[dict[str, NDArray[Any]], str]:
-    """Return every variable of the result for some designs, and what the method says."""
+    """Return every variable for some designs, and the method's message."""
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
@@ -60,7 +60,7 @@ def _solved(
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
-    """Return the fixed parameters of every design, and the limit; arrays of shape (cells,)."""
+    """Return the fixed parameters of every design with the limit, shape (cells,)."""
     shape = tuple(grid.shape.values())
     design = {
         name: np.broadcast_to(values, shape).reshape(-1) for name, values in grid.si().items()
@@ -71,7 +71,7 @@ def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
 def with_limit(
     problem: OptimisationProblem, design: Mapping[str, Array], cells: int
 ) -> dict[str, Array]:
-    """Return designs, arrays of shape (cells,), with the limit that the study sets."""
+    """Return designs, shape (cells,), with the limit of the study."""
     criterion = problem.criterion
     limit = criterion.limit if isinstance(criterion, Limited) else np.inf
     return {**design, LIMIT: np.full(cells, limit)}

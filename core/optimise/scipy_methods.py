@@ -36,7 +36,7 @@ class SearchStoppedError(Exception):
 
 
 def _starts(single: Single, count: int = STARTS) -> Array:
-    """Return the best of points that fill the box, shape (count, variables)."""
+    """Return the best of evenly spread points as starts, shape (count, variables)."""
     points = spread(SAMPLES, single.variables)
     value, beyond = single.judged(points)
     order = np.lexsort((-value, beyond))
@@ -53,22 +53,27 @@ class _Smooth:
         self.extra = 1 if self.weight else 0
 
     def start(self, unit: Array) -> Array:
+        """Return the start in the variables of the smooth problem."""
         if not self.extra:
             return unit
         return np.append(unit, abs(self.single.rows(unit)[1, 0]))
 
     def bounds(self) -> list[tuple[float, float | None]]:
+        """Return the bounds of the smooth problem's variables."""
         return [(0.0, 1.0)] * self.single.variables + [(0.0, None)] * self.extra
 
     def value(self, z: Array) -> float:
+        """Return the value to minimise."""
         rows = self.single.rows(z[: self.single.variables])
         return float(-rows[0, 0] + (self.weight * z[-1] if self.extra else 0.0))
 
     def slope(self, z: Array) -> Array:
+        """Return the derivatives of the value to minimise."""
         slope = -self.single.slopes(z[: self.single.variables])[0]
         return np.append(slope, self.weight) if self.extra else slope
 
     def kept(self, z: Array) -> Array:
+        """Return the smooth constraints, to be kept above 0."""
         rows = self.single.rows(z[: self.single.variables])[:, 0]
         return (
             np.concatenate([rows[2:], [z[-1] - rows[1], z[-1] + rows[1]]])
@@ -77,6 +82,7 @@ class _Smooth:
         )
 
     def kept_slope(self, z: Array) -> Array:
+        """Return the derivatives of the smooth constraints."""
         slopes = self.single.slopes(z[: self.single.variables])
         if not self.extra:
             return slopes[2:]
@@ -86,18 +92,19 @@ class _Smooth:
 
     @property
     def constrained(self) -> bool:
+        """True if the problem has constraints."""
         return bool(self.single.problem.kept) or self.extra > 0
 
 
 def _best(single: Single, points: list[Array], tolerance: float) -> Array:
-    """Return the best of the points, those within the tolerance of all constraints first."""
+    """Return the best of some points, those that keep all constraints first."""
     units = np.clip(np.array(points).T, 0.0, 1.0)
     value, beyond = single.judged(units)
     return units[:, np.lexsort((-value, np.maximum(beyond, tolerance)))[0]]
 
 
 def slsqp(single: Single) -> tuple[Array, str]:
-    """Return the best end of SLSQP from several starts, |other| as two smooth limits."""
+    """Return the best result of SLSQP from several starts, |other| as two smooth limits."""
     smooth = _Smooth(single)
     constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
     ends, said = [], []
@@ -117,7 +124,7 @@ def slsqp(single: Single) -> tuple[Array, str]:
 
 
 def trust_constr(single: Single) -> tuple[Array, str]:
-    """Return the best end of the trust region's interior point method from several starts."""
+    """Return the best result of the trust-region interior point method from several starts."""
     smooth = _Smooth(single)
     constraints: list[Any] = []
     if smooth.constrained:
@@ -153,11 +160,12 @@ def trust_constr(single: Single) -> tuple[Array, str]:
 
 
 def differential_evolution(single: Single) -> tuple[Array, str]:
-    """Return the end of differential evolution, whole populations at a time."""
+    """Return the result of differential evolution, with whole populations evaluated at once."""
     constraints: Any = ()
     if single.problem.kept:
 
         def kept(unit: Array) -> Array:
+            """Return the smooth margins of points."""
             rows = single.rows(np.ascontiguousarray(unit))[2:]
             return rows if np.ndim(unit) > 1 else rows[:, 0]
 
@@ -180,16 +188,17 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
 
 
 def search_budget(variables: int) -> int:
-    """Return the points that the search may take: of more variables three, five, seven times."""
+    """Return the number of points of the search: 3, 5 or 7 times as many for more variables."""
     return SEARCH_BUDGET * parts_of(variables)
 
 
 def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
-    """Return the end of the global search for outputs that jump."""
+    """Return the result of the global search, for outputs with jumps."""
     budget = budget or search_budget(single.variables)
     seen: list[tuple[Array, ...]] = []
 
     def ranked(points: Array) -> Array:
+        """Return values that rank points: any feasible one above all infeasible ones."""
         value, beyond, chance_error = single.judged_with_error(points.T)
         seen.append((points.T, value, beyond, chance_error))
         # Anything that keeps the constraints beats anything that does not.
@@ -207,7 +216,7 @@ def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
 
 
 def shgo(single: Single) -> tuple[Array, str]:
-    """Return the best end of the simplicial homology search."""
+    """Return the best result of simplicial homology global optimisation."""
     # Its local searches need numbers; its sampling leaves out what the constraints refuse.
     result = scipy.optimize.shgo(
         lambda unit: float(single.penalised(unit)),
@@ -227,7 +236,7 @@ def shgo(single: Single) -> tuple[Array, str]:
 
 
 def direct(single: Single) -> tuple[Array, str]:
-    """Return the end of dividing rectangles, with a price on violations."""
+    """Return the result of dividing rectangles (DIRECT), with a penalty for violations."""
     result = scipy.optimize.direct(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
@@ -240,7 +249,7 @@ def direct(single: Single) -> tuple[Array, str]:
 
 
 def minimize_scalar(single: Single) -> tuple[Array, str]:
-    """Return the best of bounded searches around the deepest dips of a grid."""
+    """Return the best of bounded searches around the deepest minima of a grid."""
     points = np.linspace(0.0, 1.0, DENSE)
     values = single.penalised(points[None, :])
     ends = [points[[values.argmin()]]]
@@ -259,7 +268,7 @@ def minimize_scalar(single: Single) -> tuple[Array, str]:
 def one_by_one(
     search_design: DesignSearch, tolerance: float, about: Callable[[int], int]
 ) -> Solver:
-    """Return the solver that takes one design after the other.
+    """Return the solver that solves the designs one by one.
 
     `about` tells of a number of variables how many evaluations a design takes, or nearly so.
     """
@@ -270,6 +279,7 @@ def one_by_one(
         scales: Mapping[str, Array],
         watch: Watch,
     ) -> Optima:
+        """Return the optima of all designs, solved one by one."""
         cells = cells_of(design)
         x = np.full((len(problem.names), cells), np.nan)
         status = np.full(cells, STATUS["not_computed"], dtype=np.int8)

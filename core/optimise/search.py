@@ -84,7 +84,7 @@ def search_maximum(
     seed: int = 0,
     watch: Watch | None = None,
 ) -> SearchResult:
-    """Return the largest value that a search of a box finds, and where.
+    """Return the largest value that a search of a box finds, and its point.
 
     Parameters
     ----------
@@ -115,6 +115,7 @@ def search_maximum(
 
 
 def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
+    """Raise ValueError for an invalid box, budget or tolerance."""
     if lower.shape != upper.shape or lower.ndim != 1:
         raise ValueError("lower and upper are of different shapes")
     if not 1 <= lower.size <= MAX_VARIABLES:
@@ -147,7 +148,7 @@ class _Search:
         self.used = 0
 
     def values(self, unit: Array) -> Array:
-        """Return the values at points (n, free); -inf where there is none."""
+        """Return the values at points (n, free); -inf without a value."""
         if self.watch.stopped():
             raise _StoppedError
         values = np.asarray(self.evaluate(self.points_in_box(unit)), dtype=np.float64)
@@ -162,7 +163,7 @@ class _Search:
         return values
 
     def points_in_box(self, unit: Array) -> Array:
-        """Return points of the unit box (n, free) in the box (n, d); both ends are met exactly."""
+        """Return the points in the box (n, d) of unit-box points (n, free); ends are exact."""
         points = np.tile(self.lower, (len(unit), 1))
         low, high = self.lower[self.free], self.upper[self.free]
         points[:, self.free] = np.where(unit == 1, high, low + unit * (high - low))
@@ -170,14 +171,17 @@ class _Search:
 
     @cached_property
     def around(self) -> Array:
-        """The directions to look: all corners, sides and the middle; of many variables the axes."""
+        """The directions of neighbours: corners, sides, middle.
+
+        Only the axes for many variables.
+        """
         if self.free.size > FEW:
             axes = np.eye(self.free.size)
             return np.concatenate([np.zeros_like(axes[:1]), axes, -axes])
         return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.free.size)))
 
     def look_around(self) -> None:
-        """Set what is lost at worst next to the best point; in a box of one point, look there."""
+        """Estimate the worst loss next to the best point; evaluate a box of one point."""
         nearby = self.values(np.clip(np.nan_to_num(self.point) + NEARBY * self.around, 0.0, 1.0))
         self.drop = self.value - float(nearby.min())
 
@@ -192,7 +196,7 @@ class _Search:
 
 
 def parts_of(variables: int) -> int:
-    """Return into how many populations the evaluations of so many variables are parted.
+    """Return the number of populations into which the evaluations are divided.
 
     Of one or two variables one closes in. Of more some set out from all over the box, since one
     alone may end on a lower hill, and the last starts around the best point.
@@ -201,24 +205,27 @@ def parts_of(variables: int) -> int:
 
 
 def _around(point: Array, random: np.random.Generator) -> Array:
-    """Return a population around a point of the unit box; the point is one of it."""
+    """Return a population around a point of the unit box, including the point."""
     away = CLOSE * random.uniform(-1, 1, (MEMBERS, point.size))
     away[0] = 0.0
     return np.clip(np.nan_to_num(point, nan=0.5) + away, -BEYOND, 1 + BEYOND)
 
 
 def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
-    """Let populations evolve, one after the other, until the evaluations are spent."""
+    """Evolve populations one after another until all evaluations are used."""
 
     def lost(wide: Array) -> Array:
+        """Return the negated values of a population; raise when the budget is used up."""
         if search.used + wide.shape[1] > budget:
             raise _SpentError
         return -search.values(np.clip(wide.T, 0.0, 1.0))
 
     def narrow(result: Any) -> bool:
+        """True if the population is narrower than the tolerance."""
         return bool(np.ptp(np.clip(result.population, 0.0, 1.0), axis=0).max() < tolerance)
 
     def over(intermediate_result: Any) -> bool:
+        """True if the population is narrow, or its evaluations are used up."""
         late = search.used - begun >= each and each < budget
         return late or narrow(intermediate_result)
 

@@ -15,6 +15,7 @@ def criterion_in_words(problem: OptimisationProblem) -> str:
 
 
 def _over_interval(problem: OptimisationProblem) -> str:
+    """Return the words on uncertain parameters in a criterion."""
     if problem.uncertain is None:
         return ""
     how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
@@ -33,6 +34,7 @@ def _known(name: str, distribution: Distribution) -> str:
 
 
 def _looked_for(problem: OptimisationProblem) -> str:
+    """Return the objective in words."""
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):

@@ -49,36 +49,37 @@ class Single:
         self._rows = np.empty((0, 0))
 
     def _count(self, points: int) -> None:
-        """Count evaluations, and tell those before them: they are done."""
+        """Count evaluations, and report progress by those before."""
         self._tell(min(self.evaluations / self._about, MAX_SHARE))
         self.evaluations += points
 
     def end(self) -> None:
-        """Tell that the design is done."""
+        """Report that the design is finished."""
         self._tell(1.0)
 
     def _tell(self, share: float) -> None:
+        """Report progress up to a share."""
         if share > self._reported:
             self._progress.advance(share - self._reported)
             self._reported = share
 
     @property
     def variables(self) -> int:
-        """Number of variables."""
+        """The number of variables."""
         return len(self.problem.names)
 
     def points_in_box(self, unit: Array) -> Array:
-        """Return points of the unit box in SI units; both ends are met exactly."""
+        """Return points of the unit box in SI units; both ends are exact."""
         lower, upper = self.problem.lower[:, None], self.problem.upper[:, None]
         unit = np.reshape(unit, (self.variables, -1))
         return np.where(unit == 1, upper, lower + unit * (upper - lower))
 
     def judged(self, unit: Array) -> tuple[Array, Array]:
-        """Return objective over its scale and violation of points, each (n,)."""
+        """Return scaled objective and violation of points, each (n,)."""
         return self.judged_with_error(unit)[:2]
 
     def judged_with_error(self, unit: Array) -> tuple[Array, Array, Array]:
-        """Return the same, and over the objective's scale how far chance may have moved it."""
+        """Return scaled objective, violation, and the objective's error by chance."""
         x = self.points_in_box(unit)
         self._count(x.shape[1])
         value, beyond, chance_error = self.problem.judged_with_error(
@@ -87,7 +88,7 @@ class Single:
         return value[0] / self.size, beyond[0], chance_error[0] / self.size
 
     def most_reliable(self, unit: Array, value: Array, beyond: Array, chance_error: Array) -> int:
-        """Return the place of the best of evaluated points that stands."""
+        """Return the index of the best of evaluated points that longer runs confirm."""
         design = {name: values[:, 0] for name, values in self.design.items()}
         scales = {name: values[:, 0] for name, values in self.scales.items()}
         value, chance_error = value * self.size, chance_error * self.size
@@ -99,13 +100,13 @@ class Single:
         return value if np.ndim(unit) > 1 else value[0]
 
     def penalised(self, unit: Array) -> Array:
-        """Return the same with a price on violations, and no infinity."""
+        """Return the value to minimise with a penalty for violations, always finite."""
         value, beyond = self.judged(unit)
         value = np.where(np.isfinite(value), -value + PENALTY * beyond, NO_VALUE)
         return value if np.ndim(unit) > 1 else value[0]
 
     def rows(self, unit: Array) -> Array:
-        """Return output, the other output, and the smooth margins, shape (2 + margins, n)."""
+        """Return output, other output and smooth margins, shape (2 + margins, n)."""
         key = unit.tobytes()
         if key == self._at:
             return self._rows
@@ -132,7 +133,7 @@ class Single:
         return self._rows
 
     def slopes(self, unit: Array) -> Array:
-        """Return the derivatives of `rows` at one point, shape (2 + margins, variables).
+        """Return the derivatives of `rows` at a point, shape (2 + margins, variables).
 
         Differences stay within the bounds: beyond them an output may have no value.
         """
@@ -145,7 +146,7 @@ class Single:
 
 
 def spread(points: int, variables: int) -> Array:
-    """Return points that fill the unit box evenly, shape (variables, points).
+    """Return evenly spread points of the unit box, shape (variables, points).
 
     An additive recurrence with the powers of the root of x^(d + 1) = x + 1 (Roberts 2018).
     """

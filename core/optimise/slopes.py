@@ -18,7 +18,7 @@ MAX_SENSITIVE = 1_000
 
 
 def sensitive(problem: OptimisationProblem) -> tuple[str, ...]:
-    """Return the parameters that the output of the criterion is derived by."""
+    """Return the parameters by which the criterion's output is differentiated."""
     plan = problem.plan.only(problem.criterion.output)
     return tuple(dict.fromkeys((*problem.names, *plan.parameters)))
 
@@ -26,7 +26,7 @@ def sensitive(problem: OptimisationProblem) -> tuple[str, ...]:
 def slopes(
     problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
 ) -> dict[str, Array]:
-    """Return the logarithmic derivatives at optima x, shape (variables, cells), by their outputs.
+    """Return the logarithmic derivatives at optima x, shape (variables, cells), by name.
 
     Those of closed forms are exact; those of motion are differences inside one regime. NaN where
     there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a variable

@@ -29,7 +29,7 @@ RIVALS = ("population", "newton", "exact", "grid")
 
 
 def accuracy(gaps: Array) -> str:
-    """Return the accuracy of the optima of a result, in words; `gaps` is its `optimum_gap`."""
+    """Return the accuracy of optima in words; `gaps` is the variable `optimum_gap`."""
     text = (
         "optimum_gap: what another method finds better, over the largest size of the objective; "
         "below 0 where it finds less"
@@ -41,7 +41,7 @@ def accuracy(gaps: Array) -> str:
 def verified(
     prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return the result of verifying, as attributes of the dataset; nothing if not asked for.
+    """Return the verification result as attributes of the dataset; empty if not asked for.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def verified(
 
 
 def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the designs of chosen cells, SI units, with the limit that each answer keeps."""
+    """Return the designs of chosen cells, SI units, with each optimum's own limit."""
     problem = prepared.problem
     design = prepared.designs.at(sample.positions, sample.count, prepared.plan.parameters)
     criterion = problem.criterion
@@ -115,7 +115,7 @@ def _outputs(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[Rounding | Comparison, str]:
-    """Return the outputs at chosen optima, evaluated again, and the method of it."""
+    """Return the outputs at chosen optima, computed again, and the method used."""
     problem, plan = prepared.problem, prepared.plan
     given = dict(zip(problem.names, x, strict=True))
     cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
@@ -132,7 +132,7 @@ def _outputs(
 
 
 def _rival(prepared: Optimisation) -> str | None:
-    """Return the method that verifies the answers; None for motions, each point of which is dear.
+    """Return the method that verifies optima; None for motions, which take too long.
 
     Of those the gap to a grid, `optimum_gap`, is known in any case.
     """
@@ -150,7 +150,7 @@ def _better(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
-    """Return a mask of designs that the rival solved before a stop.
+    """Return a mask of designs that the verifying method solved before a stop.
 
     And where its objective is furthest above ours, and by how much.
     """

@@ -44,7 +44,10 @@ def evaluate_in_blocks(
     block_cells: int = BLOCK_CELLS,
     progress: Progress | None = None,
 ) -> None:
-    """Fill the outputs of a plan and `regime`, as `evaluate` does; of blocks of so many cells."""
+    """Compute a plan block by block into `results`.
+
+    Outputs of a block share the processor's cache.
+    """
     depends = plan.depends_on(grid.axes)
     used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, "regime"))))
     sliced = _sliced_axes(used, grid, block_cells)
@@ -58,7 +61,7 @@ def evaluate_in_blocks(
 
 
 def _sliced_axes(used: tuple[str, ...], grid: Grid, block_cells: int) -> tuple[str, ...]:
-    """Return the leading axes to slice so that what remains of the grid fits a block."""
+    """Return the leading axes to loop over, so that the rest of the grid fits a block."""
     for count in range(len(used)):
         if grid.size(used[count:]) <= block_cells:
             return used[:count]
@@ -72,6 +75,7 @@ def _levels(
     sliced: tuple[str, ...],
     last_step: int,
 ) -> list[_Level]:
+    """Return the loop levels of the sliced axes, each with the equations computable there."""
     positions = {name: position for position, name in enumerate(grid.axes)}
     levels = []
     for number, axis in enumerate(sliced):
@@ -89,7 +93,7 @@ def _levels(
 def _descend(
     levels: list[_Level], depth: int, known: Known, where: dict[str, slice], writer: _Writer
 ) -> None:
-    """Loop over the slices of one axis and hand each to the next level; write at the bottom."""
+    """Loop over the slices of one axis and all inner levels; write the block at the innermost."""
     if depth == len(levels):
         writer.write(known, where)
         return
@@ -123,6 +127,7 @@ class _Writer:
         self.all_dims = grid.dims(set().union(*self.dims.values()))
 
     def write(self, known: Known, where: Mapping[str, slice]) -> None:
+        """Write the outputs and regimes of a block into the results, and report progress."""
         for name in self.plan.outputs:
             self._put(name, known[name], where)
         self._put("regime", regimes(self.plan, known), where)
@@ -136,6 +141,7 @@ class _Writer:
     def _put(
         self, name: str, block: NDArray[np.float64] | NDArray[np.int8], where: Mapping[str, slice]
     ) -> None:
+        """Write one array of a block into its region of the result."""
         dims = self.dims[name]
         region = tuple(where.get(axis, slice(None)) for axis in dims)
         if block.ndim:

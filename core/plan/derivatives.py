@@ -62,20 +62,20 @@ class Derived(NamedTuple):
     jumps: NDArray[np.bool_]
 
     def logarithmic(self, at: Array) -> Array:
-        """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN where it is 0/0."""
+        """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN for 0/0."""
         with np.errstate(all="ignore"):
             usable = (self.value != 0) & np.isfinite(self.value)
             elasticity: Array = np.where(usable, self.slope / self.value * at, np.nan)
         return elasticity
 
     def at(self, where: NDArray[np.bool_]) -> Derived:
-        """Return those of some cells."""
+        """Return the record for a selection of cells."""
         value, slope, error, status, below, above, jumps = self
         told = (value[where], slope[where], error[where], status[where])
         return Derived(*told, below[where], above[where], jumps[where])
 
     def put(self, where: NDArray[np.bool_], part: Derived) -> None:
-        """Put those of some cells in place."""
+        """Write the values of a selection of cells."""
         arrays: tuple[NDArray[Any], ...] = self
         for array, values in zip(arrays, part, strict=True):
             array[where] = values
@@ -139,7 +139,7 @@ def derivatives(
 def values_of(
     plan: Plan, cells: Mapping[str, Any], parameters: Collection[str]
 ) -> dict[str, Array]:
-    """Return every parameter of a plan at cells, shape (cells,); raise for unknown `parameters`."""
+    """Return every parameter of a plan at cells, shape (cells,); raise for unknown names."""
     values = {**plan.defaults, **{name: cells[name] for name in plan.parameters}}
     unknown = [name for name in parameters if name not in values]
     if unknown:
@@ -160,7 +160,7 @@ class _Slope(NamedTuple):
 
     @property
     def is_doubtful(self) -> NDArray[np.bool_]:
-        """A mask of the cells at a switch, where both sides have to be evaluated."""
+        """A mask of the cells at a switch of formulas, where both sides must be evaluated."""
         open_ = self.status < DERIVATIVE_STATUS["kink"]
         unsure = (self.status > DERIVATIVE_STATUS["exact"]) | ~np.isfinite(self.slope)
         return np.asarray(open_ & unsure & np.isfinite(self.value))
@@ -169,7 +169,7 @@ class _Slope(NamedTuple):
 def _carried(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> dict[str, _Slope]:
-    """Return value, derivative and status of each output."""
+    """Return value, derivative and status of each output by one parameter."""
     ties: list[Any] = []
     cells = values[parameter].size
     known: dict[str, Any] = dict(values)
@@ -198,7 +198,7 @@ def _carried(
 
 
 def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
-    """Return in which cells a mask holds; in all of them where it does not tell."""
+    """Return a mask as one entry per cell, broadcast if it has none."""
     # Vectors have their components behind the cells; a lone vector is as long as few cells are.
     if where.ndim and where.shape[0] == cells and cells > 4:
         return np.asarray(where.reshape(cells, -1).any(axis=1))
@@ -206,6 +206,7 @@ def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
 
 
 def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> Any:
+    """Return what an equation gives for dual numbers; raise `StudyError` without a derivative."""
     function = equation.derivative or equation.function
     try:
         with np.errstate(all="ignore"):  # of the branches not taken, whose slopes may be anything
@@ -223,7 +224,7 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
 
 
 def _between_switches(carried: _Slope) -> Derived:
-    """Return value and derivative where no switch is near."""
+    """Return value and derivative away from any switch of formulas."""
     lost = ~np.isfinite(carried.value) & (carried.status < DERIVATIVE_STATUS["kink"])
     status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), carried.status)
     none = status >= DERIVATIVE_STATUS["kink"]
@@ -237,13 +238,14 @@ def _between_switches(carried: _Slope) -> Derived:
 
 
 def _size(at: Array) -> Array:
+    """Return the absolute values, 1 where they are 0."""
     return np.where(at == 0, 1.0, np.abs(at))
 
 
 def _beside(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> list[dict[str, _Slope]]:
-    """Return the derivatives at two points below and two above each cell, from below."""
+    """Return the derivatives at two points below and two above each cell, in ascending order."""
     at = values[parameter]
     step = SIDE * _size(at)
     return [
@@ -255,7 +257,7 @@ def _beside(
 def _from_both_sides(
     value: Array, step: Array, far_below: _Slope, below: _Slope, above: _Slope, far_above: _Slope
 ) -> Derived:
-    """Return the derivative next to a switch, if it tends to one number from both sides."""
+    """Return the derivative at a switch if both sides tend to one number, else its status."""
     with np.errstate(all="ignore"):
         largest = np.fmax(np.abs(below.slope), np.abs(above.slope))
         apart = np.abs(above.slope - below.slope)

@@ -49,7 +49,7 @@ class Asked:
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each variable, in order."""
+        """The unit of each derivative variable, in order."""
         units = {}
         for parameter in self.parameters:
             for output in self.outputs:
@@ -59,7 +59,7 @@ class Asked:
         return units
 
     def dims(self, grid: Grid, depends: Mapping[str, frozenset[str]]) -> dict[str, tuple[str, ...]]:
-        """Return the axes of each variable: those of its output, of a status those of all."""
+        """Return the axes of each variable; a status has the axes of all outputs."""
         every = grid.dims(frozenset().union(*(depends[name] for name in self.outputs)))
         dims = dict.fromkeys(self.units, every)
         for output in self.outputs:
@@ -71,7 +71,7 @@ class Asked:
     def arrays(
         self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
     ) -> dict[str, NDArray[Any]]:
-        """Return each variable over its axes, in the units of files.
+        """Return each derivative variable over its axes, in the units of files.
 
         `derivatives` hold every cell.
         """
@@ -80,6 +80,7 @@ class Asked:
         arrays: dict[str, NDArray[Any]] = {}
 
         def squeezed(name: str, values: NDArray[Any]) -> NDArray[Any]:
+            """Return values without the axes that the variable does not depend on."""
             kept = tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
             return values.reshape(shape)[kept]
 
@@ -97,7 +98,7 @@ class Asked:
         return arrays
 
     def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
-        """Return the variables, labelled."""
+        """Return the derivative variables, labelled."""
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
             by = QUANTITIES[parameter].label.lower()
@@ -126,29 +127,29 @@ class Asked:
 
 
 def derivative_name(output: str, parameter: str) -> str:
-    """Return the name of the derivative of an output."""
+    """Return the name of the derivative of an output by a parameter."""
     return f"derivative_{output}_by_{parameter}"
 
 
 def elasticity_name(output: str, parameter: str) -> str:
-    """Return the name of the logarithmic derivative of an output."""
+    """Return the name of the elasticity of an output to a parameter."""
     return f"sensitivity_{output}_to_{parameter}"
 
 
 def status_name(parameter: str) -> str:
-    """Return the name of what tells how the derivatives by a parameter were found."""
+    """Return the name of the status of the derivatives by a parameter."""
     return f"derivative_status_{parameter}"
 
 
 def is_status(name: str) -> bool:
-    """True if a variable tells how derivatives were found."""
+    """True if a variable is the status of derivatives."""
     return name.startswith("derivative_status_")
 
 
 def asked_of(
     plan: Plan, parameters: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
 ) -> Asked | None:
-    """Return the derivatives that a study wishes, None if it wishes none.
+    """Return the derivatives that a study asks for; None if it asks for none.
 
     Parameters
     ----------
@@ -198,7 +199,7 @@ def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
 
 
 def _factor(output: str, parameter: str) -> float:
-    """Return the factor from a derivative in SI units and radians to one of files."""
+    """Return the factor from a derivative in SI units to the units of files."""
     factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
     return float(factor * (np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0))
 

@@ -20,7 +20,7 @@ BITS = 30
 
 
 def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array:
-    """Return sets of scrambled Sobol points.
+    """Return scrambled Sobol points in several independent sets.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array
 
 
 def values_at(distributions: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
-    """Return the parameters at points of the unit box, in the unit of the code.
+    """Return the parameters at points of the unit box, in SI units and radians.
 
     Parameters
     ----------

@@ -46,12 +46,12 @@ class Dual(NDArrayOperatorsMixin):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the value."""
+        """The shape of the value."""
         return self.value.shape
 
     @property
     def ndim(self) -> int:
-        """Number of dimensions of the value."""
+        """The number of dimensions of the value."""
         return self.value.ndim
 
     def __getitem__(self, key: Any) -> Dual:
@@ -104,31 +104,31 @@ class Dual(NDArrayOperatorsMixin):
 
 
 def unboxed(x: Any) -> Any:
-    """Return the `Dual` that `np.asarray` put into an array; anything else as it is."""
+    """Return the `Dual` inside an array made by `np.asarray`; anything else unchanged."""
     if isinstance(x, np.ndarray) and x.dtype == object and x.ndim == 0:
         return x.item()
     return x
 
 
 def value_of(x: Any) -> Any:
-    """Return the value of a `Dual`, anything else as it is."""
+    """Return the value of a `Dual`; anything else unchanged."""
     return x.value if isinstance(x, Dual) else x
 
 
 def slope_of(x: Any) -> Any:
-    """Return the derivative of a `Dual`, 0 of anything else."""
+    """Return the derivative of a `Dual`; 0 for anything else."""
     return x.slope if isinstance(x, Dual) else 0.0
 
 
 def _mapped(of: Callable[[Any], Any], args: Any) -> Any:
-    """Return arguments with a function applied to each and to those in lists and tuples."""
+    """Return arguments with a function applied to each, also inside lists and tuples."""
     if isinstance(args, list | tuple):
         return tuple(_mapped(of, x) for x in args)
     return of(args)
 
 
 def _slopes(args: Any) -> Any:
-    """Return arguments with arrays replaced by derivatives of their own shape."""
+    """Return the derivatives of the arguments, in the shapes of their values."""
     if isinstance(args, list | tuple):
         return tuple(_slopes(x) for x in args)
     if isinstance(args, Dual):
@@ -137,10 +137,12 @@ def _slopes(args: Any) -> Any:
 
 
 def _clip(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    """Return clipped dual numbers, by minimum and maximum."""
     return np.minimum(np.maximum(args[0], args[1]), args[2])
 
 
 def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    """Return dual numbers chosen by a condition."""
     condition, *values = _mapped(value_of, args)
     return Dual(
         np.where(condition, *values), np.where(condition, *_mapped(slope_of, args[1:])), ties
@@ -148,6 +150,7 @@ def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    """Return dual numbers broadcast to a common shape."""
     whole = np.broadcast_shapes(*(np.shape(value_of(x)) for x in args))
     return tuple(
         Dual(np.broadcast_to(x.value, whole), np.broadcast_to(x.slope, whole), ties)
@@ -158,18 +161,21 @@ def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _linear(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    """Return a linear function of dual numbers, applied to values and derivatives."""
     return Dual(
         function(*_mapped(value_of, args), **kwargs), function(*_slopes(args), **kwargs), ties
     )
 
 
 def _cross(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    """Return the vector product of dual numbers."""
     (a, b), (da, db) = _mapped(value_of, args), _slopes(args)
     slope = function(da, b, **kwargs) + function(a, db, **kwargs)
     return Dual(function(a, b, **kwargs), slope, ties)
 
 
 def _largest(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
+    """Return the largest dual number along an axis."""
     (of,), axis = args, kwargs["axis"]
     where = np.argmax(of.value, axis=axis, keepdims=True)
     value, slope = (

@@ -18,7 +18,7 @@ Known = dict[str, Any]
 
 
 def too_large_is_data() -> np.errstate:
-    """Return the context in which what is too large for a float is infinite, without a warning.
+    """Return a context in which overflow gives infinity without a warning.
 
     What hangs on it may be no number; the compiled loops of large sweeps say nothing of it either.
     """
@@ -26,7 +26,7 @@ def too_large_is_data() -> np.errstate:
 
 
 def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None = None) -> Known:
-    """Return every quantity of a plan on whole arrays, SI units: given, default and computed.
+    """Compute all equations of a plan on whole arrays; return every quantity, SI units.
 
     Equations that take long ask the watch.
     """
@@ -35,7 +35,7 @@ def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None
 
 
 def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
-    """Add what equations give, one after another, to what is known; return that."""
+    """Compute equations one after another, adding their results to `known`, which is returned."""
     with too_large_is_data():
         for equation in equations:
             watched = {"watch": watch} if equation.takes_long else {}
@@ -46,12 +46,12 @@ def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None)
 
 
 def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
-    """Return the regime of each cell: the first condition that holds, or what remains."""
+    """Return the regime of each cell: that of the first condition that holds, or the default."""
     return np.asarray(regimes_of(plan.conditions, plan.otherwise, known))
 
 
 def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
-    """Return the same as `regimes`, of conditions and the regime where none of them holds."""
+    """Return the regime of each cell, given conditions and the regime where none holds."""
     regime: Any = np.int8(REGIMES[otherwise].value)
     with too_large_is_data():
         for condition in reversed(conditions):

@@ -41,7 +41,7 @@ def evaluate(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Return the outputs of a plan, each with its own dimensions, in the order of the grid's axes.
+    """Return the outputs of a plan over a grid, each over the axes that it depends on.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def evaluate(
 
 
 def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> None:
-    """Fill the outputs of a plan and `regime`, as `evaluate` does, of equations that take long.
+    """Compute a plan with simulated motion into `into`, on the whole grid at once.
 
     They share out their cells by themselves, and ask the watch; what it stops is not complete.
     """
@@ -86,7 +86,7 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
-    """Return arrays for the outputs of a plan and `regime`."""
+    """Return empty arrays for the outputs of a plan and `regime`."""
     depends = plan.depends_on(grid.axes)
     results: dict[str, NDArray[Any]] = {}
     for name in (*plan.outputs, "regime"):
@@ -96,7 +96,7 @@ def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
 
 
 def _fused(plan: Plan, grid: Grid) -> Fused | None:
-    """Return the compiled way if there is one and it repays."""
+    """Return the compiled form of a plan if it exists and is worth compiling; else None."""
     cells = grid.size(list(groups_of(plan, grid))[-1])
     if cells <= FEW_CELLS:
         return None
@@ -108,7 +108,7 @@ def _fused(plan: Plan, grid: Grid) -> Fused | None:
 
 
 def repays(missing: Iterable[str], seconds: float) -> bool:
-    """True if loops are worth being compiled where numpy takes so many seconds.
+    """True if compiling loops is worth its time, given the time that numpy would take.
 
     They are once numpy has spent as long on the same work as compiling takes: whatever comes after
     that, nobody has waited more than twice as long as with the better way.

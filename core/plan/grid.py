@@ -17,17 +17,20 @@ from core.study.values import Fixed, Points, Span, Values
 
 
 def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return values of a quantity, given in the unit of studies, in the unit of the code."""
+    """Return values converted from the unit of studies to SI units and radians."""
     return np.deg2rad(values) if QUANTITIES[name].is_angle else values
 
 
 def parameter_to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return values of a parameter in the unit of the code, angles without whole turns."""
+    """Return parameter values in SI units, angles reduced by whole turns."""
     return radians(values) if QUANTITIES[name].is_angle else values
 
 
 def from_si(name: str, values: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return values of a quantity in the unit of files and replies; inverse of `to_si`."""
+    """Return values converted from SI units and radians to the unit of files.
+
+    Inverse of `to_si`.
+    """
     return np.rad2deg(values) if QUANTITIES[name].is_angle else values
 
 
@@ -48,7 +51,7 @@ class Grid:
 
     @classmethod
     def of(cls, values: Mapping[str, Values]) -> Grid:
-        """Return the grid of a study's values."""
+        """Return the grid of a study's parameter values."""
         return cls(
             {name: value for name, value in values.items() if not isinstance(value, Fixed)},
             {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
@@ -56,16 +59,16 @@ class Grid:
 
     @cached_property
     def shape(self) -> dict[str, int]:
-        """Number of values of each axis."""
+        """The number of values on each axis."""
         return {name: axis.size for name, axis in self.axes.items()}
 
     @cached_property
     def cells(self) -> int:
-        """Number of points of the whole grid."""
+        """The number of points of the whole grid."""
         return math.prod(self.shape.values())
 
     def dims(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Return the named axes in the grid's order."""
+        """Return the named axes, in the order of the grid."""
         wanted = set(names)
         return tuple(name for name in self.axes if name in wanted)
 
@@ -74,7 +77,7 @@ class Grid:
         return math.prod(self.shape[name] for name in dims)
 
     def within(self, box: Mapping[str, tuple[int, int]]) -> Grid:
-        """Return the part of the grid between start and stop of each named axis."""
+        """Return the part of the grid between start and stop on each named axis."""
         axes = {
             name: Points(tuple(axis.array(*box[name]))) if name in box else axis
             for name, axis in self.axes.items()
@@ -82,7 +85,7 @@ class Grid:
         return Grid(axes, self.fixed)
 
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> Grid:
-        """Return a part of the grid over the axes of a box alone, with the named fixed parameters.
+        """Return a part of the grid over the axes of a box, with the named fixed parameters.
 
         An axis that the box takes whole stays as it is.
         """
@@ -95,11 +98,11 @@ class Grid:
         ).within(cut)
 
     def coordinate(self, name: str) -> NDArray[np.float64]:
-        """Return the values of an axis as a user reads them, shape (size,)."""
+        """Return the values of an axis in the unit of studies, shape (size,)."""
         return self.axes[name].array()
 
     def bounds(self, name: str) -> tuple[float, float]:
-        """Return the least and largest value of a parameter, SI units."""
+        """Return the smallest and largest value of a parameter, SI units."""
         if name in self.fixed:
             ends = np.array([self.fixed[name]])
         else:
@@ -109,7 +112,7 @@ class Grid:
         return float(ends.min()), float(ends.max())
 
     def si(self) -> dict[str, NDArray[np.float64]]:
-        """Return all parameters in the units of the code.
+        """Return all parameters in SI units and radians, broadcastable over the grid.
 
         An axis has as many dimensions as the grid, of size 1 but for its own: arrays that depend
         on different axes then broadcast by themselves, and a result has exactly the dimensions
@@ -142,7 +145,7 @@ class Grid:
 
 
 def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
-    """Return positions on each axis of random cells, all different; the same for equal seeds.
+    """Return the axis positions of random distinct cells; equal seeds give equal cells.
 
     There are `count` of them, or as many as the grid has, in random order. A grid of any size
     costs no more.

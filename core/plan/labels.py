@@ -20,7 +20,7 @@ from core.study.values import Fixed, Values
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
-    """Return the axes of a grid, and the values of fixed parameters and defaults of the plan."""
+    """Return the coordinates of a result: axes of the grid, fixed parameters, defaults."""
     coordinates = {
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
@@ -34,7 +34,7 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
 
 
 def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
-    """Return the asked outputs, labelled; `arrays` are in the units of the code."""
+    """Return the requested outputs, labelled; `arrays` are in SI units."""
     plan = prepared.plan
     equations = {equation.gives: equation for equation in plan.equations}
     return {
@@ -52,11 +52,12 @@ def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[s
 
 
 def _edge(name: str, value: float) -> float:
+    """Return a default value in the unit of files."""
     return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
 
 
 def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
-    """Return the attributes of a whole result; `how` says how it was made."""
+    """Return the global attributes of a result; `how` says how it was computed."""
     study, plan = prepared.study, prepared.plan
     attributes = {
         "Conventions": CONVENTIONS,
@@ -79,7 +80,7 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
 
 
 def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
-    """Return the origin of the numbers of a measured drive, in words."""
+    """Return a sentence on the origin of a measured drive's numbers."""
     left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
     told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
     if drive.clock_error is not None:

@@ -55,41 +55,44 @@ class Operation:
 
 
 def _times(factor: Any, slope: Any) -> Any:
-    """Return the product, 0 where nothing changes, however steep the factor."""
+    """Return a product that is 0 where the slope is 0, even for an infinite factor."""
     return np.where(slope == 0, 0.0, factor * slope)
 
 
 def _chain(factor: Callable[[Any, Any], Any]) -> Function:
-    """Return the rule of a function of one argument, from its derivative by value and argument."""
+    """Return the derivative rule of a one-argument function, from its derivative."""
     return lambda f, x, dx: _times(factor(f, x), dx)
 
 
 def _divided(m: Any, above: Any, below: Any) -> Any:
-    """Return a quotient as floats have it: infinite over 0, and no number for 0/0."""
+    """Return a quotient with floating-point rules: infinite over 0, NaN for 0/0."""
     if below == 0:
         return m.nan if above == 0 or m.isnan(above) else m.sign(above) * m.inf
     return above / below
 
 
 def _power(m: Any, base: Any, exponent: Any) -> Any:
+    """Return a power with floating-point rules: infinite for 0 to a negative power."""
     return m.inf if base == 0 and exponent < 0 else base**exponent
 
 
 def _same(a: Any, b: Any, da: Any, db: Any) -> Any:
-    """True where two arguments are equal and will not stay so."""
+    """True where two arguments are equal but have different slopes."""
     return (a == b) & (da != db)
 
 
 def _zero(x: Any, dx: Any) -> Any:
-    """True where an argument is 0 and will not stay so."""
+    """True where an argument is 0 but has a slope."""
     return (x == 0) & (dx != 0)
 
 
 def _comparison(function: Function, sign: str, digits: Function) -> Operation:
+    """Return the operation of a comparison, which has no derivative."""
     return Operation(function, None, f"{{}} {sign} {{}}", digits, _same, is_flat=True)
 
 
 def _flat(function: Function, loop: str, digits: Function | None) -> Operation:
+    """Return the operation of a piecewise constant function, which has no derivative."""
     return Operation(function, None, loop, digits, is_flat=True)
 
 

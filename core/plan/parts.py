@@ -42,7 +42,7 @@ class PartsMissingError(VibrafeedError):
 
 
 def identity(study: Study) -> dict[str, str]:
-    """Return the identity of a run, which runs share whose bytes are the same in one format."""
+    """Return what identifies a run: runs with equal identities write equal bytes."""
     return {"study": study.key(), "version": core.__version__}
 
 
@@ -75,7 +75,7 @@ class Parts(ABC):
 
     @property
     def identity(self) -> dict[str, str]:
-        """The fields of a record that it shares with others of the same bytes."""
+        """The fields that identify the study in every record."""
         scheme = {"scheme": self.scheme} if self.scheme else {}
         return {**identity(self.study), **scheme}
 
@@ -85,24 +85,24 @@ class Parts(ABC):
         return Records(self.where)
 
     def name(self, part: int) -> str:
-        """Return the name of the record of a part."""
+        """Return the name of a part's record."""
         return f"{part:06}-of-{self.count:06}"
 
     def ends(self, part: int) -> tuple[int, int]:
-        """Return the first of the boxes or tiles of a part, and the first after them."""
+        """Return the first box or tile of a part, and the first one after it."""
         return part * self.boxes // self.count, (part + 1) * self.boxes // self.count
 
     def missing(self) -> list[int]:
-        """Return the parts that have no record."""
+        """Return the numbers of parts without a record."""
         there = set(self.records.names())
         return [part for part in range(self.count) if self.name(part) not in there]
 
     def begin(self) -> None:
-        """Write what readers need who want to follow the result while it grows, if they can."""
+        """Write the metadata for readers that follow the growing result, if the format has any."""
         return
 
     def digests(self) -> dict[str, str]:
-        """Return the SHA-256 of each shard that the parts have written, by its key."""
+        """Return the SHA-256 of every shard that the parts have written, by key."""
         records = (self.records.read(self.name(part)) for part in range(self.count))
         return {
             key: digest
@@ -112,16 +112,16 @@ class Parts(ABC):
         }
 
     def forget(self, parts: Iterable[int]) -> None:
-        """Remove the records of some parts, which are computed again then."""
+        """Remove the records of some parts, so that they are computed again."""
         for part in parts:
             self.records.remove(self.name(part))
 
     def is_there(self, part: int) -> bool:
-        """True if a part has left a sound record."""
+        """True if a part has a valid record."""
         return self._is_ours(self.records.read(self.name(part)), part)
 
     def compute(self, part: int, watch: Watch | None = None) -> bytes:
-        """Compute a part, and write its shards; return its record, which is still to be kept.
+        """Compute a part and write its shards; return its record, which is not stored yet.
 
         Raises
         ------
@@ -140,11 +140,11 @@ class Parts(ABC):
         return Record(fields, arrays).pack()
 
     def keep(self, part: int, record: bytes) -> None:
-        """Keep the record of a part: it is done then."""
+        """Store the record of a part, which marks it as done."""
         self.records.write(self.name(part), record)
 
     def join(self, watch: Watch | None = None, *, history: str | None = None) -> Table:
-        """Make the result of all parts, under its name; return its table.
+        """Join all parts into the result and write it; return its table.
 
         That of a Zarr group has no values but those without dimension.
 
@@ -158,7 +158,7 @@ class Parts(ABC):
         return table
 
     def joined_table(self, watch: Watch | None = None) -> Table | None:
-        """Return the table of all parts as a whole, and write nothing; None where that is a group.
+        """Return the result of all parts as one table without writing it; None for a Zarr group.
 
         Raises
         ------
@@ -172,20 +172,21 @@ class Parts(ABC):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Return the arrays of some boxes, and the digests of the shards that were written."""
+        """Return the arrays of some boxes, and the digests of written shards."""
 
     @abstractmethod
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        """Make the result of all parts; return its table."""
+        """Write the result of all parts; return its table."""
 
     def _is_ours(self, record: Record | None, part: int) -> bool:
+        """True if a record belongs to this part of this study."""
         own = {"identity": self.identity, "part": part, "parts": self.count}
         return record is not None and own.items() <= record.fields.items()
 
     def _check(
         self, watch: Watch, is_usable: Callable[[Record], bool] = lambda _: True
     ) -> list[Mapping[str, Any]]:
-        """Return the records of all parts; raise if one is missing, damaged, or not valid."""
+        """Return the records of all parts; raise if one is missing, damaged or unusable."""
         missing, damaged, fields = [], [], []
         there = set(self.records.names())
         for part in range(self.count):
@@ -206,6 +207,7 @@ class Parts(ABC):
         return fields
 
     def _records(self) -> Iterator[Record]:
+        """Yield the records of all parts; raise `PartsMissingError` for a missing one."""
         for part in range(self.count):
             record = self.records.read(self.name(part))
             if record is None:
@@ -214,7 +216,7 @@ class Parts(ABC):
 
 
 def ranges(numbers: list[int]) -> str:
-    """Return numbers as queues take them: ``3,17-19``."""
+    """Return numbers in the notation of job queues: ``3,17-19``."""
     intervals: list[str] = []
     start = before = -2
     for number in [*sorted(numbers), -2]:

@@ -50,7 +50,7 @@ def carry_out(
     label: Callable[[Study, Computed, Watch], Table],
     watch: Watch | None = None,
 ) -> Table:
-    """Return the labelled results of a study, with what computing them cost.
+    """Compute a study and return its labelled results, with cost attributes.
 
     That counts neither verifying, which is a part of the labels, nor compiling, which is done once.
     """
@@ -63,17 +63,17 @@ def carry_out(
 
 
 def cells_of(prepared: Prepared, table: Table) -> int:
-    """Return the number of cells that were computed for a result; it may be an underestimate."""
+    """Return the number of cells computed for a result, possibly underestimated."""
     return int(table.attributes.get(FOLLOWED, prepared.cells))
 
 
 def price(cells: int, seconds: float) -> dict[str, float]:
-    """Return the cost of a run, as attributes of its result."""
+    """Return the cost of a run as attributes of its result."""
     return {"elapsed_seconds": seconds, "cells_per_second": cells / max(seconds, 1e-9)}
 
 
 def cells_of_piece(prepared: Prepared, seconds: float) -> int:
-    """Return the cells of a piece that takes about so many seconds of one core."""
+    """Return the number of cells that take about `seconds` on one core."""
     cells = seconds / prepared.seconds_a_cell
     fewest = prepared.cells / MAX_PIECES
     # Of what is reduced a piece holds answers only.
@@ -113,7 +113,7 @@ class Cut:
         return math.prod(self._parts)
 
     def box(self, index: int) -> Box:
-        """Return the box of a piece: start and stop on each axis that is cut."""
+        """Return start and stop of a piece on each axis that is cut."""
         position = np.unravel_index(index, self._parts) if self._parts else ()
         return {
             name: (int(at) * size // parts, (int(at) + 1) * size // parts)
@@ -124,7 +124,7 @@ class Cut:
 
 
 def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed:
-    """Return the arrays of a study computed piece by piece, as if computed as a whole.
+    """Join the arrays of pieces into those of the whole study.
 
     The pieces are taken one after another, so that they need not all be in memory.
     """

@@ -48,23 +48,23 @@ class Plan:
 
     @cached_property
     def regimes(self) -> tuple[str, ...]:
-        """The regimes that cells of this plan can have, by value."""
+        """The regimes that cells can have, by value."""
         names = {condition.regime for condition in self.conditions} | {self.otherwise}
         return tuple(sorted(names, key=lambda name: REGIMES[name].value))
 
     @cached_property
     def otherwise(self) -> str:
-        """The regime of cells for which no condition holds."""
+        """The regime of cells in which no condition holds."""
         said = [condition.otherwise for condition in self.conditions if condition.otherwise]
         more = [name for name in said if name != "contact"]
         return (more or said or ["not_assessed"])[-1]
 
     def only(self, output: str) -> Plan:
-        """Return the plan of one of the outputs alone, with the parameters that it needs."""
+        """Return the plan of a single output, with the parameters that it needs."""
         return _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
 
     def part(self, outputs: Collection[str], conditions: Collection[Condition]) -> Plan:
-        """Return the part of the plan that some of its outputs and conditions pull."""
+        """Return the part of the plan that some outputs and conditions need."""
         wanted = [*outputs, *(name for condition in conditions for name in condition.inputs)]
         needed = behind(wanted, {e.gives: e for e in self.equations}.get)
         return replace(
@@ -77,7 +77,7 @@ class Plan:
         )
 
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return, for each quantity of the plan, the axes that it depends on."""
+        """Return the axes on which each quantity of the plan depends."""
         known = {name: frozenset({name} & set(axes)) for name in self.parameters}
         known.update(dict.fromkeys(self.defaults, frozenset()))
         for equation in self.equations:
@@ -90,7 +90,7 @@ class Plan:
 def find_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str]:
-    """Return one of the scenes and the variant in force, its default where none is named.
+    """Return the named scene and the chosen variant; the default variant if none is named.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def find_scene(
 def choose_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str, list[Problem]]:
-    """Return a scene and a variant as `find_scene` does, and what is wrong with the variant.
+    """Return the named scene, the variant, and problems of the variant's name.
 
     An unknown variant gives way to the default, so that the rest of a study can be looked at.
     """
@@ -126,7 +126,7 @@ def choose_scene(
 def make_plan(
     scene_name: str, variant: str | None, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
-    """Return the plan of the outputs, given the names of the parameters of a study.
+    """Return the plan for outputs of a named scene, given the names of a study's parameters.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def make_plan(
 def plan_scene(
     scene: Scene, variant: str, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
-    """Return the plan of the outputs of a scene, as `make_plan` does."""
+    """Return the plan for outputs of a scene, given the names of a study's parameters."""
     scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
@@ -184,6 +184,7 @@ class _Walk:
                 self.visit(name, condition.regime)
 
     def plan(self) -> Plan:
+        """Return the plan of everything that was visited."""
         return Plan(
             self.scene,
             self.variant,
@@ -195,6 +196,7 @@ class _Walk:
         )
 
     def visit(self, name: str, user: str = "") -> None:
+        """Visit a quantity and everything that it depends on; record problems."""
         if name in self.visited:
             return
         self.visited.add(name)
@@ -211,7 +213,7 @@ class _Walk:
             self.missing[name] = user
 
     def _producer(self, name: str) -> Equation | None:
-        """Return the equation to run for a quantity that is not given, if any."""
+        """Return the equation for a quantity that the study does not set; None without one."""
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter}
             if alias.gives == name and asked <= set(self.parameters):
@@ -224,13 +226,14 @@ class _Walk:
         return equation
 
     def _tells(self, names: Collection[str]) -> bool:
-        """True if the study gives one of some parameters by what it follows from."""
+        """True if the study sets one of the parameters, directly or by an alternative."""
         parameters = set(self.parameters)
         followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
         return any(one is not None and set(one.inputs) <= parameters for one in followed)
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
+    """Return the problem of an output that the variant does not give."""
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
         return Problem(
@@ -251,7 +254,7 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
 
 
 def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
-    """Return the hint for an output that a study of another kind gives, if it is one."""
+    """Return the problem of an output that another kind of study gives; None otherwise."""
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -270,7 +273,7 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 
 
 def _doubled(parameters: Collection[str]) -> list[Problem]:
-    """Return the problems of parameters that are given twice, or without those they need."""
+    """Return problems of parameters set twice, or without others that they need."""
     problems = []
     for name, others in ALTERNATIVES.items():
         doubled = [other for other in others if name in parameters and other in parameters]
@@ -289,7 +292,7 @@ def _doubled(parameters: Collection[str]) -> list[Problem]:
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
-    """Return the problem of a parameter that a study lacks: what needs it, and an example to add.
+    """Return the problem of a missing parameter: what needs it, and an example.
 
     A parameter has the name that studies have for it. A quantity that users do not know, such as a
     bundle of several, is not named as what needs it.
@@ -309,6 +312,7 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+    """Return the problem of a parameter that no asked output uses."""
     if name in DRIVE and "wave" not in scene.producers(variant):
         fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
         message = (
@@ -324,7 +328,7 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return every parameter that some output or condition of a variant can use."""
+    """Return every parameter that outputs or conditions of a variant can use."""
     parts: tuple[Equation | Condition, ...] = (*scene.variants[variant], *scene.conditions[variant])
     needed = {name for part in parts for name in part.inputs}
     for alias in ALIASES:

@@ -48,17 +48,17 @@ class Prepared:
 
     @property
     def not_lazy(self) -> Problem | None:
-        """The reason why its cells cannot be evaluated where they are read; None if they can."""
+        """The problem with computing cells when they are read; None if that is possible."""
         return Problem("kind", "it is computed as a whole, not where read", "Sweep closed forms")
 
     def check_lazy(self, fix: str) -> Self:
-        """Return the study; raise `StudyError` if its cells cannot be evaluated where read."""
+        """Return the study; raise `StudyError` if cells cannot be computed when they are read."""
         if self.not_lazy is not None:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
 
     def parts(self, where: str, count: int) -> Parts:
-        """Return the parts that it may be carried out in, on their way to a result.
+        """Return the parts into which the study can be divided, writing to a result.
 
         Parameters
         ----------
@@ -71,30 +71,30 @@ class Prepared:
 
     @property
     def boxes(self) -> int:
-        """Into how many parts it can be cut at most."""
+        """The largest number of parts."""
         return 0
 
     def seconds_in_parts(self) -> float:
-        """Return the time of all parts on one core, estimated from a few of their boxes."""
+        """Return the time of all parts on one core [s], from trying a few boxes."""
         raise NotImplementedError
 
     def facts(self) -> dict[str, Any]:
-        """Return the further facts of a study besides its plan and its size, as a document."""
+        """Return further facts for the plan's JSON document."""
         return {}
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """The same for people."""
+        """Return further facts for the plan as sentences."""
         return ()
 
     @property
     def derived(self) -> Asked | None:
-        """The derivatives that the result has besides, None if it has none."""
+        """The derivatives in the result; None without any."""
         return None
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The axes that each output keeps, `regime` last."""
+        """The axes of each output, `regime` last."""
         depends = self.plan.depends_on(self.grid.axes)
         dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
         if self.derived is not None:
@@ -109,17 +109,17 @@ class Prepared:
 
     @property
     def cells(self) -> int:
-        """Number of points of the grid."""
+        """The number of points of the grid."""
         return self.grid.cells
 
     @property
     def bytes(self) -> int:
-        """Bytes that the outputs take where they are stored, uncompressed."""
+        """The bytes of the stored outputs, uncompressed."""
         return sum(self.grid.size(dims) * self.width(name) for name, dims in self.dims.items())
 
     @property
     def computed_bytes(self) -> int:
-        """Bytes that the outputs take as they are computed."""
+        """The bytes of the outputs as computed."""
         width = Prepared.width
         return sum(self.grid.size(dims) * width(self, name) for name, dims in self.dims.items())
 
@@ -128,7 +128,7 @@ class Prepared:
         return 1 if is_status(name) or name in FLAGS else 8
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """Return computed values of an output as files and replies have them."""
+        """Return computed values of an output in the units of files."""
         return values if name in FLAGS else from_si(name, values)
 
     @property
@@ -138,46 +138,46 @@ class Prepared:
 
     @property
     def stored(self) -> int:
-        """Number of points that the result has."""
+        """The number of points of the result."""
         return self.cells
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
-        """The axes along which the study may be carried out in pieces."""
+        """The axes along which the study can be computed in pieces."""
         return tuple(self.grid.axes)
 
     def within(self, box: Box) -> Self:
-        """Return the same study on a part of its grid."""
+        """Return the study restricted to a part of its grid."""
         return replace(self, grid=self.grid.within(box))
 
     @property
     def seconds_a_cell(self) -> float:
-        """Roughly what a point takes on one core: enough to tell short from long."""
+        """The likely time of a point on one core [s], enough to distinguish short from long."""
         raise NotImplementedError
 
     @property
     def most_seconds_a_cell(self) -> float:
-        """Roughly what a point takes at most: the same, unless how long it takes is not known."""
+        """The largest time of a point on one core [s]."""
         return self.seconds_a_cell
 
     @property
     def seconds(self) -> float:
-        """Roughly what the study takes on one core, with verifying, as is likely."""
+        """The likely time of the study on one core, including verification [s]."""
         return self.cells * self.seconds_a_cell + self.seconds_to_verify
 
     @property
     def most_seconds(self) -> float:
-        """Roughly what the study takes at most."""
+        """The largest time of the study on one core [s]."""
         return self.cells * self.most_seconds_a_cell + self.seconds_to_verify
 
     @property
     def seconds_here(self) -> float:
-        """Roughly what it takes here: as `seconds`, unless it uses all cores."""
+        """The likely time of the study on this machine [s]."""
         return self.seconds
 
     @property
     def size_in_words(self) -> str:
-        """Its cells, its bytes, and what it takes."""
+        """A text with cells, bytes and time."""
         seconds, most = self.seconds, self.most_seconds
         rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
         cells = f"{self.cells:,} cell{'s' * (self.cells != 1)}"
@@ -188,34 +188,34 @@ class Prepared:
 
     @property
     def verified_by(self) -> str:
-        """The method that evaluates random cells again if asked for; empty if none can."""
+        """The method that verifies random cells; empty if none can."""
         return "50 digits"
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """Roughly what evaluating a point again takes."""
+        """The likely time to verify a point [s]."""
         return self.plan.scene.seconds_a_verified_cell
 
     @property
     def seconds_to_verify(self) -> float:
-        """Roughly what verifying takes, if the study asks for it."""
+        """The likely time of verification [s]; 0 if not asked for."""
         asked = min(self.study.verify or 0, self.cells)
         return asked * self.seconds_a_verified_cell if asked else 0.0
 
     @property
     def computing_share(self) -> float:
-        """Roughly the share of computing in the time that computing and verifying take."""
+        """The share of computing in the total time with verification."""
         if not self.seconds_to_verify:
             return 1.0
         seconds = self.cells * self.seconds_a_cell
         return seconds / (seconds + self.seconds_to_verify)
 
     def unverified(self) -> Self:
-        """Return the study without its wish to be verified."""
+        """Return the study without verification."""
         return replace(self, study=self.study.model_copy(update={"verify": None}))
 
     def check_verification(self) -> Self:
-        """Return the study; raise `StudyError` if verifying it would take too long."""
+        """Return the study; raise `StudyError` if verification would take too long."""
         if self.study.verify is None:
             return self
         if not self.verified_by:
@@ -230,13 +230,13 @@ class Prepared:
         return self
 
     def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:
-        """Raise `LimitError` if the study has more cells or bytes than allowed, None for any."""
+        """Raise `LimitError` if the study has more cells or bytes than allowed; None allows any."""
         for limit, asked, allowed in (("cells", self.stored, cells), ("bytes", self.bytes, bytes_)):
             if allowed is not None and asked > allowed:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
     def what_fits(self, share: float) -> str:
-        """Return a sentence that says which study is about that share of this one."""
+        """Return a sentence that says how to shrink the study to a share of its size."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
         if fitting >= 2:
@@ -259,7 +259,7 @@ def plan_study(
     chosen: Chosen,
     more: Mapping[str, Values] | None = None,
 ) -> tuple[Plan, Grid]:
-    """Return plan and grid of a study of any kind; raise `StudyError` with every problem.
+    """Return the plan and grid of any study; raise `StudyError` with every problem.
 
     `more` holds values of parameters that the study gives elsewhere.
     """
@@ -278,7 +278,7 @@ def plan_study(
 
 
 def names_intended(parameters: Iterable[object]) -> list[str]:
-    """Return the parameters that a user means, who may have misspelt some; unknown ones go."""
+    """Return the parameters that a user intended, misspelt ones corrected, unknown ones dropped."""
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]
     meant = {name: nearest(name, PARAMETERS) for name in unknown[:SEARCHED]}
@@ -287,7 +287,7 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
 
 
 def placed(problem: Problem, study: Study) -> Problem:
-    """Return a problem of a plan at the place where the study says what it is about."""
+    """Return a problem of a plan with the path of its cause in the study."""
     section, _, name = problem.place.partition(".")
     if section == "parameters":
         return replace(problem, place=study.places().get(name, problem.place))
@@ -297,7 +297,7 @@ def placed(problem: Problem, study: Study) -> Problem:
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
-    """Yield the relations between given parameters that do not hold."""
+    """Yield problems of parameters that violate a constraint of the scene."""
     given = {*grid.axes, *grid.fixed}
     for constraint in scene.constraints:
         concerned = constraint.variant in ("", variant)

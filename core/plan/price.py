@@ -27,7 +27,7 @@ VALUES = 3  # of each axis, which tell what is the same all over a grid
 
 
 def evaluation_seconds(plan: Plan, grid: Grid) -> float:
-    """Return the time to evaluate a plan on a grid on one core, within a factor of 2 [s].
+    """Return the time to evaluate a plan on one core, within a factor of 2 [s].
 
     The grid may be of any size.
     """
@@ -52,7 +52,7 @@ def evaluation_seconds(plan: Plan, grid: Grid) -> float:
 
 @cache
 def pace() -> float:
-    """Return the time of this machine over that of the rates, by its best of some trials."""
+    """Return the slowness of this machine relative to the reference rates, best of some trials."""
     first, second = np.linspace(1.0, 2.0, 4096), np.linspace(2.0, 3.0, 4096)
     best = np.inf
     for _ in range(40):
@@ -64,7 +64,7 @@ def pace() -> float:
 
 
 def in_words(seconds: float) -> str:
-    """Return a time in words, two digits of it."""
+    """Return a time in words, with two digits."""
     for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
         if seconds >= 2 * length:
             return f"{float(f'{seconds / length:.2g}'):,g} {unit}"

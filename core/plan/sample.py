@@ -24,7 +24,7 @@ Positions = Mapping[str, NDArray[np.int64]]
 
 
 def chosen_positions(prepared: Prepared) -> tuple[Positions, int]:
-    """Return the position on each axis of the cells to verify, and their number.
+    """Return the axis positions of the cells to verify, and their number.
 
     They are all different, and the same for equal studies.
     """
@@ -54,12 +54,12 @@ class Sample:
     chosen: int
 
     def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
-        """Return an array over some axes of the grid at these cells, shape (count,)."""
+        """Return the values of an array at the sampled cells, shape (count,)."""
         chosen = values[tuple(self.positions[name] for name in dims)]
         return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
-        """Return the position of a cell, such as ``at frequency 50 Hz, beta 30 degree``."""
+        """Return the position of a cell in words, such as ``at frequency 50 Hz, beta 30 deg``."""
         parts = []
         for name, axis in self.grid.axes.items():
             k = int(self.positions[name][cell])
@@ -77,7 +77,7 @@ class Sample:
         compared: int = 0,
         failed: int = 0,
     ) -> dict[str, str | int]:
-        """Return the result of verifying, as attributes of the dataset.
+        """Return the verification result as attributes of the dataset.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ def sample_of(
     arrays: Mapping[str, NDArray[np.generic]],
     unfinished: tuple[str, int] | None = None,
 ) -> Sample:
-    """Return the cells of a study to verify.
+    """Return the cells of a study that are to be verified.
 
     `unfinished` are the status, among what was computed, and its value where a stop left a cell.
     """

@@ -39,7 +39,7 @@ class Tiled:
 
     @property
     def bytes(self) -> int:
-        """Bytes of all arrays in files that are not compressed."""
+        """The bytes of all arrays in uncompressed files."""
         width = self._prepared.width
         return self.tiles.stored({n: width(n) for f in self.tiles.fields for n in f.names})
 
@@ -49,7 +49,7 @@ class Tiled:
         return {name: self._prepared.in_files(name, computed[name]) for name in tile.field.names}
 
     def at(self, positions: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
-        """Return the outputs at some cells, SI units, shape (count,); each cell by itself.
+        """Return the outputs at some cells in SI units, shape (count,), computed one by one.
 
         `positions` has the position on each axis of the study, shape (count,).
         """
@@ -70,4 +70,5 @@ class Tiled:
         return self._plan.part(outputs, self._plan.conditions if "regime" in names else ())
 
     def _evaluated(self, plan: Plan, where: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
+        """Return the outputs of a plan on a part of the grid."""
         return evaluate(plan, self._grid.piece(where, plan.parameters))

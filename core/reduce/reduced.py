@@ -49,7 +49,7 @@ class Reduced(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """The reason why the result cannot be computed on reading."""
+        """The problem with computing cells on reading: a reduction has none."""
         return Problem("reduce", "what is reduced has no cells to read", "Leave it out")
 
     @property

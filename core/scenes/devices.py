@@ -60,7 +60,7 @@ class Device:
         return matrix
 
     def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
-        """Return the share of each aspect that a test of the device lets pass.
+        """Return the share of each aspect that a test of the device passes; empty if it is no test.
 
         None if it is no test.
         """

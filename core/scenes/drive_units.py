@@ -43,7 +43,7 @@ LIMITS = (
 
 
 def tuning(*outputs: str) -> tuple[Condition, ...]:
-    """Return the conditions of the side on which a unit is tuned, for its strokes and more."""
+    """Return the conditions that say if a unit is at resonance, tuned stiff or tuned soft."""
     concerned = STROKES | frozenset(outputs)
     return (
         Condition("resonance", drive_unit.is_at_resonance, concerned),

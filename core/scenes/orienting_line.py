@@ -148,7 +148,7 @@ def _with(
 
 
 def _turns(least: float, largest: float) -> bool:
-    """True if both ends are pairs of aspects, so that a device can turn one into the other."""
+    """True if both ends of a range are numbers of pairs of aspects, as a turning device needs."""
     return least in PAIRS and largest in PAIRS
 
 

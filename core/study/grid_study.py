@@ -174,7 +174,7 @@ MAX_SHOWN = 8  # to look a unit up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
-    """Return the words for the units to show, without repetition; None for the usual ones."""
+    """Return the texts that say in which units values are shown; None for the usual units."""
     if raw is None:
         return None
     words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw

@@ -32,7 +32,7 @@ class Sweep(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """None: each cell can be computed by itself."""
+        """The problem with computing cells on reading: None."""
         return None
 
     @property
@@ -87,7 +87,7 @@ class DerivedSweep(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """The reason why cells cannot be computed on reading: their derivatives."""
+        """The problem with computing cells on reading: derivatives need the whole grid."""
         message = "derivatives are computed as a whole, not where read"
         return Problem("sensitivities", message, "Leave it out")
 

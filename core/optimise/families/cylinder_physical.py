@@ -50,7 +50,7 @@ def cylinder_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point with a slip at an angle to x; sampled, then bisected."""
+    """Return the best point with slip at an angle to x, by sampling and bisection."""
     zero = np.zeros_like(k)
     exists = k > 0
     if not np.any(exists):
@@ -88,7 +88,7 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point where static friction just holds; sampled, then by golden sections."""
+    """Return the best point at the limit of static friction, by sampling and golden sections."""
     zero = np.zeros_like(k)
     exists = (k > 0) & (mu_s > mu)
     if not np.any(exists):
@@ -119,7 +119,7 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _value(
     psi: NDArray[np.complexfloating], k: Array, g: Array, mu: Array
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
-    """Return the best a_x for a slip along psi, and d_z there."""
+    """Return the best a_x for slip in the direction psi, and d_z there."""
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
     uv = -s * (1 - 2 * (mu * x) ** 2)
@@ -137,7 +137,7 @@ def _value(
 def _held_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return a_x, D_x, D_y and n at D_x = mu_s n cos(eta), D_y = 3 mu_s n sin(eta).
+    """Return a_x, D_x, D_y and n at the limit of static friction in the direction eta.
 
     a_x is -inf where no drive gets there. The drive's unit length leaves a quadratic in n; a_x is
     a multiple of n, so the larger root.

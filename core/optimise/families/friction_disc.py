@@ -34,7 +34,7 @@ Turned = Callable[[Array, Array, Array, Array], Candidate]
 
 
 def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
-    """Return alpha = 0 at the best angle of slip, and at the edge of stick."""
+    """Return optima with alpha = 0: at the best angle of slip, and at the edge of sticking."""
     zero = np.zeros_like(k)
     lift_off = np.arcsin(np.minimum(g, 1.0))
     beta = np.minimum(np.arctan(mu), lift_off)
@@ -57,7 +57,7 @@ def fastest_slide(
     held: Turned,
     accelerate: Accelerate,
 ) -> Optimum:
-    """Return the angles of the largest a_x: straight along x, or turned aside.
+    """Return the angles of the largest a_x: straight along x, or turned to the side.
 
     `turned` slides, `held` is at the edge of stick. Arguments broadcast; one out of range has the
     status `invalid`.

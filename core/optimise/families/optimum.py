@@ -48,7 +48,7 @@ class ParetoSet(NamedTuple):
 
 
 def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
-    """Return the arguments as float64 arrays of one shape."""
+    """Return the arguments as float64 arrays broadcast to one shape."""
     return tuple(np.broadcast_arrays(*(np.asarray(part, dtype=np.float64) for part in parts)))
 
 
@@ -58,12 +58,12 @@ def all_finite(*parts: Array) -> Mask:
 
 
 def usable(valid: Mask, *parts: Array) -> tuple[Array, ...]:
-    """Return the arguments with 0 in place of what is not valid: no warnings from NaN."""
+    """Return the arguments with 0 in invalid cells, so that NaN causes no warnings."""
     return tuple(np.where(valid, part, 0.0) for part in parts)
 
 
 def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Statuses:
-    """Return the status of each answer; `gain` is positive where the part moves forwards."""
+    """Return the status of each optimum; `gain` is positive where the part moves forwards."""
     status = np.where(gain > 0, STATUS["optimal"], STATUS["no_motion"])
     status = np.where(driven, status, STATUS["flat"])
     status = np.where(infeasible, STATUS["infeasible"], status)
@@ -71,12 +71,12 @@ def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Status
 
 
 def tight(bit: int, margin: Array, scale: Array) -> Flags:
-    """Return the bit where a margin is none on its scale, else 0."""
+    """Return the bit where a margin is zero on its scale, else 0."""
     return np.where(np.abs(margin) <= TIGHT * scale, bit, 0).astype(np.int16)
 
 
 def bounds_active(alpha: Array, beta: Array) -> Flags:
-    """Return the bits of the angles' own bounds, 0 and 90 deg."""
+    """Return the bits of the bounds, 0 and 90 degrees, that the angles reach."""
     unit, right = np.ones_like(alpha), np.pi / 2
     return np.asarray(
         tight(ACTIVE["alpha_lower"], alpha, unit)
@@ -89,7 +89,7 @@ def bounds_active(alpha: Array, beta: Array) -> Flags:
 def optimum(
     alpha: Array, beta: Array, along: Array, across: Array, active: Flags, status: Statuses
 ) -> Optimum:
-    """Return the answer; NaN where the status tells that there is none."""
+    """Return the record of an optimum; NaN where the status says that there is none."""
     bad = (status == STATUS["infeasible"]) | (status == STATUS["invalid"])
     alpha, beta, along, across = (np.where(bad, np.nan, p) for p in (alpha, beta, along, across))
     return Optimum(alpha, beta, along, across, np.where(bad, 0, active).astype(np.int16), status)

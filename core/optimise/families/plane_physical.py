@@ -53,7 +53,7 @@ def plane_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the interior maximum over the direction of friction, x = cos(psi)."""
+    """Return the interior optimum over the direction of friction, x = cos(psi)."""
     A = np.hypot(1.0, mu)
     p2 = (1 - k) * (1 + k)
     exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
@@ -87,7 +87,7 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point of |D| = mu_s n with alpha > 0: a_x = D_x (1 - mu_k/mu_s) there.
+    """Return the best point with |D| = mu_s n and alpha > 0, where a_x = D_x (1 - mu_k/mu_s).
 
     |D|^2 = q^2 - k^2 - 2 k D_x, q = cos(beta), so that D_x is largest where q^2 - (mu_s n)^2 is.
     """
@@ -105,7 +105,7 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
-    """Return D (1 - mu n/|D|), sliding from rest."""
+    """Return the acceleration D (1 - mu n/|D|) of a part that slides from rest."""
     left = 1.0 - ratio(mu * floor, np.hypot(*D), 0.0)
     return D[0] * left, D[1] * left
 

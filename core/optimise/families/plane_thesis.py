@@ -181,11 +181,12 @@ def _printed_accelerations(
 
 
 def _curve_beta(alpha: Array, mu: Array) -> Array:
+    """Return the elevation on the curve tan(beta) = mu (cos(alpha) + sin(alpha))."""
     return np.asarray(np.arctan(mu * (np.cos(alpha) + np.sin(alpha))))
 
 
 def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the point of the curve tan(beta) = mu (ca + sa) with d_y + mu d_z = level.
+    """Return the point of that curve with d_y + mu d_z = level.
 
     It is the highest point over d_x + mu d_z of the circle that the plane of the level cuts from
     the unit sphere: the foot of the plane plus a step along the projected gradient.
@@ -200,7 +201,7 @@ def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
 
 
 def _alpha_max(g: Array, mu: Array) -> Array:
-    """Return the angle at which a_y = 0 on the curve of case B; 90 deg where it stays negative."""
+    """Return the alpha with a_y = 0 on the curve of case B; 90 deg where a_y stays negative."""
     return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
 
 

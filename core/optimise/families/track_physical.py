@@ -89,7 +89,7 @@ def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
 def _both_value(
     P: Array, c: Array, gy: Array, gz: Array, mu: Array, alpha: Array, beta: Array
 ) -> Array:
-    """Return K_0 of theory 4.4."""
+    """Return the starting acceleration K_0 of theory 4.4."""
     push = P * np.cos(beta)
     floor, wall = gz - P * np.sin(beta), gy - push * np.sin(alpha)
     return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))

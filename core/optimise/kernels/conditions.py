@@ -40,7 +40,7 @@ def bounds(
     slopes: Numbers,
     margins: Numbers,
 ) -> None:
-    """Fill the margins of the angles, the floor and the wall, and their gradients.
+    """Fill margins and gradients of the bounds of angles, of floor and wall contact.
 
     n0 = g - sb on the floor, room - cb sa at the wall, in units of P. `slopes` has a row for the
     objective, then the constraints in the order of their bits; `margins` alike. F: a_x or K, a_y,
@@ -63,7 +63,7 @@ def bounds(
 def across(
     p: Numbers, F: Numbers, by_alpha: float, by_beta: float, slopes: Numbers, margins: Numbers
 ) -> None:
-    """Fill the margins of |a_y| <= limit, and their gradients, from those of a_y."""
+    """Fill the margins of |a_y| <= limit and their gradients, from those of a_y."""
     e = p[LIMIT] / p[P_]
     margins[ACROSS_LOWER], margins[ACROSS_UPPER] = F[1] + e, e - F[1]
     slopes[ACROSS_LOWER, 0], slopes[ACROSS_LOWER, 1] = by_alpha, by_beta
@@ -72,7 +72,7 @@ def across(
 
 @compiled
 def least_prices(slopes: Numbers, active: NDArray[np.int64], count: int, prices: Numbers) -> float:
-    """Return the residual of the conditions of an optimum, and fill the multipliers.
+    """Return the residual of the optimality conditions, and fill the multipliers.
 
     The objective's gradient must be a combination, with no negative weight, of at most two of the
     active constraints' gradients, negated; the combination with the least remainder is taken.

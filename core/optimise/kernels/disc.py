@@ -108,6 +108,7 @@ class Level(NamedTuple):
 
 @compiled
 def _level(beta: float, block: Block) -> Level:
+    """Return friction and drive of a block at one beta, with slopes over beta."""
     q, dq = math.cos(beta), -math.sin(beta)
     n = block.g - math.sin(beta)
     m, ms = block.mu * n, block.mu_s * n
@@ -118,7 +119,7 @@ def _level(beta: float, block: Block) -> Level:
 
 @compiled
 def _across(X: float, k: float, at: Level) -> float:
-    """Return |a_y| at D_x = X."""
+    """Return |a_y| for D_x = X."""
     q = at.q
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
     Y = math.sqrt(max((q - X - k) * (q + X + k), 0.0))
@@ -127,7 +128,7 @@ def _across(X: float, k: float, at: Level) -> float:
 
 @compiled
 def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tuple[float, int]:
-    """Return D_x of the largest a_x between `least` or 0 and `high`, and what holds it.
+    """Return D_x of the largest a_x between `least` (or 0) and `high`, and what limits it.
 
     a_x is concave in D_x and its slope too: Newton's steps from the right fall to the root.
     """
@@ -152,7 +153,7 @@ def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tu
 
 @compiled
 def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float, float]:
-    """Return D_x before and after the first step from X down that keeps |a_y| <= e; else -1."""
+    """Return D_x before and after the first step down from X with |a_y| <= e; else -1."""
     for i in range(1, RETREATS + 1):
         trial = X + (low - X) * i / RETREATS
         if at.q * at.q - k * k - 2 * k * trial < at.ms * at.ms:
@@ -164,7 +165,7 @@ def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float
 
 @compiled
 def _last_within(start: float, end: float, k: float, at: Level, e: float) -> float:
-    """Return the last D_x from `end` towards `start` that keeps |a_y| <= e; `end` does."""
+    """Return the last D_x from `end` towards `start` with |a_y| <= e; `end` fulfils it."""
     over, under = _across(start, k, at) - e, _across(end, k, at) - e
     for step in range(MAX_OUTER):
         trial = (start * under - end * over) / (under - over)
@@ -185,7 +186,7 @@ def _last_within(start: float, end: float, k: float, at: Level, e: float) -> flo
 
 @compiled
 def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: float) -> float:
-    """Return D_x within the limit of a_y that is nearest to X; -1 if there is none.
+    """Return the D_x nearest to X with |a_y| within the limit; -1 if there is none.
 
     Push more along x: a_y falls with D_x on a climbing track. On a falling one a_x is largest at
     a0, and only beyond a maximum of a_y can less of D_x keep the limit.
@@ -202,7 +203,7 @@ def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: flo
 
 @compiled
 def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
-    """Return the slope over beta of a_x at the best D_x, which moves with what holds it."""
+    """Return the slope of the best a_x over beta; what limits D_x moves with beta."""
     k, q, dq, m, dm = block.k, at.q, at.dq, at.m, at.dm
     R2 = q * q - k * k - 2 * k * X
     R = math.sqrt(max(R2, 0.0))
@@ -225,7 +226,7 @@ def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
 
 @compiled
 def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
-    """Return the largest D_x of a sliding block, R >= mu_s n, and what holds it; -1 if none slides.
+    """Return the largest D_x of a sliding block and what limits it; -1 if none slides.
 
     R^2 = q^2 - k^2 - 2 k D_x falls with D_x on a climbing track, and grows on a falling one.
     """
@@ -239,7 +240,7 @@ def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
 
 @compiled
 def best_across(beta: float, block: Block) -> BestAcross:
-    """Return the best that the block can do at this beta."""
+    """Return the best a_x of the block at one beta, and the D_x that gives it."""
     k, e = block.k, block.e
     at = _level(beta, block)
     q, nowhere = at.q, BestAcross(False, 0.0, 0.0, 0.0, FREE)
@@ -292,7 +293,7 @@ def _turned_top(k: float, g: float, mu: float) -> float:
 
 @compiled
 def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
-    """Return the bounds of |alpha|, on which alone a_x depends, and the sign of alpha."""
+    """Return the bounds of |alpha|, which alone matters for a_x, and the sign of alpha."""
     if lower > 0:
         return lower, upper, 1.0
     if upper < 0:
@@ -304,7 +305,7 @@ def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
 def _sampled(
     first: float, last: float, steps: int, sideways: float, block: Block, betas: Numbers
 ) -> int:
-    """Fill the angles to try, in order, and return their number."""
+    """Fill the angles to try in ascending order, and return their number."""
     mu, mu_s = block.mu, block.mu_s
     count = steps + 1
     for i in range(count):
@@ -326,7 +327,7 @@ def _sampled(
 def _past_minimum(
     inner: float, slope: float, value: float, outer: float, outer_slope: float, block: Block
 ) -> tuple[float, float]:
-    """Return an outer end without the minimum in between, and the slope there.
+    """Return an outer bracket end without a minimum in between, and the slope there.
 
     Both ends rise: a maximum and a minimum lie between. Halve until the minimum is outside.
     """
@@ -380,7 +381,7 @@ def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tupl
 def _climbed(
     i: int, count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Block
 ) -> tuple[float, bool]:
-    """Return beta of the hill that sample i lies on, and whether the last digit was reached."""
+    """Return beta of the local maximum near sample i, and whether the last digit was reached."""
     inner, slope = betas[i], rises[i]
     j = i + 1 if slope > 0 else i - 1
     if slope == 0 or not 0 <= j < count:
@@ -396,7 +397,7 @@ def _climbed(
 
 @compiled
 def _azimuth(beta: float, at: BestAcross, block: Block) -> float:
-    """Return |alpha| of the best at one beta."""
+    """Return |alpha| of the best drive at one beta."""
     if at.held == NEAREST:
         return block.a0
     if at.held == FARTHEST:
@@ -421,7 +422,7 @@ def _highest(
     count: int, betas: Numbers, values: Numbers, rises: Numbers, lift_off: float, side: float,
     block: Block, best: Numbers,
 ) -> int:  # fmt: skip
-    """Return the status; `best` becomes alpha, beta of the highest hill between the samples."""
+    """Return the status, and fill `best` with alpha and beta of the highest maximum."""
     top = -math.inf
     status = NO_MOTION
     for i in range(count):
@@ -463,7 +464,7 @@ def _fill(count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Bl
 
 @compiled
 def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best: Numbers) -> int:
-    """Return the status of the block with the friction disc; `best` becomes alpha, beta.
+    """Return the status, and fill `best` with the best alpha and beta under the friction disc.
 
     `p` are the groups of a design; the other arrays, of shape (SAMPLES,), are for the samples.
     """

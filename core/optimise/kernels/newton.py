@@ -73,7 +73,7 @@ from core.optimise.kernels.sphere import ROWS
     },
 )
 def idle(kept: Kept, p: Numbers) -> tuple[float, float, float]:
-    """Return objective, a_y and the room at the wall without drive; NaN for what is not there."""
+    """Return objective, a_y and wall margin without drive; NaN for what does not exist."""
     raise NotImplementedError
 
 
@@ -87,7 +87,7 @@ def idle(kept: Kept, p: Numbers) -> tuple[float, float, float]:
     },
 )
 def best(kept: Kept, p: Numbers, work: Work) -> Best:
-    """Return the best angles."""
+    """Return status and best angles, by the formulas of the model `kept`."""
     raise NotImplementedError
 
 
@@ -101,13 +101,13 @@ def best(kept: Kept, p: Numbers, work: Work) -> Best:
     },
 )
 def gradients(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill values, slopes and margins there."""
+    """Fill values, gradients and margins at given angles."""
     raise NotImplementedError
 
 
 @compiled
 def _is_valid(p: Numbers) -> bool:
-    """True if all groups are numbers within their range; only the limit may be infinite."""
+    """True if all groups are finite and within their range; only the limit may be infinite."""
     for i in range(GROUPS):
         if not math.isfinite(p[i]) and not (i == LIMIT and p[i] == math.inf):
             return False
@@ -124,7 +124,7 @@ def _is_valid(p: Numbers) -> bool:
 
 @compiled
 def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
-    """Return the status without drive, where every angle is as good; fill the row."""
+    """Return the status without drive, where all angles are equal; fill the row."""
     value, across, wall_margin = idle(kept, p)
     lost = (kept.floor and p[NORMAL] < 0) or (kept.wall and wall_margin < 0)
     if lost or abs(across) > p[LIMIT]:
@@ -138,7 +138,7 @@ def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
 
 @compiled
 def _at_best(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work, row: Numbers) -> int:
-    """Return the bits of what binds at the best angles; fill the row."""
+    """Return the bits of the constraints that bind at the best angles; fill the row."""
     gradients(kept, p, alpha, beta, work)
     bits, count, prices = 0, 0, work.prices
     for i in range(1, CONSTRAINTS):
@@ -162,7 +162,7 @@ def _at_best(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work, row:
 def solve(
     kept: Kept, groups: Numbers, table: Numbers, active: NDArray[np.int16], status: NDArray[np.int8]
 ) -> None:
-    """Find the best drive of each cell, groups (n, GROUPS): fill table, bounds and status."""
+    """Solve each cell, groups (n, GROUPS): fill table, active bounds and status."""
     work = Work(
         np.empty((ROWS, 3)), np.empty(ROWS), np.empty(3), np.empty(3),
         np.empty(SAMPLES), np.empty(SAMPLES), np.empty(SAMPLES),

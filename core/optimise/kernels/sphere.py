@@ -32,7 +32,7 @@ NEAR_PARALLEL = 1e-20  # squared sine below which two planes have no corner
 
 @compiled
 def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bool:
-    """True if a direction keeps all planes a.d <= b."""
+    """True if a direction fulfils all planes a.d <= b."""
     for i in range(rows):  # noqa: SIM110 - a generator would not compile
         if A[i, 0] * x + A[i, 1] * y + A[i, 2] * z > b[i] + KEPT:
             return False
@@ -41,7 +41,7 @@ def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bo
 
 @compiled
 def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """True if two planes meet on the sphere within all others; the highest goes into `best`."""
+    """True if two planes meet on the sphere within all others; keeps the highest in `best`."""
     exists = False
     highest = -math.inf
     for i in range(rows):
@@ -75,7 +75,7 @@ def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers
 
 @compiled
 def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """True if a unit vector keeps a.d <= b; `best` becomes the one with the largest u.d.
+    """True if a unit vector fulfils a.d <= b; `best` becomes the one with the largest u.d.
 
     The rows of A are unit vectors. Where the top of the sphere oversteps a plane and the top of
     that plane's circle keeps all others, it is the answer: without the others nothing is higher.
@@ -107,7 +107,7 @@ def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) 
 
 @compiled
 def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit: float) -> int:
-    """Put the plane (x, y, z).d <= limit into the next row, and return the number of rows."""
+    """Add the plane (x, y, z).d <= limit in the next row, and return the number of rows."""
     size = math.sqrt(x * x + y * y + z * z)
     A[row, 0], A[row, 1], A[row, 2] = x / size, y / size, z / size
     b[row] = limit / size
@@ -116,7 +116,10 @@ def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit:
 
 @compiled
 def angles_within(p: Numbers, floor: bool, A: Numbers, b: Numbers) -> int:
-    """Put the bounds of the angles, and the floor's sb <= g, into the first rows; their number."""
+    """Write the bounds of the angles and of floor contact into the first rows.
+
+    Return their number.
+    """
     a0, a1, b0, b1 = p[ALPHA_LO], p[ALPHA_HI], p[BETA_LO], p[BETA_HI]
     rows = plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)
     rows = plane(A, b, rows, -math.sin(a1), math.cos(a1), 0.0, 0.0)
@@ -138,7 +141,7 @@ def angles_of(d: Numbers) -> tuple[float, float]:
 
 @compiled
 def highest(P: float, constant: float, rows: int, work: Work) -> Best:
-    """Return status, alpha and beta of the largest u.d + constant within the planes of the rows."""
+    """Return status, alpha and beta of the largest u.d + constant within all planes."""
     u, d = work.upwards, work.direction
     if not top_of_pieces(u, work.planes, work.levels, rows, d):
         return Best(INFEASIBLE, False, math.nan, math.nan)

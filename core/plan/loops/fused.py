@@ -56,12 +56,12 @@ class Fused:
 
     @property
     def sources(self) -> frozenset[str]:
-        """The sources of the loops that it needs."""
+        """The sources of all loops that the plan needs."""
         return frozenset().union(*(program.sources for program in self._programs.values()))
 
     @property
     def missing(self) -> frozenset[str]:
-        """Those of them that have not run in this process."""
+        """The sources of loops that are not compiled in this process."""
         return self.sources - _compiled
 
     def run(
@@ -70,7 +70,7 @@ class Fused:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> None:
-        """Fill the outputs of the plan and ``regime``.
+        """Compute the outputs of the plan and ``regime`` into `results`.
 
         Parameters
         ----------
@@ -92,6 +92,7 @@ class Fused:
                         array[...] = self._values.over(self._traced.results[name], dims)
 
     def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
+        """Return the program of loops for outputs over some axes."""
         shape = tuple((name, self._grid.shape[name]) for name in dims)
         special = self._values.special(edge_of(self._traced, names, shape))
         return program_of(self._traced, names, shape, special)
@@ -103,7 +104,7 @@ class Fused:
         threads: int,
         progress: Progress | None,
     ) -> None:
-        """Fill arrays that have the same axes, task by task."""
+        """Compute arrays with common axes, task by task."""
         program, grid = self._programs[dims], self._grid
         operands = laid_out(program, self._traced, self._values, grid)
         sizes = [grid.shape[name] for name in dims]
@@ -116,6 +117,7 @@ class Fused:
         most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
+            """Compute one task and report its cells."""
             run_stages(program, operands, (ends, strides), flat)
             if progress is not None:
                 progress(int(np.prod(ends[:, 1] - ends[:, 0])) / cells)
@@ -129,12 +131,12 @@ class Fused:
 
 
 def missing(program: Program) -> frozenset[str]:
-    """Return the sources of a program's loops that have not run in this process."""
+    """Return the sources of a program's loops that are not compiled in this process."""
     return frozenset(program.sources) - _compiled
 
 
 def mark_compiled(program: Program) -> None:
-    """Note that the loops of a program have run in this process."""
+    """Record that the loops of a program are compiled in this process."""
     _compiled.update(program.sources)
 
 
@@ -144,7 +146,7 @@ def run_stages(
     ranges: tuple[NDArray[np.int64], ...],
     results: Sequence[Array],
 ) -> None:
-    """Run the loops of a program, and the functions of numpy between them, on some cells.
+    """Run the loops of a program on some cells, and the numpy functions between them.
 
     Parameters
     ----------
@@ -180,7 +182,7 @@ def run_stages(
 
 
 def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> dict[int, Any]:
-    """Return the operands of a program's loops: by the axes that are loops, then by row."""
+    """Return the operands of a program's loops, ordered by loop axes and row."""
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)
     operands: dict[int, Any] = {}
@@ -202,7 +204,7 @@ def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> di
 
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
-    """Return the outputs of a plan and ``regime`` by their axes; the largest come last."""
+    """Return the outputs of a plan and ``regime``, grouped by axes; the largest group last."""
     depends = plan.depends_on(grid.axes)
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in (*plan.outputs, "regime"):
@@ -223,7 +225,7 @@ class Values:
                 self._known[node.number] = np.asarray(value)
 
     def of(self, operand: Any) -> Any:
-        """Return the value of a node, over all axes of the grid or none; of a number, itself."""
+        """Return the value of a node over all axes of the grid; a plain number itself."""
         if not isinstance(operand, Node):
             return operand
         if operand.number not in self._known:
@@ -231,7 +233,7 @@ class Values:
         return self._known[operand.number]
 
     def over(self, operand: Any, axes: Iterable[str]) -> Array:
-        """Return the value of a node over some axes that are all of those that it depends on."""
+        """Return the value of a node over some axes, which include all that it depends on."""
         value, kept = np.asarray(self.of(operand)), set(axes)
         if not value.ndim:
             return value
@@ -239,7 +241,7 @@ class Values:
         return value.squeeze(dropped)
 
     def special(self, nodes: Iterable[Node]) -> tuple[tuple[int, float | bool], ...]:
-        """Return those of some nodes that make steps superfluous: their numbers and values."""
+        """Return those nodes whose values simplify other steps, with their values."""
         constants: list[tuple[int, float | bool]] = []
         for node in nodes:
             value = np.asarray(self.of(node))
@@ -252,7 +254,7 @@ class Values:
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
-    """Yield the ranges of each call of a loop: on the row, and on each loop around it."""
+    """Yield the index ranges of each call of a loop: on the row and on each outer loop."""
     row = math.prod(shape[name] for name in order.inner)
     sizes = [row, *(shape[name] for name in order.outer)]
     steps = [inside := min(row, most)]

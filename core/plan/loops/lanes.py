@@ -77,7 +77,7 @@ class LaneOrder:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ) -> LaneOrder:
-        """Return the tiles of a grid whose axes `over` go, of so many cells at most."""
+        """Return the loop order and tiles for a grid, in tiles of at most `most` cells."""
         goes = set(over)
         depth = DEPTH
         cells = math.prod(shape[name] for name in (*outer, *inner))
@@ -113,7 +113,7 @@ class LaneOrder:
         return cls(tuple(outer), tuple(inner), piece, period, gathers, steps, frozenset(apart))
 
     def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
-        """Return the lanes of a tile by axis, outermost first: a grid of all cells that are apart.
+        """Return the number of lanes of a tile on each axis, outermost first.
 
         `shape` is that of the tile.
         """
@@ -126,7 +126,7 @@ class LaneOrder:
         return lanes
 
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
-        """Return the lanes of the largest tile of a grid."""
+        """Return the number of lanes of the largest tile of a grid."""
         tile = {name: min(step, shape[name]) for name, step in self.steps.items()}
         return math.prod(self.lanes(tile, over).values())
 
@@ -173,11 +173,11 @@ class LaneLoop:
 
     @property
     def missing(self) -> frozenset[str]:
-        """The sources of its loops that have not run in this process."""
+        """The sources of its loops that are not compiled in this process."""
         return missing(self._program)
 
     def prepare(self) -> None:
-        """Have numpy make what the loop is given; once, before any run."""
+        """Compute with numpy the inputs of the loop; call it once before any run."""
         with np.errstate(all="ignore"):
             self._inputs = laid_out(self._program, self._traced, self._values, self._grid)
 
@@ -188,7 +188,7 @@ class LaneLoop:
         numbers: Mapping[str, int],
         lanes: Sequence[NDArray[np.float64]],
     ) -> None:
-        """Take the cells of a tile into lanes.
+        """Add the cells of a tile to the lanes.
 
         Parameters
         ----------
@@ -218,6 +218,6 @@ class LaneLoop:
 
 
 def _even(size: int, most: int) -> int:
-    """Return the length of nearly equal pieces of an axis, none longer than `most`."""
+    """Return the length of nearly equal pieces of an axis, at most `most`."""
     pieces = -(-size // max(1, min(size, most)))
     return -(-size // pieces)

@@ -47,15 +47,15 @@ class Order:
     inner: tuple[str, ...]
 
     def level(self, node: Node) -> int:
-        """Return the number of loops, but for the innermost, around a node."""
+        """Return the number of loops around a node, without the innermost one."""
         return max((k + 1 for k, name in enumerate(self.outer) if name in node.axes), default=0)
 
     def is_row(self, node: Node) -> bool:
-        """True if a node has a value for each cell of a row."""
+        """True if a node has a value per cell of a row."""
         return any(name in node.axes for name in self.inner)
 
     def kept(self, node: Node) -> tuple[str, ...]:
-        """Return the axes of a node that are loops, in the order of the grid."""
+        """Return the loop axes of a node, in the order of the grid."""
         return tuple(name for name in self.axes if name in node.axes and name not in self.inner)
 
 
@@ -65,7 +65,7 @@ def order_of(
     nodes: Collection[Node],
     longest: float = math.inf,
 ) -> Order:
-    """Return the loops over some axes that take the steps of a graph with least work.
+    """Return the loop order over some axes that minimises the work of a graph.
 
     `nodes` are its steps, and the leaves that they need. A row has at most `longest` cells for each
     value of its first axis.
@@ -84,7 +84,7 @@ def order_of(
 def _outwards(
     axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
 ) -> tuple[str, ...]:
-    """Return axes as loops, outermost first.
+    """Return axes in loop order, outermost first.
 
     From within outwards, the next loop is that over the axis on which least work depends: all other
     work then stands outside of it.
@@ -105,7 +105,7 @@ def _outwards(
 
 
 def work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
-    """Return the cost of steps and operands in an order of loops, in additions of a row's."""
+    """Return the cost of a graph in a loop order, in additions of a row."""
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.
     along = row + (LANES - 1) * (row % UNROLLED)

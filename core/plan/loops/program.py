@@ -83,7 +83,7 @@ def edge_of(
     row: tuple[str, ...] = (),
     most: int | None = None,
 ) -> tuple[Node, ...]:
-    """Return the nodes that numpy computes and loops are given.
+    """Return the nodes that numpy computes and the loops take as inputs.
 
     numpy computes what has few values, what no loop can and has not too many, and what these need.
     Of what depends on axes of a row and on others, a loop would be given a row for each of the
@@ -96,6 +96,7 @@ def edge_of(
         few, many = min(few, most), min(many, most)
 
     def by_numpy(node: Node) -> bool:
+        """True if numpy should compute a node, because it is small or no loop can."""
         size = math.prod(lengths[name] for name in node.axes)
         if node.function is None:
             return True
@@ -125,7 +126,7 @@ def program_of(
     special: tuple[tuple[int, float | bool], ...],
     updates: tuple[str, ...] = (),
 ) -> Program:
-    """Return the loops that compute some results, simplified by what is special.
+    """Return the loops that compute some results, simplified by special values.
 
     With `updates`, a name of `UPDATES` for each result, they take cells into lanes.
     """
@@ -146,14 +147,14 @@ def program_of(
 
 
 def _is_called(node: Node) -> bool:
-    """True if numpy takes a step between two loops."""
+    """True if numpy computes a step between two loops."""
     return node.function is not None and node.function not in IN_LOOPS
 
 
 def _stages(
     order: Order, nodes: Sequence[Node], results: Sequence[Any], lanes: Lanes | None
 ) -> tuple[Stage, ...]:
-    """Return the loops that compute some results, and what numpy does between them."""
+    """Return the loops that compute some results, and the numpy steps between them."""
     ready = _ready(results)
     leaves = [node for node in nodes if node.function is None]
     turns = [(ready[node.number], node) for node in nodes if _is_called(node)]
@@ -177,13 +178,14 @@ def _renewed(
     edge: Iterable[Node],
     special: tuple[tuple[int, float | bool], ...],
 ) -> tuple[list[Any], list[Node]]:
-    """Return results in a graph of its own, whose leaves are an edge, and the nodes they need."""
+    """Return results in a new graph whose leaves are given nodes, and the nodes needed."""
     graph = Graph()
     new: dict[int, Any] = {
         node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
     } | dict(special)
 
     def renewed(operand: Any) -> Any:
+        """Return an operand in the new graph."""
         if not isinstance(operand, Node):
             return operand
         if operand.number not in new:
@@ -199,10 +201,11 @@ def _renewed(
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return the number of times that numpy works between loops before each node is known."""
+    """Return, for each node, the number of numpy steps between loops before it is known."""
     ready: dict[int, int] = {}
 
     def visit(node: Node) -> int:
+        """Return the number of numpy steps before a node."""
         if node.number not in ready:
             before = max((visit(inner) for inner in node.before), default=0)
             ready[node.number] = before + _is_called(node)

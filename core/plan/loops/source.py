@@ -102,7 +102,7 @@ def write_loop(
     is_last: bool,
     lanes: Lanes | None = None,
 ) -> Loop:
-    """Return the loop that computes some nodes or numbers for each cell.
+    """Return the source of a loop that computes some nodes for each cell.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class _Writer:
         self.here: set[int] = set()
 
     def _need(self, node: Node) -> None:
-        """Collect a node and what it hangs on."""
+        """Collect a node and all nodes that it depends on."""
         if node.number in self.steps or node.number in self.used:
             return
         if node.number in self.leaves | self.columns:
@@ -165,13 +165,15 @@ class _Writer:
         self.steps[node.number] = node
 
     def _level(self, node: Node) -> int:
+        """Return the loop level of a node."""
         return self.deepest if node.number in self.deep else self.order.level(node)
 
     def _is_row(self, node: Node) -> bool:
+        """True if a node has a value per cell of a row."""
         return node.number in self.deep or self.order.is_row(node)
 
     def _kept(self) -> dict[int, Node]:
-        """Return the rows that a loop makes for the loops within it."""
+        """Return the rows that a loop stores for the loops inside it."""
         used = [(operand, self._level(node)) for node in self.nodes for operand in node.before]
         used += [(operand, self.deepest) for operand in self.results if isinstance(operand, Node)]
         kept = {
@@ -184,7 +186,7 @@ class _Writer:
         return dict(sorted(kept.items()))
 
     def _term(self, node: Node) -> str:
-        """Return the text by which a row's loop refers to a value."""
+        """Return the text for a value inside the row's loop."""
         number = node.number
         if number in self.columns:
             return f"c{number}[done + i]"
@@ -230,7 +232,7 @@ class _Writer:
         )
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return the lines that stand within so many loops, but not within the next."""
+        """Return the lines at one loop level."""
         here = [node for node in self.nodes if self._level(node) == level]
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
@@ -244,14 +246,14 @@ class _Writer:
         return [f"{pad}{line}" for line in lines]
 
     def _taken(self, node: Node) -> str:
-        """Return the line that takes out of an array what the loops within need."""
+        """Return the line that reads an element of an array for inner loops."""
         turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
         index = ", ".join(turns[name] for name in self.order.kept(node))
         taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
         return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
-        """Return the lines that find where the results of a row begin."""
+        """Return the lines that compute where the results of a row begin."""
         lines = []
         if self.lanes:
             lines += [f"start = {self._lane_index('strides')}"]
@@ -263,7 +265,7 @@ class _Writer:
         return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
 
     def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
-        """Return the loop along a row: its steps, the rows that are kept, then some updates."""
+        """Return the lines of the loop along a row: steps, stored rows, updates."""
         lines = ["for i in range(cells):"]
         for node in rows:
             lines.append(f"    t{node.number} = {self._step(node)}")
@@ -275,14 +277,14 @@ class _Writer:
         return [*lines, *(f"    {line}" for line in updates)]
 
     def _lane_index(self, strides: str) -> str:
-        """Return the place of the first cell of a piece of a row."""
+        """Return the text for the index of the first cell of a piece of a row."""
         assert self.lanes is not None
         turns = [f"i{k + 1}" for k in range(self.deepest)] + [f"at // {self.lanes.period}"]
         terms = [f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns)]
         return " + ".join([*terms, f"{strides}[{len(turns)}]"])
 
     def _updated(self) -> list[str]:
-        """Return the lines by which the last loop handles the results."""
+        """Return the lines of the last loop that store or gather the results."""
         lines, free = [], 0
         for update, term in zip(self.updates, self._terms(), strict=True):
             count, texts = UPDATES[update]
@@ -292,17 +294,18 @@ class _Writer:
         return lines
 
     def _terms(self) -> list[str]:
-        """Return the texts by which the last loop refers to the results."""
+        """Return the texts for the results in the last loop."""
         return [self._term(one) if isinstance(one, Node) else _literal(one) for one in self.results]
 
     def _step(self, node: Node) -> str:
+        """Return the text of a step: its function with the texts of its inputs."""
         terms = (self._term(one) if isinstance(one, Node) else _literal(one) for one in node.inputs)
         assert node.function is not None
         return IN_LOOPS[node.function].format(*terms)
 
 
 def _literal(value: Any) -> str:
-    """Return a number as it is written in a loop."""
+    """Return a number as source text."""
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)

@@ -73,13 +73,13 @@ class Node(NDArrayOperatorsMixin):
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
     ) -> Any:
-        """Add a step; what is written in place (``a &= b``) is a new value all the same."""
+        """Add a numpy step to the graph; in-place operations make new values."""
         if method != "__call__" or settings or ufunc.nout != 1:
             raise UntraceableError(f"{ufunc.__name__}.{method} is not a plain step")
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        """Add a choice; nothing else is elementwise.
+        """Add `np.where` to the graph; other functions are not elementwise.
 
         Whether any cell is left to work on, nobody knows before: an iteration that ends when none
         is goes on to its last step, which changes no cell that had ended.
@@ -91,7 +91,7 @@ class Node(NDArrayOperatorsMixin):
         return self.graph.apply(np.where, args)
 
     def __pow__(self, exponent: Any) -> Any:
-        """Refuse: numpy's own power differs in the last bit between numbers and arrays."""
+        """Raise: numpy's power differs in the last bit between numbers and arrays."""
         raise UntraceableError("a power is not traced: write np.square, or a product")
 
     def __getattr__(self, name: str) -> Any:
@@ -120,14 +120,14 @@ class Graph:
         self._known: dict[Any, Any] = {}
 
     def leaf(self, name: str, axes: Iterable[str], dtype: Any = np.float64) -> Node:
-        """Return the node of something that is given, over some axes."""
+        """Return the node of a given value over some axes."""
         key = (None, name)
         if key not in self._known:
             self._known[key] = Node(self, None, (), frozenset(axes), np.dtype(dtype), name)
         return self._known[key]
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
-        """Return the result of a function of numpy: a node, or a number if it is given numbers."""
+        """Return the node of a numpy function; a number if all inputs are numbers."""
         operands = tuple(
             operand if isinstance(operand, Node) else _number(operand) for operand in inputs
         )
@@ -147,7 +147,7 @@ class Graph:
 
 
 def _number(value: Any) -> Any:
-    """Return a number as it is, and what stands in an array without axes."""
+    """Return a number, taken out of an array without dimensions."""
     if isinstance(value, np.ndarray):
         if value.ndim:
             raise UntraceableError("it makes an array of its own")
@@ -156,6 +156,7 @@ def _number(value: Any) -> Any:
 
 
 def _identity(operand: Any) -> Any:
+    """Return what identifies an operand: its node number, or type and bytes."""
     if isinstance(operand, Node):
         return operand.number
     array = np.asarray(operand)
@@ -163,7 +164,7 @@ def _identity(operand: Any) -> Any:
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    """Return the type of what a function gives, asked of numpy with a value of each type."""
+    """Return the type of a function's result, as numpy computes it."""
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -173,7 +174,7 @@ def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
 
 
 def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the result of a choice whose condition is a number, or whose ways are one."""
+    """Return the result of `where` if its condition is a number or its choices are equal."""
     condition, first, second = operands
     if not isinstance(condition, Node):
         return (first if condition else second,)
@@ -181,7 +182,7 @@ def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
-    """Return the result of "and" or "or" where one of two is true or false, or both are one."""
+    """Return the result of a logical operation with a constant or with equal operands."""
     for first, second in (operands, operands[::-1]):
         if isinstance(first, bool | np.bool_):
             return (second if bool(first) == neutral else first,)
@@ -189,7 +190,7 @@ def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
 
 
 def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the other factor of 1."""
+    """Return the other operand of a multiplication by 1."""
     for first, second in (operands, operands[::-1]):
         if _is(first, 1.0) and isinstance(second, Node) and second.dtype == np.float64:
             return (second,)
@@ -197,7 +198,7 @@ def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _unchanged(operands: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
-    """Return the first of two where the second is a number that leaves it as it is."""
+    """Return the first operand if the second leaves it unchanged."""
     return (operands[0],) if _is(operands[1], by) and operands[0].dtype == np.float64 else None
 
 
@@ -214,7 +215,7 @@ SIMPLER: dict[Function, Callable[[tuple[Any, ...]], tuple[Any] | None]] = {
 
 
 def _is(operand: Any, value: float) -> bool:
-    """True if something is a number of a value; a zero, one without a sign."""
+    """True if an operand is a number of this value; zero must not be negative."""
     return not isinstance(operand, Node) and bool(operand == value) and not np.signbit(operand)
 
 
@@ -246,7 +247,7 @@ class TracedPlan:
 
 
 def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return a new graph of a plan over some axes; None if it has none."""
+    """Return a new graph of a plan over some axes; None if the plan cannot be traced."""
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
     leaves = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
@@ -262,7 +263,7 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 
 
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
-    """Return the graph of a plan over some axes, with outputs and ``regime``; None if it has none.
+    """Return the graph of a plan with outputs and ``regime``; None if it cannot be traced.
 
     It does not depend on values: parameters without an axis are nodes too.
     """
@@ -286,6 +287,7 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[str, ...],
 ) -> Traced | None:
+    """Return the graph of equations and conditions, cached; None if it cannot be traced."""
     graph = Graph()
     leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
     try:
