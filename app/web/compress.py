@@ -49,6 +49,7 @@ class Compress:
 
 def _weakened(send: Send) -> Send:
     """Return a `send` that adapts the headers of a compressed reply: weak ETag, no ranges."""
+
     async def weakened(message: Message) -> None:
         """Send a message, adapting the headers of a compressed reply."""
         if message["type"] == "http.response.start":

@@ -22,6 +22,7 @@ KINDS = {
 
 def _power(kind: str) -> Callable[..., Array]:
     """Return the equation's function for a kind of mean power."""
+
     def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
         power: Array = getattr(energy, kind) * (gravity * velocity_scale)
         return power
@@ -32,6 +33,7 @@ def _power(kind: str) -> Callable[..., Array]:
 
 def _work(kind: str) -> Callable[..., Array]:
     """Return the equation's function for a kind of work per metre."""
+
     def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
         return _a_metre(getattr(energy, kind), motion) * gravity
 

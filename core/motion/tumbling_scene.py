@@ -75,6 +75,7 @@ def part_energy_lost(*, specific_energy_lost: Array, mass: Array) -> Array:
 
 def _ended(name: str) -> Callable[..., Mask]:
     """Return the condition that the tumbling ended with a status."""
+
     def ended(*, tumble: Tumble) -> Mask:
         return tumble.status == STATUS[name]
 

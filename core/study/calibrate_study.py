@@ -63,6 +63,7 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
 
 def _prior_field(table: str, name: str) -> Any:
     """Return the pydantic field of a parameter's prior."""
+
     def read(raw: object) -> Prior:
         """Return the prior; raise a refusal for a wrong one."""
         try:

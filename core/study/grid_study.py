@@ -95,6 +95,7 @@ def _canonical(values: Values | None) -> Any:
 
 def _parameter_field(name: str, quantity: Quantity) -> Any:
     """Return the pydantic field of a parameter's values."""
+
     def read(raw: object) -> Values:
         """Return the values; raise a refusal for wrong ones."""
         try:
@@ -129,6 +130,7 @@ else:
 
 def _between_field(name: str, quantity: Quantity) -> Any:
     """Return the pydantic field of a variable's bounds."""
+
     def read(raw: object) -> Between:
         """Return the bounds; raise a refusal for wrong ones."""
         try:

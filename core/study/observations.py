@@ -68,6 +68,7 @@ def read_error(output: str, raw: object, value: float) -> float:
 
 def _single(name: str, quantity: Quantity) -> Any:
     """Return the pydantic field of a single value of a parameter."""
+
     def read(raw: object) -> float | None:
         """Return the value; raise a refusal for a wrong one."""
         try:
@@ -80,6 +81,7 @@ def _single(name: str, quantity: Quantity) -> Any:
 
 def _observed(name: str) -> Any:
     """Return the pydantic field of a measured output."""
+
     def read(raw: object) -> float | None:
         """Return the value; raise a refusal for a wrong one."""
         try:

@@ -35,6 +35,7 @@ def _schema(quantity: Quantity) -> dict[str, Any]:
 
 def _field(name: str, quantity: Quantity) -> Any:
     """Return the pydantic field of a parameter's distribution."""
+
     def read(raw: object) -> Distribution:
         """Return the distribution; raise a refusal for a wrong one."""
         try:

@@ -219,6 +219,7 @@ def _body(process: Process) -> dict[str, Any]:
 
 def _route(name: str) -> Callable[..., Awaitable[Response]]:
     """Return the function of the route that executes a process."""
+
     async def execution(
         request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
     ) -> Response:

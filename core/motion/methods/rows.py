@@ -202,6 +202,7 @@ def _by_events(
 
 def _stepped(steps: int) -> Kernel:
     """Return the kernel for time stepping with this number of steps."""
+
     def kernel(
         cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
     ) -> None:
