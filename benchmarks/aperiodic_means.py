@@ -29,12 +29,12 @@ def followed(groups: Groups, tolerance: float, max_periods: float = 1000.0) -> M
 
 
 def some(groups: Groups, where: np.ndarray) -> Groups:
-    """Return some of the cells."""
+    """Return a selection of the cells."""
     return {name: values[where] for name, values in groups.items()}
 
 
 def seconds(groups: Groups, tolerance: float, runs: int) -> float:
-    """Return the least processor time of some runs [s]."""
+    """Return the least processor time of several runs [s]."""
     taken = []
     for _ in range(runs):
         start = time.process_time()
@@ -44,7 +44,7 @@ def seconds(groups: Groups, tolerance: float, runs: int) -> float:
 
 
 def main() -> None:
-    """Print both parts."""
+    """Print the cost and the accuracy of means of aperiodic motions."""
     given = options(
         __doc__, thin=(6, "one in so many cells of the grid"), runs=(5, "runs of each"),
         random=(3000, "random cells, of which a fifth do not repeat"),

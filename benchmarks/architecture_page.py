@@ -55,14 +55,14 @@ class Room:
 
 
 def contracts() -> list[dict[str, Any]]:
-    """Return the import contracts."""
+    """Return the import contracts of the project file."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     found: list[dict[str, Any]] = tomllib.loads(text)["tool"]["importlinter"]["contracts"]
     return found
 
 
 def layers(rules: list[dict[str, Any]]) -> list[list[Room]]:
-    """Return the rooms of each layer, the topmost first; the layers of the app replace `app`."""
+    """Return the packages of each layer, topmost first, with the app's own layers."""
     stacks = [rule["layers"] for rule in rules if rule["type"] == "layers"]
     whole, app = stacks[0], stacks[1]
     at = whole.index("app")
@@ -74,7 +74,7 @@ def layers(rules: list[dict[str, Any]]) -> list[list[Room]]:
 
 
 def _room(name: str, forbidden: list[dict[str, Any]]) -> Room:
-    """Return one room, with the contracts that name it itself, not merely its parent."""
+    """Return a package with the contracts that name it directly."""
     rules = tuple(rule["name"] for rule in forbidden if name in rule["source_modules"])
     return Room(name, purpose(name), rules)
 
@@ -88,7 +88,7 @@ def purpose(name: str) -> str:
 
 
 def drawing() -> str:
-    """Return the drawing as SVG."""
+    """Return the architecture drawing as SVG."""
     y, parts = MARGIN, []
     for layer in layers(contracts()):
         top = y
@@ -113,7 +113,7 @@ def drawing() -> str:
 
 
 def _texts(room: Room, y: int) -> tuple[int, str]:
-    """Return the height of a room in pixels, and its texts, the first line at `y`."""
+    """Return the height of a package's box in pixels, and its texts, the first at `y`."""
     sentences = [("", line) for line in textwrap.wrap(room.purpose, SENTENCE)]
     sentences += [("rule", line) for rule in room.rules for line in textwrap.wrap(rule, SENTENCE)]
     steps = textwrap.wrap(WAY.get(room.name, ""), STEP)

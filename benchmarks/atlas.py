@@ -32,7 +32,7 @@ WITHIN_TEN = 10.0
 
 
 def main() -> None:
-    """Print how an atlas was made, how often it answers, how right it is, and how fast."""
+    """Print how an atlas was made, how often it answers, how accurate and how fast it is."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--atlas", type=Path, help="an atlas that is there")
     parser.add_argument("--resolution", choices=RESOLUTIONS, default="full")
@@ -80,7 +80,7 @@ def main() -> None:
 def print_row(
     name: str, found: AtlasValues, right: NDArray[np.float64], some: NDArray[np.bool_]
 ) -> None:
-    """Print how some cells are answered; errors in the unit of the velocity number."""
+    """Print how some cells are answered, with errors in the unit of the velocity number."""
     answered = (found.status == STATUS["answered"]) & some
     off, stated = np.abs(found.velocity - right)[answered], found.error[answered]
     print(f"{name:34}{some.sum():8,}{answered.sum() / some.sum():10.3f}{np.median(stated):16.1e}"
@@ -89,6 +89,7 @@ def print_row(
 
 
 def _made(path: Path, resolution: str) -> Path:
+    """Make an atlas, print its times, and return its path."""
     began, spent = time.perf_counter(), time.process_time()
     table = build(resolution)
     built = time.perf_counter()
@@ -99,13 +100,13 @@ def _made(path: Path, resolution: str) -> Path:
 
 
 def _of_practice(rng: np.random.Generator, count: int = CELLS) -> Numbers:
-    """Return random numbers of the practical range."""
+    """Return random atlas numbers of the practical range."""
     found = practical(rng.random((2 * count, 7)))
     return Numbers(*(values[:count] for values in found))
 
 
 def _anywhere(rng: np.random.Generator) -> Numbers:
-    """Return random numbers, evenly over the whole range; the angle number over its decades."""
+    """Return random numbers over the whole atlas; the angle number on a logarithmic scale."""
     fields = {name: rng.uniform(a.least, a.largest, CELLS) for name, a in AXES.items()}
     angle = AXES["angle_number"]
     fields["angle_number"] = np.exp(rng.uniform(np.log(angle.least), np.log(angle.largest), CELLS))
@@ -113,7 +114,7 @@ def _anywhere(rng: np.random.Generator) -> Numbers:
 
 
 def _seconds(work: Callable[[], object]) -> float:
-    """Return the least processor time of some runs, of all threads together."""
+    """Return the least processor time of several runs, over all threads [s]."""
     times = []
     for _ in range(REPEATS):
         began = time.process_time()

@@ -48,36 +48,36 @@ HUGE: Study = {  # its file has 340 MB
 
 
 def varied(study: Study, **parameters: object) -> Study:
-    """Return a study with other parameters."""
+    """Return a copy of a study with other parameters."""
     return {**study, "parameters": {**study["parameters"], **parameters}}
 
 
 def unknown_outputs(server: Served, seconds: float) -> None:
-    """Eight bodies at once that ask for 40,000 outputs that there are not."""
+    """Attack: post eight bodies at once that ask for 40,000 unknown outputs."""
     body = json.dumps({**SMALL, "outputs": [f"throw_numbre_{i}" for i in range(40_000)]}).encode()
     request = _request(server, "POST", "/sweeps", f"Content-Length: {len(body)}") + body
     _crowd(server, [request] * 8, seconds, is_read=True)
 
 
 def silent(server: Served, seconds: float) -> None:
-    """1,200 connections that say nothing, opened anew when they are closed."""
+    """Attack: keep 1,200 connections open without sending anything."""
     _crowd(server, [b""] * 1200, seconds)
 
 
 def slow_heads(server: Served, seconds: float) -> None:
-    """1,200 heads that come a byte a second."""
+    """Attack: send 1,200 request heads at a byte a second."""
     head = _request(server, "GET", "/scenes", f"X-Long: {'x' * 1000}")
     _crowd(server, [head] * 1200, seconds, bytes_a_second=1)
 
 
 def slow_bodies(server: Served, seconds: float) -> None:
-    """1,200 bodies that come a byte a second."""
+    """Attack: send 1,200 request bodies at a byte a second."""
     head = _request(server, "POST", "/sweeps", "Content-Length: 500000")
     _crowd(server, [head + b"x" * 1000] * 1200, seconds, at_once=len(head), bytes_a_second=1)
 
 
 def deaf_slices(server: Served, seconds: float) -> None:
-    """Twice 200 clients that ask for a slice of 10^6 values and read nothing."""
+    """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
     key = server.post("/sweeps", LARGE)["id"]
     path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
     for _ in range(2):
@@ -85,13 +85,13 @@ def deaf_slices(server: Served, seconds: float) -> None:
 
 
 def deaf_downloads(server: Served, seconds: float) -> None:
-    """200 clients that ask for a file of 100 MB and read nothing."""
+    """Attack: 200 clients request a file of 100 MB and read nothing."""
     path = server.file_of(LARGE, 100 * MB)
     _crowd(server, [_request(server, "GET", path)] * 200, seconds)
 
 
 def heads(server: Served, seconds: float) -> None:
-    """HEAD of four files of 340 MB that are not made yet, and GET of one of a few values."""
+    """Attack: HEAD of four uncomputed files of 340 MB, and GET of a small one."""
     studies = [varied(HUGE, frequency=50 + n) for n in range(4)]
     paths = [f"/sweeps/{server.post('/sweeps', study)['id']}/netcdf" for study in studies]
     small = _request(server, "GET", f"/sweeps/{server.post('/sweeps', SMALL)['id']}/netcdf")
@@ -99,12 +99,12 @@ def heads(server: Served, seconds: float) -> None:
 
 
 def long_cells(server: Served, seconds: float) -> None:
-    """Four requests of 200 bytes for a cell that takes hours; they are left when time is up."""
+    """Attack: four small requests for cells that take hours, abandoned at the end."""
     _crowd(server, [_long_cell(server, n) for n in range(4)], seconds)
 
 
 def long_jobs(server: Served, seconds: float) -> None:
-    """Four such jobs, dismissed after half of the time; a small job has to come through then."""
+    """Attack: four endless jobs, dismissed after half the time; a small job must then finish."""
     numbers = []
     for n in range(4):
         numbers.append(_posted(server, "simulate", _long_study(n)))
@@ -115,7 +115,7 @@ def long_jobs(server: Served, seconds: float) -> None:
 
 
 def many_jobs(server: Served, seconds: float) -> None:
-    """Six such jobs, which stay; a small job has to come through beside them."""
+    """Attack: six endless jobs that stay; a small job must finish beside them."""
     numbers = [_posted(server, "simulate", _long_study(n)) for n in range(6)]
     _has_to_end(server, _posted(server, "sweep", SMALL), seconds)
     for number in numbers:
@@ -123,7 +123,7 @@ def many_jobs(server: Served, seconds: float) -> None:
 
 
 def accuracy_jobs(server: Served, seconds: float) -> None:
-    """Three accuracy jobs, dismissed as they run; a small job has to come through then."""
+    """Attack: three accuracy jobs, dismissed while they run; a small job must then finish."""
     numbers = []
     for n in range(3):
         study = varied(SMALL, frequency=50 + n)
@@ -135,7 +135,7 @@ def accuracy_jobs(server: Served, seconds: float) -> None:
 
 
 def _posts(server: Served, path: str, contents: Sequence[object], seconds: float) -> None:
-    """Post bodies at once, and again whenever all are answered; leave when time is up."""
+    """Post bodies at once, repeating when all are answered; stop when the time is up."""
     bodies = [json.dumps(content).encode() for content in contents]
     requests = [
         _request(server, "POST", path, "Content-Type: application/json", f"Content-Length: {n}")
@@ -147,20 +147,20 @@ def _posts(server: Served, path: str, contents: Sequence[object], seconds: float
 
 
 def convert_values(server: Served, seconds: float) -> None:
-    """Eight clients that have a study of 9,000 values (60 kB) written as TOML."""
+    """Attack: eight clients convert a study of 9,000 values (60 kB) to TOML."""
     values = [1e-4 + 1e-8 * n for n in range(9_000)]
     study = varied(SMALL, amplitude=values)
     _posts(server, "/convert?to=toml", [study] * 8, seconds)
 
 
 def convert_headings(server: Served, seconds: float) -> None:
-    """Sixteen clients that convert a recording whose heading is 20,000 spaces."""
+    """Attack: sixteen clients convert a recording whose heading is 20,000 spaces."""
     text = f"time{' ' * 20_000}[s],a [m/s^2]\n" + "".join(f"{n / 1000},0\n" for n in range(20))
     _posts(server, "/convert?to=toml", [_recorded(text)] * 16, seconds)
 
 
 def convert_recordings(server: Served, seconds: float) -> None:
-    """Sixteen clients that convert honest recordings of 20,000 rows."""
+    """Attack: sixteen clients convert valid recordings of 20,000 rows."""
     rows = (
         f"{n / 2000:.4f},{30 * math.sin(0.157 * n):.3f},{10 * math.sin(0.157 * n):.3f}"
         for n in range(20_000)
@@ -170,13 +170,14 @@ def convert_recordings(server: Served, seconds: float) -> None:
 
 
 def _recorded(text: str) -> dict[str, object]:
+    """Return a study of motion with a recorded drive."""
     drive = {"data": text, "along": "ax", "normal": "az", "line_frequency": 50}
     motion = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"]}
     return {**motion, "drive": drive, "parameters": {"friction": 0.3}}
 
 
 def many_names(server: Served, seconds: float) -> None:
-    """64 clients that ask for slices with 5,000 names in their queries."""
+    """Attack: 64 clients request slices with 5,000 query names."""
     key = server.post("/sweeps", LARGE)["id"]
     names = "&".join(f"n{n}=1" for n in range(5_000))
     path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta&{names}"
@@ -184,7 +185,7 @@ def many_names(server: Served, seconds: float) -> None:
 
 
 def short_motions(server: Served, seconds: float) -> None:
-    """64 clients that post motions which are answered at once, other ones each time."""
+    """Attack: 64 clients post distinct motions that are answered at once."""
     motions = [
         {
             "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
@@ -200,7 +201,7 @@ def short_motions(server: Served, seconds: float) -> None:
 
 
 def dear_slices(server: Served, seconds: float) -> None:
-    """64 clients that ask for a small slice of a sweep with 100,000 values on a fixed axis."""
+    """Attack: 64 clients request a small slice of a sweep with 100,000 values on a fixed axis."""
     values = [1e-4 + 1e-9 * n for n in range(60_000)]
     study = varied(SMALL, amplitude=values)
     key = server.post("/sweeps", study)["id"]
@@ -209,7 +210,7 @@ def dear_slices(server: Served, seconds: float) -> None:
 
 
 def waiting(server: Served, seconds: float) -> None:
-    """520 clients that post one long study and wait for its job, up to 60 s each."""
+    """Attack: 520 clients post one long study and wait for its job, up to 60 s each."""
     number = _posted(server, "simulate", _long_study(0))
     body = json.dumps(_long_study(0)).encode()
     head = ("Prefer: respond-async, wait=60", f"Content-Length: {len(body)}")
@@ -219,33 +220,33 @@ def waiting(server: Served, seconds: float) -> None:
 
 
 def crumbs(server: Served, seconds: float) -> None:
-    """50 clients that send bodies in chunks of one byte with extensions of 1,000."""
+    """Attack: 50 clients send bodies in one-byte chunks with extensions of 1,000 bytes."""
     head = _request(server, "POST", "/sweeps", "Transfer-Encoding: chunked")
     crumb = b"1;x=" + b"x" * 1_000 + b"\r\nx\r\n"
     _stream_again(server, head, crumb * 200, 50, seconds)
 
 
 def plain_crumbs(server: Served, seconds: float) -> None:
-    """50 clients that send bodies in chunks of one byte."""
+    """Attack: 50 clients send bodies in one-byte chunks."""
     head = _request(server, "POST", "/sweeps", "Transfer-Encoding: chunked")
     _stream_again(server, head, b"1\r\nx\r\n" * 20_000, 50, seconds)
 
 
 def short_sweeps(server: Served, seconds: float) -> None:
-    """64 clients that post sweeps of 10^6 values which are answered at once."""
+    """Attack: 64 clients post sweeps of 10^6 values that are answered at once."""
     sweeps = [varied(LARGE, frequency=50 + n) for n in range(64)]
     _posts(server, "/processes/sweep/execution", sweeps, seconds)
 
 
 def short_sensitivities(server: Served, seconds: float) -> None:
-    """64 clients that post sensitivity studies which are answered at once."""
+    """Attack: 64 clients post sensitivity studies that are answered at once."""
     example = json.loads(json.dumps(PROCESSES["sensitivity"].example))
     studies = [{**example, "seed": n} for n in range(64)]
     _posts(server, "/processes/sensitivity/execution", studies, seconds)
 
 
 def fixed_axis(server: Served, seconds: float) -> None:
-    """64 clients that ask for a small slice of a sweep with 10^6 values on a fixed axis."""
+    """Attack: 64 clients request a small slice of a sweep with 10^6 values on a fixed axis."""
     axis = {"start": 1e-4, "stop": 5e-4, "num": 1_000_000}
     study = varied(SMALL, amplitude=axis)
     key = server.post("/sweeps", study)["id"]
@@ -254,7 +255,7 @@ def fixed_axis(server: Served, seconds: float) -> None:
 
 
 def netcdf_files(server: Served, seconds: float) -> None:
-    """Six files of long sweeps of one owner; a small one of another's has to come through."""
+    """Attack: one owner requests six large files; a small one of another owner must finish."""
     keys = [server.post("/sweeps", varied(HUGE, frequency=50 + n))["id"] for n in range(6)]
     small = server.post("/sweeps", SMALL)["id"]
     with ThreadPoolExecutor(1) as other:
@@ -265,7 +266,7 @@ def netcdf_files(server: Served, seconds: float) -> None:
 
 
 def _waited_for(server: Served, path: str, seconds: float) -> float:
-    """Return how long after the beginning of an attack a path is answered from elsewhere [s]."""
+    """Return the time until a path is answered to another client during an attack [s]."""
     time.sleep(1.0)
     started = time.monotonic()
     connection = http.client.HTTPConnection(
@@ -282,7 +283,7 @@ def _waited_for(server: Served, path: str, seconds: float) -> float:
 
 
 def fast_samples(server: Served, seconds: float) -> None:
-    """Recordings with impossible rates, and studies without outputs: none may end in a 500."""
+    """Attack: recordings with impossible rates and studies without outputs must not cause a 500."""
     recorded = _recorded("ax [m/s^2],az [m/s^2]\n" + "1,2\n" * 50)
     rates = [{**recorded, "drive": {**recorded["drive"], "sampling_rate": rate}} for rate in RATES]
     bare = {k: v for k, v in PROCESSES["sensitivity"].example.items() if k != "outputs"}
@@ -299,13 +300,13 @@ RATES = (1e-300, 1e300, 5e-324, 0, -1, 1e-9)
 
 
 def descriptions(server: Served, seconds: float) -> None:
-    """64 clients that have every process described: its schema took half a second each time."""
+    """Attack: 64 clients request the description of every process."""
     requests = [_request(server, "GET", f"/processes/{name}") for name in PROCESSES]
     _crowd_again(server, (requests * 11)[:64], seconds)
 
 
 def documents(server: Served, seconds: float) -> None:
-    """64 clients that ask for the OpenAPI document and the schema from the first moment on.
+    """Attack: 64 clients request the OpenAPI document and the schema from the start.
 
     The document was made and written in the event loop.
     """
@@ -314,25 +315,25 @@ def documents(server: Served, seconds: float) -> None:
 
 
 def many_headers(server: Served, seconds: float) -> None:
-    """100 clients whose heads have 15,000 lines: each line was parsed, and searched by layers."""
+    """Attack: 100 clients send request heads of 15,000 lines."""
     head = _request(server, "GET", "/scenes", *["a:"] * 15_000)
     _crowd_again(server, [head] * 100, seconds)
 
 
 def pipelined(server: Served, seconds: float) -> None:
-    """50 clients that send 1,000 requests at a time, without a look at what comes back."""
+    """Attack: 50 clients pipeline 1,000 requests at a time without reading replies."""
     _stream_again(server, b"", _request(server, "GET", "/scenes") * 1_000, 50, seconds)
 
 
 def packed_slices(server: Served, seconds: float) -> None:
-    """32 clients that want slices of 10^6 values compressed."""
+    """Attack: 32 clients request compressed slices of 10^6 values."""
     key = server.post("/sweeps", LARGE)["id"]
     path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
     _crowd_again(server, [_request(server, "GET", path, "Accept-Encoding: gzip")] * 32, seconds)
 
 
 def workbooks(server: Served, seconds: float) -> None:
-    """16 clients that want slices of 100,000 rows as workbooks, which are written by Python."""
+    """Attack: 16 clients request slices of 100,000 rows as workbooks."""
     study = varied(LARGE, gamma={"start": 0, "stop": 9, "num": 100})
     key = server.post("/sweeps", study)["id"]
     path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma&format=xlsx"
@@ -340,7 +341,7 @@ def workbooks(server: Served, seconds: float) -> None:
 
 
 def chunks(server: Served, seconds: float) -> None:
-    """64 clients that read other chunks of a sweep of 10^9 cells each time, in other shapes."""
+    """Attack: 64 clients read ever-different chunks of a sweep of 10^9 cells."""
     parameters = {
         **LARGE["parameters"],
         "amplitude": {"start": 1e-4, "stop": 5e-4, "num": 1000},
@@ -357,14 +358,14 @@ def chunks(server: Served, seconds: float) -> None:
 
 
 def followers(server: Served, seconds: float) -> None:
-    """250 clients that follow the events of one long job: each looked at the ledger by itself."""
+    """Attack: 250 clients follow the events of one long job."""
     number = _posted(server, "simulate", _long_study(0))
     _crowd(server, [_request(server, "GET", f"/jobs/{number}/events")] * 250, seconds)
     _delete(server, f"/jobs/{number}")
 
 
 def lists(server: Served, seconds: float) -> None:
-    """64 clients that list a thousand jobs at a time, with every condition there is."""
+    """Attack: 64 clients list a thousand jobs at a time with all filters."""
     for n in range(90):
         study = varied(SMALL, frequency=50 + n % 9)
         _status(server, "/processes/sweep/execution", study, Prefer="respond-async")
@@ -374,13 +375,13 @@ def lists(server: Served, seconds: float) -> None:
 
 
 def unknown_names(server: Served, seconds: float) -> None:
-    """16 clients whose studies have 40,000 parameters that there are not."""
+    """Attack: 16 clients post studies with 40,000 unknown parameters."""
     study = {**SMALL, "parameters": {f"amplitude_along_{n}": 1 for n in range(11, 30_000)}}
     _posts(server, "/sweeps", [study] * 16, seconds)
 
 
 def ranges(server: Served, seconds: float) -> None:
-    """64 clients that ask for 1,000 ranges of a file of 100 MB, and for one byte at a time."""
+    """Attack: 64 clients request 1,000 ranges of a file of 100 MB, and single bytes."""
     path = server.file_of(LARGE, 100 * MB)
     many = "Range: bytes=" + ",".join(f"{n}-{n}" for n in range(1_000))
     requests = [
@@ -391,10 +392,11 @@ def ranges(server: Served, seconds: float) -> None:
 
 
 def _stream_again(server: Served, head: bytes, piece: bytes, clients: int, seconds: float) -> None:
-    """Send a head, then a piece again and again, on many connections; anew when one is closed."""
+    """Send a head, then one piece again and again, on many connections; reopen closed ones."""
     until = time.monotonic() + seconds
 
     def stream(_: int) -> None:
+        """Send the head and the pieces on one connection until the time is up."""
         while time.monotonic() < until:
             with suppress(OSError), socket.create_connection(server.place, 5) as client:
                 client.settimeout(1.0)
@@ -407,6 +409,7 @@ def _stream_again(server: Served, head: bytes, piece: bytes, clients: int, secon
 
 
 def _status(server: Served, path: str, study: object, **headers: str) -> int:
+    """Return the status of the reply to a posted study."""
     connection = http.client.HTTPConnection(*server.place, timeout=60)
     connection.request("POST", path, json.dumps(study).encode(), headers)
     reply = connection.getresponse()
@@ -416,12 +419,14 @@ def _status(server: Served, path: str, study: object, **headers: str) -> int:
 
 
 def _crowd_again(server: Served, requests: list[bytes], seconds: float) -> None:
+    """Send requests on many connections, again and again, until the time is up."""
     until = time.monotonic() + seconds
     while (left := until - time.monotonic()) > 0:
         _crowd(server, requests, left, is_read=True)
 
 
 def _long_study(n: int) -> dict[str, object]:
+    """Return a study that takes long; `n` makes it unique."""
     return {
         "kind": "simulate",
         "scene": "rectangle-on-plane",
@@ -438,17 +443,20 @@ def _long_study(n: int) -> dict[str, object]:
 
 
 def _long_cell(server: Served, n: int) -> bytes:
+    """Return the bytes of a request for a long study."""
     body = json.dumps(_long_study(n)).encode()
     path = "/processes/simulate/execution"
     return _request(server, "POST", path, f"Content-Length: {len(body)}") + body
 
 
 def _posted(server: Served, process: str, study: object) -> str:
+    """Post a study as a job and return the job's identifier."""
     path = f"/processes/{process}/execution"
     return str(server.post(path, study, Prefer="respond-async")["jobID"])
 
 
 def _delete(server: Served, path: str) -> None:
+    """Send a DELETE request and read its reply."""
     connection = http.client.HTTPConnection(*server.place, timeout=30)
     connection.request("DELETE", path)
     connection.getresponse().read()
@@ -456,6 +464,7 @@ def _delete(server: Served, path: str) -> None:
 
 
 def _has_to_end(server: Served, number: str, seconds: float) -> None:
+    """Print how long a small job takes, and MISSED if it does not finish in time."""
     started = time.monotonic()
     until = started + seconds
     while (status := server.get(f"/jobs/{number}")["status"]) != "successful":
@@ -508,6 +517,7 @@ ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
 
 
 def _request(server: Served, method: str, path: str, *headers: str) -> bytes:
+    """Return the bytes of a request's head."""
     host = "{}:{}".format(*server.place)
     return "\r\n".join([f"{method} {path} HTTP/1.1", f"Host: {host}", *headers, "", ""]).encode()
 
@@ -540,6 +550,7 @@ def _crowd(
     chosen = selectors.DefaultSelector()
 
     def join(request: bytes) -> None:
+        """Open a connection for a request and register it."""
         client = socket.socket()
         client.setblocking(False)
         client.connect_ex(server.place)

@@ -34,7 +34,7 @@ KINDS = [(kind, count) for kind in ("steps", "harmonics") for count in (2, 3, 4,
 
 
 def motions(outputs: tuple[str, ...], given: Mapping[str, Array]) -> dict[str, Any]:
-    """Return outputs of a part on a plane under drives of any kind, SI units."""
+    """Return outputs of a part on a plane under given drives, SI units."""
     shape, _ = shape_of(given)
     assert shape is not None
     plan = plan_scene(driven(SYSTEMS["rectangle-on-plane"], shape), "events", outputs, given)
@@ -44,7 +44,7 @@ def motions(outputs: tuple[str, ...], given: Mapping[str, Array]) -> dict[str, A
 def random_waves(
     kind: str, count: int, waves: int, random: np.random.Generator
 ) -> dict[str, Array]:
-    """Return the numbers of waves of so many steps or harmonics whose largest acceleration is 1."""
+    """Return random waves of a number of steps or harmonics with largest acceleration 1."""
     orders = range(1, count + 1)
     if kind == "steps":
         given = {f"acceleration_along_{n}": random.uniform(-1, 1, waves) for n in orders[:-1]}
@@ -59,7 +59,7 @@ def random_waves(
 
 
 def shares(kind: str, count: int, waves: int, random: np.random.Generator) -> Array:
-    """Return what random waves reach of the fastest velocity, on level and climbing tracks.
+    """Return the share of the fastest velocity that random waves reach, level and climbing.
 
     On a level track the larger of both ways; 0 where no wave frees the part and none did.
     """
@@ -91,7 +91,7 @@ def shares(kind: str, count: int, waves: int, random: np.random.Generator) -> Ar
 
 
 def study(**changes: Any) -> dict[str, Any]:
-    """Return a study of the best wave in steps on a level track."""
+    """Return a study that seeks the best wave in steps on a level track."""
     return {
         "kind": "optimise",
         "scene": "rectangle-on-plane",
@@ -104,29 +104,30 @@ def study(**changes: Any) -> dict[str, Any]:
 
 
 def steps(count: int) -> dict[str, Any]:
-    """Return variables of a wave of so many steps: the last level and the first duration follow."""
+    """Return variables of a wave in steps; its last level and first duration are determined."""
     levels = {f"acceleration_along_{n}": _range(-MOST, MOST) for n in range(1, count)}
     return levels | {f"duration_{n}": _range(0, 4) for n in range(2, count + 1)}
 
 
 def harmonics(count: int) -> dict[str, Any]:
-    """Return variables of a wave of so many harmonics; a shift of time is left out."""
+    """Return variables of a wave of harmonics, without a shift of time."""
     unit = MOST / (2 * np.pi * FREQUENCY) ** 2
     sizes = {f"amplitude_along_{n}": _range(0, 2 * unit / n**2) for n in range(1, count + 1)}
     return sizes | {f"phase_along_{n}": _range(-180, 180) for n in range(2, count + 1)}
 
 
 def _range(lower: float, upper: float) -> dict[str, float]:
+    """Return a range of a variable."""
     return {"lower": lower, "upper": upper}
 
 
 def best(content: Mapping[str, Any]) -> Any:
-    """Return the dataset of a study."""
+    """Return the dataset of an optimisation."""
     return run_study(parse_study(dict(content)))
 
 
 def wave_of(found: Any) -> dict[str, float]:
-    """Return the best wave of an answer in three steps, from its longest step on."""
+    """Return the best wave of a result in three steps, starting with its longest step."""
     levels = [float(found[f"best_acceleration_along_{n}"]) for n in (1, 2)]
     last = [1.0, *(float(found[f"best_duration_{n}"]) for n in (2, 3))]
     levels.append(-(levels[0] * last[0] + levels[1] * last[1]) / last[2])
@@ -138,12 +139,12 @@ def wave_of(found: Any) -> dict[str, float]:
 
 
 def known_best(static: float, kinetic: float) -> dict[str, float]:
-    """Return the fastest wave on a level track."""
+    """Return the fastest known wave on a level track."""
     return fastest_wave(static * GRAVITY, kinetic * GRAVITY, MOST)
 
 
 def fastest_wave(holding: float, braking: float, most: float) -> dict[str, float]:
-    """Return the fastest wave: carry, away, catch, on the safe side of the edge by a rounding.
+    """Return the fastest wave (carry, away, catch), a rounding on the safe side of the limit.
 
     It carries the part for 1e-9 longer, less a tenth of that in strength, so that the part is
     caught just after the track has turned: just before, it would not be if it sticks more than it
@@ -162,6 +163,7 @@ def fastest_wave(holding: float, braking: float, most: float) -> dict[str, float
 
 
 def _random(waves: int) -> None:
+    """Print the largest share of the fastest velocity among random waves."""
     print(f"{waves:,} random waves each: the largest share of the fastest velocity")
     random = np.random.default_rng(1)
     for kind, count in KINDS:
@@ -170,6 +172,7 @@ def _random(waves: int) -> None:
 
 
 def _searched() -> None:
+    """Print the share of the fastest velocity that searches find, and their time."""
     print("searched waves: share of the fastest velocity, seconds")
     best(study(variables=steps(2)))  # compiled code is loaded
     for name, variables in (
@@ -198,7 +201,7 @@ class Case(NamedTuple):
 
 
 def cases() -> list[Case]:
-    """Return both coefficients in a band, and the static one alone, above the kinetic one."""
+    """Return test cases: both coefficients vary in a band, or the static one alone."""
     found = []
     for static, name in ((FRICTION, "friction"), (1.25 * FRICTION, "friction_static")):
         ends = static * (1 - BAND), static * (1 + BAND)
@@ -209,6 +212,7 @@ def cases() -> list[Case]:
         waves = {"fastest": known_best(static, FRICTION), "robust": wave_of(three)}
 
         def given(friction: Array, name: str = name, more: Any = more) -> dict[str, Array]:
+            """Return the parameters of friction values, with the other ones constant."""
             same = {other: np.full_like(friction, value) for other, value in more.items()}
             return {name: friction, **same}
 
@@ -224,7 +228,7 @@ def cases() -> list[Case]:
 
 
 def over_band(wave: Mapping[str, float], friction: Mapping[str, Array]) -> Array:
-    """Return the velocity [mm/s] of one wave at many values of friction."""
+    """Return the velocity of one wave at many values of friction [mm/s]."""
     shape = next(iter(friction.values())).shape
     given = {**wave, "frequency": FREQUENCY, "gravity": GRAVITY}
     given = {name: np.full(shape, value) for name, value in given.items()}
@@ -233,7 +237,7 @@ def over_band(wave: Mapping[str, float], friction: Mapping[str, Array]) -> Array
 
 
 def draw(rows: list[Case]) -> None:
-    """Draw the velocities of track and part over a period, at the ends and middle of each band."""
+    """Draw the velocities of track and part over a period, for each band of friction."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -261,7 +265,7 @@ def draw(rows: list[Case]) -> None:
 
 
 def course(drive: Mapping[str, float], phases: Array) -> tuple[Array, Array, float]:
-    """Return the velocities of track and part at phases, and the mean of the part [mm/s]."""
+    """Return the velocities of track and part at phases, and the part's mean [mm/s]."""
     given = {**drive, "frequency": FREQUENCY, "gravity": GRAVITY}
     given = {name: np.asarray(value).reshape(()) for name, value in given.items()}
     known = motions(("conveying_velocity",), given)
@@ -273,7 +277,7 @@ def course(drive: Mapping[str, float], phases: Array) -> tuple[Array, Array, flo
 
 
 def main() -> None:
-    """Print the figures and draw the picture."""
+    """Print all figures and draw the picture."""
     _random(options(__doc__, waves=10_000).waves)
     _searched()
     rows = cases()

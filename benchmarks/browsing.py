@@ -23,7 +23,7 @@ FLAGS = (
 
 @contextmanager
 def browsed() -> Iterator[Any]:
-    """Yield a browser's context with an empty profile; nothing of it stays."""
+    """Yield a browser context with an empty profile that is removed afterwards."""
     from playwright.sync_api import sync_playwright
 
     with tempfile.TemporaryDirectory() as profile, sync_playwright() as playwright:

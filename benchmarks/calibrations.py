@@ -64,7 +64,7 @@ def random_study(random: np.random.Generator, kind: str) -> dict[str, Any]:
 
 
 def drawn(random: np.random.Generator, kind: str) -> tuple[Calibration, np.ndarray]:
-    """Return a random calibration and the truth."""
+    """Return a random calibration study and the true values."""
     content = random_study(random, kind)
     prepared = prepare_content(content)
     model = prepared.model
@@ -93,7 +93,7 @@ def held(prepared: Calibration, truth: np.ndarray) -> np.ndarray:
 
 
 def covered(count: int, kind: str, seed: int) -> tuple[float, float, int]:
-    """Return the shares of truths that intervals of 68 and 95 % hold, and how many there are."""
+    """Return the shares of true values inside 68 and 95 % intervals, and the number of cases."""
     random = np.random.default_rng([seed, KINDS.index(kind)])
     found = np.concatenate([held(*drawn(random, kind)) for _ in range(count)], axis=1)
     return float(found[0].mean()), float(found[1].mean()), found.shape[1]

@@ -53,7 +53,7 @@ def study_of(page: str, kind: str) -> str:
 
 
 def cost(command: Sequence[object], folder: Path, environment: Mapping[str, str]) -> Cost:
-    """Return what a command takes, carried out in a folder; it has to succeed."""
+    """Return the cost of a command that is run in a folder and must succeed."""
     before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     subprocess.run(
         [*map(str, command)], cwd=folder, env={**os.environ, **environment}, check=True,
@@ -65,7 +65,7 @@ def cost(command: Sequence[object], folder: Path, environment: Mapping[str, str]
 
 
 def first_minute() -> dict[str, Cost]:
-    """Return what each command takes in a fresh home, and the studies when they are run again."""
+    """Return the cost of each command in a fresh home, and of second runs."""
     found: dict[str, Cost] = {}
     with tempfile.TemporaryDirectory() as name:
         home = Path(name)
@@ -89,7 +89,7 @@ def first_minute() -> dict[str, Cost]:
 
 
 def ratios() -> list[tuple[float, float]]:
-    """Return the times of a million cells and of the same command with --dry-run, in pairs."""
+    """Return times of a million cells and of the same command with --dry-run, in pairs."""
     with tempfile.TemporaryDirectory() as name:
         (Path(name) / "study.toml").write_text(MILLION)
         run = [VIBRAFEED, "run", "--force", "study.toml"]
@@ -101,7 +101,7 @@ def ratios() -> list[tuple[float, float]]:
 
 
 def main() -> None:
-    """Print the medians."""
+    """Print the medians of all measurements."""
     rounds = [first_minute() for _ in range(options(__doc__, rounds=5).rounds)]
     print("| what | s | of the processor |\n| --- | --- | --- |")
     for label in rounds[0]:

@@ -68,7 +68,7 @@ def plain(cells: Floats) -> tuple[Floats, NDArray[np.int8]]:
 
 
 def whole(cells: Floats) -> tuple[Floats, NDArray[np.int8]]:
-    """Return what `plain` does, with the hops that it leaves out in the share of flight.
+    """Return the results of cells with omitted hops counted in the share of flight.
 
     They are those of 13.5, some 1e-7 of a period: the derivatives are those of the true shares.
     """
@@ -106,7 +106,7 @@ def repeating(cells: Floats) -> Floats:
 
 
 def direction(cells: Floats, group: int) -> Floats:
-    """Return what a step of a group changes: with one friction both coefficients go together."""
+    """Return the change of groups by a step of one; equal friction coefficients change together."""
     step = np.zeros_like(cells)
     step[:, group] = 1.0
     if group in (4, 5):
@@ -116,7 +116,7 @@ def direction(cells: Floats, group: int) -> Floats:
 
 
 def judged(cells: Floats, group: int) -> tuple[Floats, Floats]:
-    """Return the judge's derivatives by a group, shape (cells, fields), and how sure it is."""
+    """Return reference derivatives by a group, shape (cells, fields), with their uncertainty."""
     columns = [getattr(COLUMN, name) for name in FIELDS]
     kinds = [COLUMN.multiple, COLUMN.impacts]
     here, status = plain(cells)
@@ -151,7 +151,7 @@ def judged(cells: Floats, group: int) -> tuple[Floats, Floats]:
 
 
 def errors(cells: Floats) -> dict[str, tuple[Floats, Floats, Floats, Derived]]:
-    """Return of each group the relative errors, the judge's, and the derivatives it compared."""
+    """Return relative errors by group, reference errors, and the number of compared values."""
     found = derived(cells)
     told = {}
     for group, name in enumerate(NAMES):
@@ -164,7 +164,7 @@ def errors(cells: Floats) -> dict[str, tuple[Floats, Floats, Floats, Derived]]:
 
 
 def main() -> None:
-    """Print what came out."""
+    """Print the errors and the cost of derivatives."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
     cells = random_cells(count, 2026)
     costs(cells)
@@ -188,7 +188,7 @@ def main() -> None:
 
 
 def costs(cells: Floats) -> None:
-    """Print what derivatives cost, paired."""
+    """Print the cost of derivatives relative to results alone."""
     found = derived(cells)
     r, periodic = found.results, found.status == STATUS.periodic
     sticks, flies = r[:, COLUMN.stick] > 0, r[:, COLUMN.flight] > 0

@@ -33,7 +33,7 @@ TRACK, PRESSED = "#1f3b73", "#b3560f"
 
 
 def path(axes: Axes, degrees: int, says: str) -> None:
-    """Draw the path of a point of the track, seen from the side; transport goes to the right."""
+    """Draw the path of a point of the track from the side; transport goes right."""
     lead = np.radians(degrees)
     phase = np.linspace(0, 2 * np.pi, 721)
     along, normal = ALONG * np.sin(phase), NORMAL * np.sin(phase + lead)
@@ -56,7 +56,7 @@ def path(axes: Axes, degrees: int, says: str) -> None:
 
 
 def conventions() -> Figure:
-    """Return the picture of a straight line and of an ellipse that turns either way."""
+    """Return the picture of a straight drive and of ellipses with both senses of rotation."""
     figure = Figure(figsize=(11, 2.7), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, len(PHASES), sharey=True)
@@ -71,7 +71,7 @@ def conventions() -> Figure:
 
 
 def main() -> None:
-    """Draw all pictures."""
+    """Draw all pictures of drives."""
     conventions().savefig(PICTURES / "drives-conventions.png", dpi=DOTS)
     for name, axes in AXES.items():
         found = vibrafeed.simulate(ROOT / "configs" / f"{name}.toml")

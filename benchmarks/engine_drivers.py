@@ -63,6 +63,7 @@ def mujoco_block(step: float, friction: float) -> Block:
     data = mujoco.MjData(model)
 
     def advance(along: float, normal: float) -> None:
+        """Apply accelerations and advance the engine by one step."""
         model.opt.gravity[:] = (along, 0.0, normal)
         mujoco.mj_step(model, data)
 
@@ -95,6 +96,7 @@ def pybullet_block(step: float, friction: float) -> Block:
     )
 
     def advance(along: float, normal: float) -> None:
+        """Apply accelerations and advance the engine by one step."""
         pybullet.setGravity(unit * along, 0.0, unit * normal)
         pybullet.stepSimulation()
 
@@ -119,6 +121,7 @@ def pymunk_block(step: float, friction: float) -> Block:
     space.add(floor, block, box)
 
     def advance(along: float, normal: float) -> None:
+        """Apply accelerations and advance the engine by one step."""
         space.gravity = (unit * along, unit * normal)
         space.step(step)
 
@@ -126,7 +129,7 @@ def pymunk_block(step: float, friction: float) -> Block:
 
 
 def dart_block(step: float, friction: float) -> Block:
-    """Return the block in DART."""
+    """Return the block in the engine DART."""
     import dartpy
     import numpy as np
 
@@ -134,6 +137,7 @@ def dart_block(step: float, friction: float) -> Block:
     world.setTimeStep(step)
 
     def body(name: str, size: Sequence[float], height: float, *, moves: bool) -> Any:
+        """Return a box as a rigid body."""
         skeleton = dartpy.dynamics.Skeleton(name)
         make = (
             skeleton.createTranslationalJointAndBodyNodePair
@@ -155,6 +159,7 @@ def dart_block(step: float, friction: float) -> Block:
     block = body("block", SIZE, SIZE[2] / 2, moves=True)
 
     def advance(along: float, normal: float) -> None:
+        """Apply accelerations and advance the engine by one step."""
         world.setGravity(np.array([along, 0.0, normal]))
         world.step()
 
@@ -164,7 +169,7 @@ def dart_block(step: float, friction: float) -> Block:
 
 
 def siconos_block(step: float, friction: float) -> Block:
-    """Return the block in Siconos: Moreau's time stepping, friction by a solver in the plane."""
+    """Return the block in Siconos, with Moreau's time stepping and a friction solver."""
     import numpy as np
     import siconos.kernel as kernel
     import siconos.numerics as numerics
@@ -184,6 +189,7 @@ def siconos_block(step: float, friction: float) -> Block:
     )
 
     def advance(along: float, normal: float) -> None:
+        """Apply accelerations and advance the engine by one step."""
         force.setValue(0, along)
         force.setValue(1, normal)
         stepping.computeOneStep()
@@ -207,7 +213,7 @@ BLOCKS: dict[str, Callable[[float, float], Block]] = {
 
 
 def version(name: str) -> str:
-    """Return the version of an engine; raise ImportError where it is not installed."""
+    """Return the version of an engine; raise ImportError if it is not installed."""
     import importlib
     import importlib.metadata
 
@@ -217,7 +223,7 @@ def version(name: str) -> str:
 
 
 def follow(name: str, job: dict[str, Any]) -> dict[str, Any]:
-    """Return the mean speed [m s-1] of some periods, speeds in one more, and processor time [s]."""
+    """Return the mean speed [m s-1], speeds within one more period, and processor time [s]."""
     block = BLOCKS[name](job["step"], job["friction"])
     gravities = [tuple(row) for row in job["gravities"]]
     for _ in range(job["before"]):

@@ -72,7 +72,7 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 def study(scene: str, variant: str, output: str, cells: float) -> dict[str, Any]:
-    """Return a sweep over all axes that the output depends on, of about so many cells."""
+    """Return a sweep over all axes of an output, with about `cells` cells."""
     names = [name for name in SPANS if scene == TRACK or name != "delta"]
     content: dict[str, Any] = {
         "kind": "sweep", "scene": scene, "variant": variant, "outputs": [output],
@@ -92,7 +92,7 @@ def study(scene: str, variant: str, output: str, cells: float) -> dict[str, Any]
 
 
 def fill(arrays: Arrays, pool: ThreadPoolExecutor) -> None:
-    """Write a number into every place, as fast as the memory takes it."""
+    """Write a number into all arrays, to measure the memory's speed."""
     parts = []
     for array in arrays.values():
         flat = array.reshape(-1)
@@ -102,7 +102,7 @@ def fill(arrays: Arrays, pool: ThreadPoolExecutor) -> None:
 
 
 def idiom(grid: Grid) -> xarray.DataArray:
-    """Return the transport velocity of a part from rest, as one writes it with xarray."""
+    """Compute the transport velocity with xarray, as a user would write it."""
     given = {n: xarray.DataArray(grid.coordinate(n), dims=n) for n in grid.axes}
     alpha, beta, gamma, delta = (np.deg2rad(given[n]) for n in ("alpha", "beta", "gamma", "delta"))
     mu, radius, distance, gravity = given["friction"], 0.8, 2e-4, 9.80665
@@ -125,7 +125,7 @@ print(time.perf_counter() - started)
 
 
 def before(folder: str, content: Mapping[str, Any]) -> float:
-    """Return the seconds that another version takes."""
+    """Return the seconds that another version of the program takes."""
     done = subprocess.run(
         [sys.executable, "-c", BEFORE, json.dumps(content)],
         cwd=folder, env={**os.environ, "PYTHONPATH": folder}, capture_output=True, text=True,
@@ -135,14 +135,14 @@ def before(folder: str, content: Mapping[str, Any]) -> float:
 
 
 def compiled(prepared: Prepared) -> Fused:
-    """Return the compiled way of a study."""
+    """Return the compiled form of a study's plan."""
     graph = traced(prepared.plan, prepared.grid.axes)
     assert graph is not None
     return Fused(prepared.plan, graph, prepared.grid)
 
 
 def times(cells: float, runs: int, other: str | None) -> None:
-    """Print nanoseconds a cell of all ways."""
+    """Print the time per cell of all ways of computing [ns]."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for scene, variant, output in CASES:
             content = study(scene, variant, output, cells)
@@ -179,7 +179,7 @@ def times(cells: float, runs: int, other: str | None) -> None:
 
 
 def plan_of(name: str, variant: str, outputs: Sequence[str]) -> Plan:
-    """Return the plan of some outputs that is given every parameter that they can use."""
+    """Return the plan of some outputs that is given all parameters it can use."""
     given = [n for n in scene_parameters(SCENES[name], variant) if n not in STANDS_FOR_OTHERS]
     given += [] if {"friction_static", "friction_kinetic"} & set(given) else ["friction"]
     while True:
@@ -193,7 +193,7 @@ def plan_of(name: str, variant: str, outputs: Sequence[str]) -> Plan:
 
 
 def traceable(name: str, variant: str) -> dict[bool, list[str]]:
-    """Return the closed-form outputs of a variant by whether they trace."""
+    """Return the closed-form outputs of a variant, by whether they can be compiled."""
     ways: dict[bool, list[str]] = {True: [], False: []}
     for output in SCENES[name].outputs(variant):
         plan = plan_of(name, variant, (output,)) if output != "regime" else None
@@ -203,7 +203,7 @@ def traceable(name: str, variant: str) -> dict[bool, list[str]]:
 
 
 def grid_of(plan: Plan, cells: int, seed: int) -> Grid:
-    """Return a grid over parameters of a plan: random values, and those where forms change."""
+    """Return a grid of random parameter values, and values where formulas change."""
     pick = np.random.default_rng(seed)
     names = list(plan.parameters)
     each = max(2, math.ceil(cells ** (1 / len(names))))
@@ -226,7 +226,7 @@ def grid_of(plan: Plan, cells: int, seed: int) -> Grid:
 
 
 def different(plan: Plan, grid: Grid) -> Iterator[tuple[str, int]]:
-    """Yield each array of a plan and how many of its values differ between both ways."""
+    """Yield each array of a plan and the number of values that differ between both ways."""
     graph = traced(plan, grid.axes)
     assert graph is not None
     expected, got = empty_results(plan, grid), empty_results(plan, grid)
@@ -240,7 +240,7 @@ def different(plan: Plan, grid: Grid) -> Iterator[tuple[str, int]]:
 
 
 def bits(cells: int) -> bool:
-    """Print which outputs go which way, and how many values differ; return whether none does."""
+    """Print which outputs are compiled, and how many values differ; True if none does."""
     wrong = 0
     for name, scene in SCENES.items():
         for variant in scene.variants:
@@ -259,7 +259,7 @@ def bits(cells: int) -> bool:
 
 
 def sizes(runs: int) -> None:
-    """Print what a cell costs on small and large grids."""
+    """Print the time per cell on small and large grids."""
     for power in (4, 5, 6, 7, 8):
         prepared = prepare_content(study(*CASES[0], cells=10**power))
         arrays, fused = empty_results(prepared.plan, prepared.grid), compiled(prepared)
@@ -270,7 +270,7 @@ def sizes(runs: int) -> None:
 
 
 def main() -> int:
-    """Print the figures."""
+    """Print all measurements."""
     asked = options(__doc__, cells=float, runs=9, before=str, bits=False, sizes=False)
     if asked.bits:
         return 0 if bits(int(asked.cells or 1e5)) else 1

@@ -41,7 +41,7 @@ class Kind(NamedTuple):
 
     @property
     def contacts(self) -> Contacts:
-        """What a part can touch."""
+        """The surfaces that the part can touch."""
         return Contacts(self.wall, self.rolling)
 
 
@@ -61,7 +61,7 @@ KINDS = {
 
 
 def random_groups(kind: Kind, count: int, seed: int) -> Groups:
-    """Return cells of one kind, as a feeder's track has them."""
+    """Return random cells of one kind, as on a feeder's track."""
     pick = np.random.default_rng(seed).uniform
     beta, alpha = np.radians(pick(10, 50, count)), np.radians(pick(5, 35, count))
     if kind.wall:
@@ -95,7 +95,7 @@ def speed_of(groups: Groups) -> Floats:
 
 @numba.njit(nogil=True, error_model="numpy")
 def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: Floats) -> None:
-    """Fill mean velocity and multiple of cells by other series; NaN where nothing repeats."""
+    """Fill mean velocity and period multiple of cells from runs with other series."""
     history = new_history(int(rows[0, -1]), np.zeros(1, dtype=np.int8))
     for number in range(rows.shape[0]):
         cell = cell_of(rows[number])
@@ -110,7 +110,7 @@ def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: F
 
 
 def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
-    """Return the motion of cells, one by one on one core, and the least seconds of each."""
+    """Return the motion of cells, computed one by one, and the least time of each [s]."""
     seconds = np.full(len(rows), np.inf)
     table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
     for number in range(len(rows)):
@@ -123,7 +123,7 @@ def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
 
 
 def main() -> None:
-    """Print a row for each kind and one for all."""
+    """Print a table row for each kind of cell and one for all."""
     arguments = options(
         __doc__,
         cells=(1000, "of each kind"),
@@ -140,6 +140,7 @@ def main() -> None:
     print("| --- " * 13 + "|")
 
     def show(name: str, of: dict[str, Floats]) -> None:
+        """Print the table row of some cells."""
         both = of["repeats"] & np.isfinite(of["truth"])
         error, stated = of["error"][both], of["stated"][both]
         took = 1e6 * of["seconds"]

@@ -56,7 +56,7 @@ def groups_of(
 
 
 def clean(random: Generator, count: int) -> Groups:
-    """Return cells of the numbers that people write."""
+    """Return random cells with round numbers, as people write them."""
     angles = np.array([5.0, 10.0, 15.0, 20.0])
     return groups_of(
         frequency=random.choice([50.0, 60.0, 100.0], count),
@@ -70,7 +70,7 @@ def clean(random: Generator, count: int) -> Groups:
 
 
 def anywhere(random: Generator, count: int, friction: Floats, rebounds: float = 0.0) -> Groups:
-    """Return random cells with this friction, and a restitution up to some."""
+    """Return random cells with this friction and restitution up to a limit."""
     pick = random.uniform
     climb = pick(-1.0, 1.0, count) * (pick(size=count) < 0.5)  # degrees; half are level
     return groups_of(
@@ -121,14 +121,14 @@ class Judged(NamedTuple):
 
     @property
     def off(self) -> Floats:
-        """By how much the mean is off, beyond what method and course state of their errors."""
+        """The deviation of the mean beyond the stated errors of method and long run."""
         return np.abs(self.table[:, COLUMN.velocity] - self.course) - (
             self.table[:, COLUMN.error] + self.doubt
         )
 
 
 def course_of(row: Floats, periods: int, contacts: Contacts = TRACK) -> tuple[float, float, int]:
-    """Return mean, what is not known of it, and multiple of a course from rest without jumps."""
+    """Return mean, uncertainty and period multiple of a long run from rest."""
     wall, rolling = contacts.wall, float(contacts.rolling)
     cell, work, (state, hold) = cell_of(row), new_work(), at_rest()
     drive.set_drive(cell, row, work)
@@ -156,12 +156,13 @@ def course_of(row: Floats, periods: int, contacts: Contacts = TRACK) -> tuple[fl
 
 
 def judged(groups: Groups, *, max_periods: int, periods: int, threads: int = 1) -> Judged:
-    """Return cells by the method, and by their own course over so many periods."""
+    """Return results of cells by the method, and by long runs."""
     settings = {"tolerance": 1e-12, "max_periods": float(max_periods)}
     rows, _ = cells_of(groups, **settings)
     table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
 
     def one(number: int) -> tuple[float, float, int]:
+        """Return mean, uncertainty and multiple of one cell by a long run."""
         piece = slice(number, number + 1)
         solve_cells(True, 0.0, rows[piece], table[piece], status[piece], NEVER)
         if np.isnan(table[number, COLUMN.velocity]):
@@ -176,7 +177,7 @@ def judged(groups: Groups, *, max_periods: int, periods: int, threads: int = 1) 
 
 
 def lines(name: str, found: Judged) -> Iterator[str]:
-    """Return a line of the table for each status."""
+    """Return a table row for each status."""
     for status, flag in MOTION_STATUSES.items():
         here = found.status == flag.value
         if not here.any():
@@ -195,7 +196,7 @@ def lines(name: str, found: Judged) -> Iterator[str]:
 
 
 def main() -> None:
-    """Print a line for each family and status, and for all."""
+    """Print a table row for each family and status, and for all."""
     arguments = options(
         __doc__,
         cells=(1000, "of each family"),

@@ -10,7 +10,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "generated" / "friction.md"
 
 
 def page() -> str:
-    """Return the page."""
+    """Return the text of the page on published friction."""
     found = friction()
     numbers = {name: number for number, name in enumerate(found["sources"], 1)}
     lines = [

@@ -50,7 +50,7 @@ class Picture:
     judged: str
 
     def commands(self) -> list[str]:
-        """Return the commands that make it, from the root of the repository."""
+        """Return the commands that make the picture, run from the repository's root."""
         runs = [f"vibrafeed run configs/gallery/{name}.toml -o {name}.nc" for name in self.studies]
         files = " ".join(f"{name}.nc" for name in self.studies)
         options = f" {self.options}" if self.options else ""
@@ -164,7 +164,7 @@ GALLERY = (
 
 
 def draw_all(folder: Path) -> None:
-    """Carry out all studies and draw all pictures in a folder."""
+    """Run all studies and draw all pictures in a folder."""
     for name in sorted({name for picture in GALLERY for name in picture.studies}):
         _vibrafeed(folder, f"run {shlex.quote(str(STUDIES / name))}.toml -o {name}.nc")
     for picture in GALLERY:
@@ -172,7 +172,7 @@ def draw_all(folder: Path) -> None:
 
 
 def shrink(source: Path, target: Path) -> None:
-    """Copy a picture; a PNG with the colours and the width that a page needs."""
+    """Copy a picture, reduced to the colours and width that a page needs."""
     if source.suffix != ".png":
         shutil.copyfile(source, target)
         return
@@ -187,7 +187,7 @@ def shrink(source: Path, target: Path) -> None:
 
 
 def page() -> str:
-    """Return the text of the page."""
+    """Return the text of the gallery page."""
     parts = [
         "# Gallery\n",
         "Every kind of picture, each with the question that it answers and the study that made it."
@@ -209,13 +209,13 @@ def page() -> str:
 
 
 def _vibrafeed(folder: Path, command: str) -> None:
-    """Carry out a command in a folder; in this process, that the libraries are loaded once."""
+    """Run a vibrafeed command in a folder, in this process to save loading time."""
     with contextlib.chdir(folder):
         app(shlex.split(command), standalone_mode=False)
 
 
 def main() -> None:
-    """Make all pictures and the page."""
+    """Make all pictures and the gallery page."""
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         draw_all(Path(name))

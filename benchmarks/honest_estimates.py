@@ -92,7 +92,7 @@ class Measured:
 def random_groups(
     count: int, seed: int, *, throw: tuple[float, float] = (0.1, 4.0), most_restitution: float = 0.9
 ) -> Groups:
-    """Return planar groups: every mode of motion, a third without restitution, a third mu_s > mu_k.
+    """Return random planar groups: all modes, a third without restitution, a third mu_s > mu_k.
 
     A quarter lies on the level, where much is symmetric.
     """
@@ -115,7 +115,7 @@ def random_groups(
 
 
 def by_events(groups: Groups, max_periods: float = 1000.0) -> Motion:
-    """Return the motion from event to event."""
+    """Return the motion by event-driven simulation."""
     return planar_motion(**groups, tolerance=np.array(1e-12), max_periods=np.array(max_periods))
 
 
@@ -129,7 +129,7 @@ def judge(
     *,
     elsewhere: bool = False,
 ) -> Measured:
-    """Return how honest the errors of `found` are, against values that are known to `error`.
+    """Return how well stated errors agree with true ones, for results known to `error`.
 
     Both errors count: the reference may be wrong by its own, and one that cannot tell by how much
     judges nothing.
@@ -143,7 +143,7 @@ def judge(
 def rated(
     name: str, studies: int, true: Array, stated: Array, took: float, *, elsewhere: bool = False
 ) -> Measured:
-    """Return how honest stated errors are beside the true ones, of the judged studies.
+    """Return a summary of stated against true errors of the judged studies.
 
     Most methods give no value where they can state no error (`core.motion.result.checked`); that of
     regularised friction is NaN where its coarser runs cannot be compared.
@@ -160,15 +160,17 @@ def rated(
 
 
 def _pieces(groups: Groups, parts: int) -> list[Groups]:
+    """Return the groups in several pieces."""
     return [{name: values[i::parts] for name, values in groups.items()} for i in range(parts)]
 
 
 def _joined(motions: list[Motion]) -> Motion:
+    """Return motions joined into one."""
     return Motion._make([np.concatenate(fields) for fields in zip(*motions, strict=True)])
 
 
 def stepping_against_events(count: int) -> list[Measured]:
-    """Return the time stepping's estimate in the plane; those that repeat, and all others."""
+    """Return the quality of time stepping's error estimate in the plane."""
     groups = random_groups(count, 1)
     pieces = _pieces(groups, len(STEPS))
     exact = _joined([by_events(piece) for piece in pieces])
@@ -182,7 +184,7 @@ def stepping_against_events(count: int) -> list[Measured]:
 
 
 def spatial_against_events(count: int) -> list[Measured]:
-    """Return the time stepping's estimate in space: a level plane, the drive turned."""
+    """Return the quality of time stepping's error estimate in space."""
     groups = random_groups(count, 2)
     groups["gravity_number_along"] = np.zeros(count)
     turn = np.random.default_rng(3).uniform(0.1, 1.4, count)
@@ -204,7 +206,7 @@ def spatial_against_events(count: int) -> list[Measured]:
 def _same_and_all(
     name: str, found: Motion, exact: Motion, both: Array, either: Array, took: float
 ) -> list[Measured]:
-    """Return one row for studies that repeat with as many impacts, and one for all."""
+    """Return one row for studies that repeat with equal impacts, and one for all."""
     same = both & (np.abs(found.impacts - exact.impacts) < 0.5)
     return [
         judge(f"{name}, same motion", found, exact.velocity, exact.error, same, took),
@@ -213,7 +215,7 @@ def _same_and_all(
 
 
 def events_against_closed_form(count: int) -> list[Measured]:
-    """Return the events' estimate where one hop lasts n periods, theory 13.8."""
+    """Return the quality of the events' error estimate where hops last n periods (theory 13.8)."""
     random = np.random.default_rng(4)
     groups = random_groups(count, 5)
     restitution = random.uniform(0, 0.8, count) * (random.random(count) > 0.3)
@@ -236,7 +238,7 @@ def events_against_closed_form(count: int) -> list[Measured]:
 
 
 def chaos_against_longer(count: int) -> list[Measured]:
-    """Return the events' estimate of motions that do not repeat, against 10 times the periods."""
+    """Return the quality of the error estimate of aperiodic motions, against 10 times the run."""
     groups = random_groups(4 * count, 6, throw=(1.5, 6.0))
     found, took = timed(by_events, groups)
     chaotic = np.flatnonzero(found.status == STATUS["aperiodic"])[:count]
@@ -249,7 +251,7 @@ def chaos_against_longer(count: int) -> list[Measured]:
 
 
 def events_against_reference(count: int) -> list[Measured]:
-    """Return the events' estimate against integration at high order; a second a study.
+    """Return the quality of the events' error estimate, against high-order integration.
 
     Half without restitution. Those with several hops in a cycle stand in a row of their own.
     """
@@ -268,7 +270,7 @@ def events_against_reference(count: int) -> list[Measured]:
 
 
 def wall_against_reference(count: int) -> list[Measured]:
-    """Return the time stepping's estimate on floor and wall; a second a study."""
+    """Return the quality of time stepping's error estimate at the wall."""
     groups = random_groups(count, 9, throw=(0.1, 2.5), most_restitution=0.5)
     random = np.random.default_rng(10)
     turn, lean = random.uniform(-0.6, 0.6, count), random.uniform(0.02, 0.4, count)
@@ -301,7 +303,7 @@ def wall_against_reference(count: int) -> list[Measured]:
 
 
 def regularised_against_events(count: int) -> list[Measured]:
-    """Return the estimate of regularised friction; a second a study."""
+    """Return the quality of the error estimate of regularised friction."""
     groups = random_groups(4 * count, 7, throw=(0.3, 3.0), most_restitution=0.5)
     # What does not repeat uses up all evaluations, and states no error.
     some = np.flatnonzero(np.isin(by_events(groups).status, REPEATS))[:count]
@@ -316,7 +318,7 @@ def regularised_against_events(count: int) -> list[Measured]:
 
 
 def _designs(count: int, scene: str, criterion: dict[str, Any], **more: Any) -> Optimisation:
-    """Return a study of about so many random designs."""
+    """Return a study of random designs, about `count` of them."""
     random = np.random.default_rng(12)
     each = max(2, round(count**0.5))
     parameters = {
@@ -332,7 +334,7 @@ def _designs(count: int, scene: str, criterion: dict[str, Any], **more: Any) -> 
 
 
 def optimum_against_finer(count: int) -> list[Measured]:
-    """Return whether the best values are as near to the best as said, against a longer search.
+    """Return how well the stated gap of optima holds, against longer searches.
 
     Stated is `optimum_gap`, at least what the method leaves; true is by how much the best of ten
     times the points, and of the closed form, is better. `optimality_residual` is judged where
@@ -397,7 +399,7 @@ ESTIMATES: dict[str, tuple[Callable[[int], list[Measured]], int]] = {
 
 
 def main() -> None:
-    """Print a row for each estimate; end with 1 if one is not honest."""
+    """Print a row for each error estimate; exit with 1 if one is not honest."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="estimate", help=", ".join(ESTIMATES))
     parser.add_argument("--studies", type=int, default=10_000)

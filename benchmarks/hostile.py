@@ -83,7 +83,7 @@ class Found:
 
 
 def watch(place: tuple[str, int], small: str, telling: Connection) -> None:
-    """Ask for /healthz and for a path until told to stop; send the longest silence of each."""
+    """Request /healthz and a path until told to stop; send the longest silence of each."""
     over = threading.Event()
     paths = {"/healthz": 0.05, small: 0.2}
     with ThreadPoolExecutor(len(paths)) as threads:
@@ -95,7 +95,7 @@ def watch(place: tuple[str, int], small: str, telling: Connection) -> None:
 
 
 def _silence(place: tuple[str, int], path: str, every: float, over: threading.Event) -> float:
-    """Return the longest time from asking for a path to its answer, other tries in between."""
+    """Return the longest time from a request to its answer."""
     longest, since = 0.0, time.monotonic()
     while not over.wait(every):
         connection = http.client.HTTPConnection(*place, timeout=5, source_address=(ELSEWHERE, 0))
@@ -110,7 +110,7 @@ def _silence(place: tuple[str, int], path: str, every: float, over: threading.Ev
 
 
 def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
-    """Return what an attack does to a fresh server."""
+    """Return the effects of an attack on a fresh server."""
     found = Found(seconds)
     with served(open_files=OPEN_FILES, workers=2) as server:
         key = server.post("/sweeps", SMALL)["id"]
@@ -140,9 +140,10 @@ def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
 
 
 def _busy(process: psutil.Process) -> float:
-    """Return how many cores a process and its children keep busy."""
+    """Return the number of cores that a process and its children keep busy."""
 
     def spent() -> dict[int, float]:
+        """Return the processor time of each process."""
         found = {}
         for one in (process, *process.children(recursive=True)):
             with suppress(psutil.Error):
@@ -156,13 +157,14 @@ def _busy(process: psutil.Process) -> float:
 
 
 def _peak(pid: int) -> int:
+    """Return the peak memory of a process [bytes]."""
     lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     (line,) = (line for line in lines if line.startswith("VmHWM:"))
     return int(line.split()[1]) * 1024
 
 
 def main() -> None:
-    """Print what each attack does; exit with 1 if a limit is missed."""
+    """Print the effects of each attack; exit with 1 if a limit is exceeded."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("attacks", nargs="*", choices=[[], *ATTACKS], default=[])
     parser.add_argument("--shorter", type=float, default=1.0, help="divides the time of each")

@@ -95,7 +95,7 @@ FIRST = (
 
 
 def names_module() -> str:
-    """Return the source of the module with the names of scenes, outputs and numbered parameters."""
+    """Return the source of the module with type names of scenes, outputs and parameters."""
     lines = [
         '"""Names that editors offer and type checkers know; nothing loads them to run.',
         "",
@@ -131,12 +131,13 @@ def names_module() -> str:
 
 
 def _literal(name: str, values: Iterable[str]) -> list[str]:
+    """Return the lines of a type alias of literals."""
     entries = [f'        "{value}",' for value in values]
     return [f"{name}: TypeAlias = (", "    Literal[", *entries, "    ]", "    | str", ")"]
 
 
 def numbered() -> list[str]:
-    """Return the parameters with a number: of drives, parts of rows, tracks."""
+    """Return the numbered parameters: of drives, parts of rows, tracks."""
     of_drives = [name for name, quantity in DRIVE.items() if quantity.parameter]
     of_parts = [f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MAX_NUMBERED)]
     of_tracks = [f"{stem}_{n + 1}" for stem in OF_STRETCHES for n in range(MAX_STRETCHES)]
@@ -144,7 +145,7 @@ def numbered() -> list[str]:
 
 
 def parameters(kinds: Iterable[str]) -> list[str]:
-    """Return the other parameters that some scene takes in studies of these kinds."""
+    """Return the other parameters that scenes of these kinds take."""
     taken = {
         name
         for kind in kinds
@@ -164,7 +165,7 @@ def parameters(kinds: Iterable[str]) -> list[str]:
 
 
 def keys(kinds: Iterable[str]) -> dict[str, str]:
-    """Return the keys of studies of these kinds, and what they are in words.
+    """Return the keys of studies of these kinds, with descriptions.
 
     Raises
     ------
@@ -181,7 +182,7 @@ def keys(kinds: Iterable[str]) -> dict[str, str]:
 
 
 def annotations(function: str) -> dict[str, str]:
-    """Return the keywords of a function and how each is written, in order."""
+    """Return the keywords of a function with their types, in order."""
     kinds = FUNCTIONS[function]
     own = keys(kinds)
     if function != "study":
@@ -196,7 +197,7 @@ def annotations(function: str) -> dict[str, str]:
 
 
 def meaning(name: str) -> str:
-    """Return what a parameter is, its unit, bounds and examples, in words."""
+    """Return the description of a parameter: meaning, unit, bounds, examples."""
     quantity = QUANTITIES[name]
     unit = {"1": "", "degree": "In degrees"}.get(quantity.unit, f"In {quantity.unit}")
     facts = [fact for fact in (unit, _bounds(quantity)) if fact]
@@ -208,10 +209,12 @@ def meaning(name: str) -> str:
 
 
 def _has_unit(example: str) -> bool:
+    """True if an example value has a unit."""
     return not example.replace(".", "").isdecimal()
 
 
 def _bounds(quantity: Quantity) -> str:
+    """Return the bounds of a quantity in words."""
     least, most = quantity.lower, quantity.upper
     if math.isfinite(least) and math.isfinite(most):
         return f"from {least:g} to {most:g}"
@@ -221,7 +224,7 @@ def _bounds(quantity: Quantity) -> str:
 
 
 def section(function: str) -> list[str]:
-    """Return the entries of a docstring for the keywords of a function."""
+    """Return the docstring entries of a function's keywords."""
     words, lines = keys(FUNCTIONS[function]), []
     for name, written in annotations(function).items():
         lines.append(f"    {name} : {_in_words(written)}, optional")
@@ -238,7 +241,7 @@ def section(function: str) -> list[str]:
 
 
 def _in_words(written: str) -> str:
-    """Return a type as a docstring says it."""
+    """Return a type in the words of a docstring."""
     for name, word in (
         ("Mapping[str, Mapping[str, Any]]", "mapping of str to mapping"),
         ("Mapping[str, Any]", "mapping"),
@@ -254,6 +257,7 @@ def _in_words(written: str) -> str:
 
 
 def _wrapped(text: str, indent: int) -> list[str]:
+    """Return a text wrapped with an indent."""
     margin = " " * indent
     return textwrap.wrap(text, LENGTH, initial_indent=margin, subsequent_indent=margin)
 
@@ -292,7 +296,7 @@ if TYPE_CHECKING:
 
 
 def studies_module(source: str) -> str:
-    """Return the source of the functions with keywords, from that of the functions without."""
+    """Return the source of the functions with keywords, from the one without."""
     lines = source.splitlines()
     functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
     written = [HEAD]
@@ -316,6 +320,7 @@ def own_of(function: str) -> list[str]:
 
 
 def _signature(node: ast.FunctionDef) -> list[str]:
+    """Return the lines of a function's signature."""
     rest = "others: Unpack[NoMore]"
     if FUNCTIONS[node.name] != ("sweep",):
         rest = "numbered: Unpack[DriveNumbers]"

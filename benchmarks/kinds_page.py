@@ -12,7 +12,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "generated" / "kinds.md"
 
 
 def page() -> str:
-    """Return the page."""
+    """Return the text of the page on kinds of study."""
     lines = [
         "# Kinds of study",
         "",
@@ -30,7 +30,7 @@ def page() -> str:
 
 
 def _section(kind: Kind) -> list[str]:
-    """Return what the page says of a kind: what it is for, its keys, its example."""
+    """Return the section on a kind: purpose, keys, example."""
     return [
         "",
         f"## {kind.name}",

@@ -21,11 +21,12 @@ MEMORY = Path("/dev/shm")
 
 
 def steps(where: Path | str, jobs: int) -> dict[str, float]:
-    """Return the median of each step [s]."""
+    """Return the median time of each ledger operation [s]."""
     ledger = Ledger(where)
     times: dict[str, list[float]] = defaultdict(list)
 
     def timed(name: str, step: Callable[[], Any]) -> Any:
+        """Time one operation and return its result."""
         started = time.perf_counter()
         found = step()
         times[name].append(time.perf_counter() - started)
@@ -48,7 +49,7 @@ def steps(where: Path | str, jobs: int) -> dict[str, float]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table of times."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("url", nargs="?", help="of a ledger that nobody else uses")
     parser.add_argument("--jobs", type=int, default=400)
@@ -64,6 +65,7 @@ def main() -> None:
 
 
 def _tell(name: str, found: dict[str, float]) -> None:
+    """Print the times of one database."""
     print(f"{name:12}" + "  ".join(f"{step} {1e3 * value:.2f} ms" for step, value in found.items()))
 
 

@@ -30,7 +30,7 @@ ROUNDS = 5
 
 
 def best(*functions: Callable[[], object], rounds: int = ROUNDS) -> list[float]:
-    """Return the shortest time of each function [s]; they take turns, so that load falls on all."""
+    """Return the shortest time of each function, run in turns so that all share load [s]."""
     times: list[list[float]] = [[] for _ in functions]
     for _ in range(rounds):
         for function, taken in zip(functions, times, strict=True):
@@ -44,7 +44,7 @@ def best(*functions: Callable[[], object], rounds: int = ROUNDS) -> list[float]:
 
 
 def guard() -> None:
-    """Print what the layers around a request cost."""
+    """Print the cost of the layers around a request."""
     import secure
     from secure.middleware import SecureASGIMiddleware
     from starlette.middleware.trustedhost import TrustedHostMiddleware
@@ -59,17 +59,23 @@ def guard() -> None:
     body = {"type": "http.response.body", "body": b""}
 
     async def inner(scope: Any, receive: Any, send: Any) -> None:
+        """Send an empty reply."""
         await send({"type": "http.response.start", "status": 200, "headers": []})
         await send(body)
 
     async def receive() -> Any:
+        """Return a request message without a body."""
         return {"type": "http.request"}
 
     async def send(message: Any) -> None:
+        """Drop a message."""
         pass
 
     def called(app: Any, count: int = 10_000) -> Callable[[], None]:
+        """Return a function that calls an application many times."""
+
         async def calls() -> None:
+            """Call the application many times."""
             for _ in range(count):
                 scope = {
                     "type": "http",
@@ -112,7 +118,7 @@ ASKED = {
 
 
 def downloads() -> None:
-    """Print how fast a file leaves, and how each request for it is answered."""
+    """Print the speed of file downloads and the replies to kinds of request."""
     import uvicorn
     from fastapi import FastAPI, Request
     from starlette.responses import FileResponse
@@ -128,12 +134,14 @@ def downloads() -> None:
         problems.install(app)
 
         def by_hand(request: Request) -> Any:
+            """Return the file by our own reply."""
             return file_reply(request, path, digest=digest, media_type="a/b", filename="f")
 
         class Larger(FileResponse):
             chunk_size = 1 << 20
 
         def plain(kind: type[FileResponse], request: Request) -> Any:
+            """Return the file by a library's reply."""
             return kind(path, media_type="a/b", headers={"ETag": f'"{digest}"'})
 
         places = {
@@ -151,12 +159,16 @@ def downloads() -> None:
         port = server.servers[0].sockets[0].getsockname()[1]
 
         def asked(place: str, **headers: str) -> http.client.HTTPResponse:
+            """Send a request and return the reply."""
             connection = http.client.HTTPConnection("127.0.0.1", port)
             connection.request("GET", place, headers=headers)
             return connection.getresponse()
 
         def read(place: str) -> Callable[[], None]:
+            """Return a function that downloads a path."""
+
             def whole() -> None:
+                """Download the whole file."""
                 reply = asked(place)
                 while reply.read(1 << 20):
                     pass
@@ -182,7 +194,7 @@ def downloads() -> None:
 
 
 def console() -> None:
-    """Print what loading a library for tables takes of a processor, in processes of their own."""
+    """Print the processor time of loading libraries for tables."""
     for name in ("sys", "tabulate", "rich.table, rich.progress", "typer"):
         taken = []
         for _ in range(ROUNDS):
@@ -200,24 +212,26 @@ Queue = tuple[Callable[[str], object], Callable[[], Any], Callable[[Any], object
 
 
 def ours(folder: Path) -> Queue:
-    """Return how the ledger puts, takes, and ends an item; so do the others."""
+    """Return put, take and end operations of the ledger, as for the other libraries."""
     from app.jobs.ledger import Ledger
 
     book = Ledger(folder / "ours.sqlite3")
 
     def put(word: str) -> None:
+        """Put an item."""
         book.post(word, "sweep", cells=1, block_cells=1, blocks=1, bytes_=1, finished_seconds=None)
 
     return put, lambda: book.claim("server", 1.0), book.succeed
 
 
 def persist_queue(folder: Path) -> Queue:
-    """SQLiteAckQueue."""
+    """Return put, take and end operations of SQLiteAckQueue."""
     from persistqueue import Empty, SQLiteAckQueue
 
     queue = SQLiteAckQueue(str(folder / "persist"), multithreading=True)
 
     def take() -> Any:
+        """Take an item; None if there is none."""
         with contextlib.suppress(Empty):
             return queue.get(block=False)
         return None
@@ -226,7 +240,7 @@ def persist_queue(folder: Path) -> Queue:
 
 
 def huey(folder: Path) -> Queue:
-    """SqliteStorage, which forgets what it hands out."""
+    """Return put, take and end operations of huey, which forgets items once handed out."""
     from huey.storage import SqliteStorage
 
     storage = SqliteStorage(filename=str(folder / "huey.sqlite3"), fsync=True)
@@ -234,7 +248,7 @@ def huey(folder: Path) -> Queue:
 
 
 def litequeue(folder: Path) -> Queue:
-    """LiteQueue."""
+    """Return put, take and end operations of LiteQueue."""
     from litequeue import LiteQueue
 
     queue = LiteQueue(str(folder / "lite.sqlite3"))
@@ -242,14 +256,14 @@ def litequeue(folder: Path) -> Queue:
 
 
 def hold(kind: Callable[[Path], Queue], folder: Path, told: Any) -> None:
-    """Take one item, tell so, and wait to be killed."""
+    """Take one item, report it, and wait to be killed."""
     _, take, _ = kind(folder)
     told.send(take() is not None)
     signal.pause()
 
 
 def take_all(kind: Callable[[Path], Queue], folder: Path, told: Any) -> None:
-    """Take all there is, as another server would; tell how many."""
+    """Take all items, as another server would; report their number."""
     _, take, _ = kind(folder)
     count = 0
     while take() is not None:
@@ -266,7 +280,7 @@ def put_some(kind: Callable[[Path], Queue], folder: Path, told: Any) -> None:
 
 
 def begun(function: Any, kind: Any, folder: Path) -> tuple[Any, Any]:
-    """Run a function in a process of its own; return the process and what it told first."""
+    """Run a function in a process; return the process and its first message."""
     here, there = multiprocessing.Pipe()
     process = multiprocessing.Process(target=function, args=(kind, folder, there))
     process.start()
@@ -274,7 +288,7 @@ def begun(function: Any, kind: Any, folder: Path) -> tuple[Any, Any]:
 
 
 def ledger() -> None:
-    """Print what becomes of an item whose server lives, or was killed, and the cost of one."""
+    """Print what becomes of items of living and killed servers, and the cost of one."""
     for kind in (ours, persist_queue, huey, litequeue):
         found = []
         for is_killed in (False, True):
@@ -306,7 +320,7 @@ def ledger() -> None:
 
 
 def digits() -> None:
-    """Print how many times as fast balls of Arb are as numbers of mpmath, and what they decide."""
+    """Print the speed and the decisions of Arb's balls against mpmath's numbers."""
     from flint import arb, ctx  # type: ignore[import-not-found]
 
     from core.sweep.precise import CONTEXT, DIGITS

@@ -70,7 +70,7 @@ class Crowd:
         self._number = 0
 
     async def run(self, clients: int, seconds: float) -> None:
-        """Let clients ask until the time is over."""
+        """Let clients send requests until the time is over."""
         until = time.monotonic() + seconds
         connector = aiohttp.TCPConnector(limit=0)
         whole = aiohttp.ClientTimeout(total=300)
@@ -82,6 +82,7 @@ class Crowd:
             )
 
     async def _client(self, session: aiohttp.ClientSession, number: int, until: float) -> None:
+        """Send requests of random kinds until the time is over."""
         chance = random.Random(number)
         while time.monotonic() < until:
             if number < DOWNLOADS:
@@ -98,6 +99,7 @@ class Crowd:
                 await self._new_sweep(session)
 
     async def _new_sweep(self, session: aiohttp.ClientSession) -> None:
+        """Post a new sweep and request a slice of it."""
         self._number += 1
         parameters = {**GRID, "frequency": 20 + self._number * 1e-4, "beta": ANGLES}
         study = {**PLANE, "parameters": parameters}
@@ -109,7 +111,7 @@ class Crowd:
     async def _ask(
         self, session: aiohttp.ClientSession, kind: str, method: str, path: str, body: object = None
     ) -> str | None:
-        """Ask, note how it went, and return the identifier in the reply if a body was sent."""
+        """Send a request and record its time and status; return the identifier in its reply."""
         started = time.monotonic()
         try:
             async with session.request(method, path, json=body) as reply:
@@ -132,7 +134,7 @@ class Crowd:
 
 
 def probe(address: str, seconds: float, sending: Connection) -> None:
-    """Ask /healthz every 20 ms on one connection; send the times that it took."""
+    """Request /healthz every 20 ms on one connection, and send the times."""
     netloc = urllib.parse.urlsplit(address).netloc
     connection = http.client.HTTPConnection(netloc, timeout=60)
     times = []
@@ -151,7 +153,7 @@ def probe(address: str, seconds: float, sending: Connection) -> None:
 
 
 async def loaded(server: Served, crowd: Crowd, clients: int, seconds: float) -> list[int]:
-    """Run the crowd; return the server's memory at the start, at half time and at the end."""
+    """Run the clients; return the server's memory at start, half time and end."""
     sizes = [server.memory()]
     running = asyncio.create_task(crowd.run(clients, seconds))
     for _ in range(2):
@@ -172,7 +174,7 @@ def measure(
     tell: Callable[[str], object],
     most_health: float = MAX_HEALTH,
 ) -> list[str]:
-    """Load a server; tell the figures; return what misses its bar."""
+    """Load a server and print measurements; return those that miss their bar."""
     with served() as server:
         sweep = server.post("/sweeps", SLICED)["id"]
         file = server.file_of(SLICED, 100_000_000)
@@ -213,14 +215,14 @@ def measure(
 
 
 def line(kind: str, times: list[float], seconds: float) -> str:
-    """Return how often something was asked for, and how long that took."""
+    """Return a text with count and times of a kind of request."""
     half, most = (1e3 * percentile(times, share) for share in (0.5, 0.99))
     rate = len(times) / seconds
     return f"{kind:10} {len(times):7,} {rate:7.1f}/s   p50 {half:8.1f} ms   p99 {most:8.1f} ms"
 
 
 def main() -> None:
-    """Print the figures; exit with 1 if one misses its bar."""
+    """Print all measurements; exit with 1 if one misses its bar."""
     wanted = options(__doc__, clients=CLIENTS, seconds=SECONDS)
     missed = measure(wanted.clients, wanted.seconds, print)
     for what in missed:

@@ -15,7 +15,7 @@ UNROLLED = 4  # steps between two visits of memory
 
 @njit(error_model="numpy", fastmath={"contract", "nsz", "nnan"}, inline="always")
 def _step(along, normal, height, sine, push, lift, slope, weight, friction, restitution, half):
-    """Return the state after a step of theory 13.9; accelerations are multiplied by the step."""
+    """Return the state after a time step (theory 13.9); accelerations are per step."""
     middle = height + half * normal
     falling = min(normal, 0.0)
     along = along + (push * sine - slope)
@@ -30,7 +30,7 @@ def _step(along, normal, height, sine, push, lift, slope, weight, friction, rest
 
 @njit(error_model="numpy", fastmath={"contract", "nsz", "nnan", "reassoc"}, parallel=True)
 def _run(groups, velocities, sines, periods, averaged):
-    """Fill the mean velocities of cells whose groups are rows of (blocks, 6, BLOCK)."""
+    """Fill the mean velocities of cells in blocks of shape (blocks, 6, BLOCK)."""
     steps = sines.size
     step = 2 * np.pi / steps
     half = step / 2

@@ -34,7 +34,7 @@ CASES: dict[
 
 
 def main() -> None:
-    """Print a row for each kind of noise."""
+    """Print a table row for each kind of noise."""
     draws = options(__doc__, draws=200).draws
     print("| noise | clock | amplitudes | phases | orders told that are not there | refused |")
     print("| --- | --- | --- | --- | --- | --- |")
@@ -43,7 +43,7 @@ def main() -> None:
 
 
 def row(case: Case, draws: int) -> str:
-    """Return the figures of one kind of noise."""
+    """Return the measurements for one kind of noise."""
     fits = [fit for seed in range(draws) if (fit := fitted(seed, case)) is not None]
     first = slice(ORDERS.size)
     clock = [(fit.clock.error - CLOCK) / fit.clock.standard_error for fit in fits if fit.clock]
@@ -58,7 +58,7 @@ def row(case: Case, draws: int) -> str:
 
 
 def fitted(seed: int, case: Case) -> Fit | None:
-    """Return the fit of one recording; None if it is refused."""
+    """Return the fit of a random recording; None if it is refused."""
     try:
         return fit_signal(recorded(np.random.default_rng(seed), *case))
     except StudyError:
@@ -68,7 +68,7 @@ def fitted(seed: int, case: Case) -> Fit | None:
 def recorded(
     rng: np.random.Generator, count: int, colour: float, size: float, common: float, fan: bool
 ) -> Signal:
-    """Return a recording that starts anywhere within a period."""
+    """Return a random recording that starts at any phase."""
     times = np.arange(count) / RATE
     turning = 2.0 * np.pi * FREQUENCY * ORDERS
     angles = np.multiply.outer(times + rng.uniform(0.0, 1.0 / FREQUENCY), turning)
@@ -83,13 +83,13 @@ def recorded(
 
 
 def away(fit: Fit) -> NDArray[np.float64]:
-    """Return errors of the phases over stated ones, without the first, which is 0 by choice."""
+    """Return errors of phases over stated errors, without the first, which is 0 by choice."""
     turned = np.angle(np.exp(1j * (fit.phases[:, : ORDERS.size] - PHASES)))
     return turned.ravel()[1:] / fit.phase_errors[:, : ORDERS.size].ravel()[1:]
 
 
 def within(errors: list[NDArray[np.float64]] | list[float]) -> str:
-    """Return the share within two stated errors, and the spread, which is 1 for honest ones."""
+    """Return the share within two stated errors, and the spread, 1 for honest errors."""
     ratios = np.array(errors)
     return f"{100.0 * np.mean(np.abs(ratios) < 2.0):.1f} % ({ratios.std():.2f})"
 

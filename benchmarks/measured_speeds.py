@@ -27,7 +27,7 @@ WITHIN = "95 %"
 
 
 def main() -> None:
-    """Print a row for each kind of noise and part."""
+    """Print a table row for each kind of noise and part."""
     asked = options(__doc__, recordings=100, draws=200)
     print(f"| noise | part | true speed [mm/s] | stated error [mm/s] | within its {WITHIN} |")
     print("| --- | --- | --- | --- | --- |")
@@ -39,7 +39,7 @@ def main() -> None:
 def row(
     noise: str, part: str, parameters: Mapping[str, float], recordings: int, draws: int
 ) -> None:
-    """Print the figures of one kind of noise and part."""
+    """Print the measurements for one kind of noise and part."""
     true = true_speed(parameters)
     told = [one for seed in range(recordings) if (one := stated(noise, seed, parameters, draws))]
     inside = sum(one.lower <= true <= one.upper for one in told)
@@ -60,7 +60,7 @@ def stated(noise: str, seed: int, parameters: Mapping[str, float], draws: int) -
 
 
 def true_speed(parameters: Mapping[str, float]) -> float:
-    """Return the speed under the drive that is recorded [m s-1]."""
+    """Return the speed under the true drive [m s-1]."""
     drive: dict[str, float] = {"frequency": FREQUENCY}
     for axis, amplitudes, phases in zip(("along", "normal"), AMPLITUDES, PHASES, strict=True):
         for order, amplitude, phase in zip(ORDERS, amplitudes, phases, strict=True):

@@ -66,13 +66,13 @@ class Sum(NamedTuple):
     level: float
 
     def at(self, tau: Array) -> Array:
-        """Return how far the sum is above the level."""
+        """Return the value of the sum above the level."""
         turned = np.arange(1, self.sines.size + 1)[:, np.newaxis] * tau
         return self.sines @ np.sin(turned) + self.cosines @ np.cos(turned) - self.level
 
 
 def phases_of(one: Sum) -> Array:
-    """Return the phases, ascending, of all roots of a sum as a polynomial in exp(i tau).
+    """Return the ascending phases of all roots of a sum, as a polynomial in exp(i tau).
 
     Of the roots on the unit circle these are the passages; the others are of no harm.
     """
@@ -82,7 +82,7 @@ def phases_of(one: Sum) -> Array:
 
 
 def passages_by_signs(one: Sum) -> Array:
-    """Return pairs of phases, each about one passage, by the signs between the roots.
+    """Return pairs of phases around each crossing, by the signs between the roots.
 
     The sum changes its sign nowhere but at its roots. Midway between neighbours it is off the level
     by far more than its rounding, unless two roots are as near as eigenvalues are known, some 1e-7.
@@ -95,7 +95,7 @@ def passages_by_signs(one: Sum) -> Array:
 
 
 def random_sum(pick: np.random.Generator, orders: int) -> Sum:
-    """Return a random sum; every other level lies under a crest by 1e-12 to 0.1 of the sum."""
+    """Return a random sum; every other level is just below a crest."""
     sines, cosines = pick.normal(size=(2, orders))
     one = Sum(sines, cosines, 0.5 * pick.normal())
     if pick.random() < 0.5:
@@ -107,7 +107,7 @@ def random_sum(pick: np.random.Generator, orders: int) -> Sum:
 
 
 def found_by_kernel(one: Sum, search=passages) -> Array:
-    """Return the passages that a kernel finds, ascending."""
+    """Return the ascending crossings that a kernel finds."""
     orders = one.sines.size
     table = np.zeros((3, 26))
     table[0, 1 : orders + 1], table[1, 1 : orders + 1] = one.sines, one.cosines
@@ -115,7 +115,7 @@ def found_by_kernel(one: Sum, search=passages) -> Array:
 
 
 def sums_agree(count: int, seed: int) -> None:
-    """Print how many passages of random sums the kernel misses, or invents."""
+    """Print how many crossings of random sums the kernel misses or invents."""
     pick = np.random.default_rng(seed)
     total, wrong, nearest = 0, 0, TURN
     for number in range(count):
@@ -132,7 +132,7 @@ def sums_agree(count: int, seed: int) -> None:
 
 
 def one_in_each(pairs: Array, found: Array) -> bool:
-    """True if there is one phase between each pair, and no other."""
+    """True if there is exactly one phase between each pair."""
     if len(pairs) != found.size:
         return False
     return all(np.sum((found - low) % TURN < high - low) == 1 for low, high in pairs)
@@ -151,7 +151,7 @@ def parts_of_all_kinds(cells: int, seed: int) -> Iterator[Groups]:
 
 
 def events_in_plane(groups: Groups) -> list[str]:
-    """Return the modes of each cell one after another, over a cycle or what is followed of it.
+    """Return the sequence of modes of each cell over its cycle.
 
     A cycle that starts where a part begins to slip may have a stick of no length before it.
     """
@@ -167,7 +167,7 @@ def events_in_plane(groups: Groups) -> list[str]:
 
 
 def events_in_space(groups: Groups, multiples: Array) -> list[str]:
-    """Return the signatures of the events of each period of the cycle of each cell."""
+    """Return the event signatures of each period of every cell's cycle."""
     rows, _ = cells_of(groups, **SPATIAL)
     most, found = int(SPATIAL["max_periods"]), []
     history, work = new_history(most, NEVER), new_work()
@@ -186,7 +186,7 @@ def events_in_space(groups: Groups, multiples: Array) -> list[str]:
 
 
 def motions(cells: int, seed: int, file: Path) -> None:
-    """Write what becomes of random parts, with the code that is imported."""
+    """Write the motions of random parts, computed by the imported code."""
     found: dict[str, list] = {}
     for groups in parts_of_all_kinds(cells, seed):
         ways = {"plane": planar_motion(groups, **PLANAR)}
@@ -203,7 +203,7 @@ def motions(cells: int, seed: int, file: Path) -> None:
 
 
 def finer_copy(folder: Path) -> Path:
-    """Return a copy of this code whose searches are twice as fine."""
+    """Return a copy of the code whose searches are twice as fine."""
     for name in ("core", "benchmarks"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name, text, instead in FINER:
@@ -216,7 +216,7 @@ def finer_copy(folder: Path) -> Path:
 
 
 def motions_agree(cells: int, seed: int) -> None:
-    """Print how the motions of a search twice as fine differ."""
+    """Print the differences between motions of both searches."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         motions(cells, seed, folder / "usual.npz")
@@ -232,7 +232,7 @@ def motions_agree(cells: int, seed: int) -> None:
 
 
 def compare(way: str, usual: dict[str, NDArray], finer: dict[str, NDArray]) -> None:
-    """Print how two runs of one way differ."""
+    """Print the differences between two runs of one kind."""
     one, other = (
         {name: run[f"{way} {name}"] for name in ("status", "velocity", "error", "events")}
         for run in (usual, finer)
@@ -258,7 +258,7 @@ def compare(way: str, usual: dict[str, NDArray], finer: dict[str, NDArray]) -> N
 
 
 def main() -> None:
-    """Print all of it."""
+    """Print all comparisons."""
     given = options(
         __doc__, sums=2000, cells=2000, seed=7, write=(Path, "only write the motions to this file")
     )

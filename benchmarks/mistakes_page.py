@@ -63,7 +63,7 @@ class Mistake:
 
 
 def command(line: str, **files: str) -> list[str]:
-    """Return what a command of `vibrafeed` says of files, whose names have _ for the point."""
+    """Return the output of a vibrafeed command on files, whose names have _ for the dot."""
     from app.cli import app
 
     for name, text in files.items():
@@ -74,13 +74,13 @@ def command(line: str, **files: str) -> list[str]:
 
 
 def in_study(wrong: str, right: str = "", study: str = MOTION, typed: str = "") -> Mistake:
-    """Return the mistake of a line in a study; `right` is what stands in its place otherwise."""
+    """Return a mistake in a line of a study; `right` is the correct line."""
     text = study.replace(right, wrong) if right else f"{study}{wrong}\n"
     return Mistake(typed or wrong, lambda: command(CHECK, study_toml=text))
 
 
 def on_the_line(line: str, **files: str) -> Mistake:
-    """Return a mistake in a command."""
+    """Return a mistake on the command line."""
     return Mistake(line, lambda: command(line, **files))
 
 
@@ -88,6 +88,7 @@ def in_python(code: str) -> Mistake:
     """Return a mistake in a line of Python."""
 
     def make() -> list[str]:
+        """Run the wrong line and return the error."""
         import numpy as np
 
         import vibrafeed as vf
@@ -106,6 +107,7 @@ def plotted(line: str) -> Mistake:
     """Return a mistake in drawing a result."""
 
     def make() -> list[str]:
+        """Run the wrong command and return its output."""
         _result(Path("study.nc"))
         return command(line)
 
@@ -113,6 +115,7 @@ def plotted(line: str) -> Mistake:
 
 
 def _result(path: Path) -> None:
+    """Write a result file."""
     import vibrafeed as vf
 
     vf.sweep(tomllib.loads(SWEEP)).to_netcdf(path)
@@ -180,7 +183,7 @@ GROUPS: dict[str, tuple[Mistake, ...]] = {
 
 
 def made() -> dict[str, list[tuple[str, list[str]]]]:
-    """Return the mistakes of each group as they were typed, and what was said of each."""
+    """Return the mistakes of each group with the messages they cause."""
     found: dict[str, list[tuple[str, list[str]]]] = {}
     for group, mistakes in GROUPS.items():
         found[group] = []
@@ -192,6 +195,7 @@ def made() -> dict[str, list[tuple[str, list[str]]]]:
 
 @contextmanager
 def _folder() -> Iterator[None]:
+    """Run the block in a temporary folder."""
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -202,7 +206,7 @@ def _folder() -> Iterator[None]:
 
 
 def page() -> str:
-    """Return the page."""
+    """Return the text of the page on mistakes."""
     lines = [
         "# Mistakes, and what is said of them",
         "",
@@ -223,6 +227,7 @@ def page() -> str:
 
 
 def _cell(text: str) -> str:
+    """Return a text for a table cell."""
     return text.replace("|", "\\|")
 
 

@@ -46,7 +46,7 @@ class User:
         self.failed: list[str] = []
 
     def ask_something(self) -> None:
-        """Ask for one thing, which may take several requests."""
+        """Perform one random task, perhaps with several requests."""
         self._number += 1
         actions = {
             self._slices: 6, self._file: 1, self._chunks: 2, self._motion: 4, self._job: 1,
@@ -56,10 +56,11 @@ class User:
         action()
 
     def _new(self, study: dict[str, Any]) -> dict[str, Any]:
-        """Return a study that nobody has asked for."""
+        """Return a unique variation of a study."""
         return varied(study, friction=0.2 + self._number * 1e-5)
 
     def _slices(self) -> None:
+        """Post a sweep and request random slices."""
         study = varied(LARGE, beta=GRID, gamma={**GRID, "stop": 20})
         key = self._ask("sweep", "POST", "/sweeps", self._new(study)).get("id")
         for _ in range(self._random.randint(1, 6)):
@@ -70,11 +71,13 @@ class User:
             self._ask(f"slice as {form}", "GET", f"/sweeps/{key}/slice?{query}")
 
     def _file(self) -> None:
+        """Post a sweep and download its file."""
         study = varied(LARGE, beta={**GRID, "num": 300}, gamma={**GRID, "num": 300, "stop": 20})
         key = self._ask("sweep", "POST", "/sweeps", self._new(study)).get("id")
         self._ask("file", "GET", f"/sweeps/{key}/netcdf")
 
     def _chunks(self) -> None:
+        """Post a sweep and read random chunks."""
         key = self._ask("sweep", "POST", "/sweeps", self._new(LARGE)).get("id")
         self._ask("chunk", "GET", f"/sweeps/{key}/zarr/zarr.json")
         for _ in range(3):
@@ -83,23 +86,28 @@ class User:
             self._ask("chunk", "GET", path)
 
     def _motion(self) -> None:
+        """Run a motion at once."""
         self._ask("motion", "POST", "/processes/simulate/execution", self._new(MOTION))
 
     def _job(self) -> None:
+        """Run a motion as a job."""
         study = self._new({**MOTION, "outputs": ["conveying_velocity", "flight_fraction"]})
         headers = {"Prefer": "respond-async, wait=60"}
         self._ask("job", "POST", "/processes/simulate/execution", study, headers)
 
     def _example(self) -> None:
+        """Run the example of a random process."""
         kind = self._random.choice([name for name in PROCESSES if name != "accuracy"])
         path = f"/processes/{kind}/execution"
         self._ask(kind, "POST", path, PROCESSES[kind].example, {"Prefer": "wait=60"})
 
     def _converted(self) -> None:
+        """Convert a motion to a random format."""
         to = self._random.choice(["toml", "json", "curl", "python"])
         self._ask("conversion", "POST", f"/convert?to={to}", self._new(MOTION))
 
     def _read(self) -> None:
+        """Read a random document."""
         paths = (
             "/", "/scenes", "/scenes/rectangle-on-track", "/schema", "/openapi.json", "/figures",
             "/jobs?limit=100", "/metrics", "/processes/simulate", "/friction?words=steel",
@@ -107,6 +115,7 @@ class User:
         self._ask("reading", "GET", self._random.choice(paths))
 
     def _wrong(self) -> None:
+        """Post a random invalid study."""
         wrong = self._random.choice(
             [{**SMALL, "outputs": ["speed"]}, varied(SMALL, bta=1), {"kind": "swep"}, [1, 2]]
         )
@@ -122,7 +131,7 @@ class User:
         *,
         right: int | None = None,
     ) -> dict[str, Any]:
-        """Return the reply to a request if it is JSON; note how it went."""
+        """Send a request, record its outcome, and return its JSON reply."""
         started = time.monotonic()
         connection = http.client.HTTPConnection(*self._server.place, timeout=120)
         body = None if content is None else json.dumps(content).encode()
@@ -139,7 +148,7 @@ class User:
 
 
 def main() -> int:
-    """Print how the server fared; return 1 if a request failed or its memory grew."""
+    """Print how the server performed; return 1 if a request failed or memory grew."""
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--requests", type=int, default=3000)

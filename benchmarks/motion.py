@@ -31,7 +31,7 @@ LIMIT = 0.05  # s of processor time, of the slowest point
 
 
 def groups(throw, friction, beta, gamma, restitution) -> Groups:
-    """Return the groups of cells; angles in degrees."""
+    """Return the dimensionless groups of cells; angles in degrees."""
     beta, gamma = np.radians(beta), np.radians(gamma)
     p = throw * np.cos(gamma) / np.sin(beta)
     arrays = np.broadcast_arrays(
@@ -46,7 +46,7 @@ def groups(throw, friction, beta, gamma, restitution) -> Groups:
 
 
 def mixed_grid(restitution: float) -> Groups:
-    """Return a grid of 21,000 cells from stick to hop after hop, slide and hop mixed."""
+    """Return a grid of 21,000 cells from sticking to hop after hop."""
     throw, friction, beta, gamma = np.meshgrid(
         np.linspace(0.2, 3.6, 35), np.linspace(0.1, 1, 10), np.linspace(8, 60, 12),
         np.linspace(-2, 2, 5), indexing="ij",
@@ -55,7 +55,7 @@ def mixed_grid(restitution: float) -> Groups:
 
 
 def lockstep(cells: Groups) -> np.ndarray:
-    """Return the velocities of the stepper."""
+    """Return velocities by the lockstep stepper."""
     return lockstep_velocities(
         cells["drive_number_along"], cells["drive_number_normal"], cells["gravity_number_along"],
         cells["gravity_number_normal"], cells["friction_kinetic"], cells["restitution"],
@@ -63,7 +63,7 @@ def lockstep(cells: Groups) -> np.ndarray:
 
 
 def compare_speed(pairs: int) -> None:
-    """Print cells a second of both methods, ratios, and errors."""
+    """Print cells per second of both methods, ratios, and errors."""
     for restitution in (0.0, 0.3):
         cells = mixed_grid(restitution)
         # Motion that does not repeat has no mean to 1e-10: it is timed with the single points.
@@ -110,7 +110,7 @@ def compare_speed(pairs: int) -> None:
 
 
 def statuses(values: np.ndarray) -> list[str]:
-    """Return counts of the statuses that occur."""
+    """Return the counts of the statuses that occur."""
     names = {flag.value: name for name, flag in MOTION_STATUSES.items()}
     return [
         f"{names[v]} {n:,}" for v, n in zip(*np.unique(values, return_counts=True), strict=True)
@@ -118,7 +118,7 @@ def statuses(values: np.ndarray) -> list[str]:
 
 
 def time_points(count: int) -> None:
-    """Print how long single points of a random sweep take."""
+    """Print the time of single points of a random sweep."""
     random = np.random.default_rng(2004)
     cells = groups(
         random.uniform(0.1, 6, count), random.uniform(0, 2, count), random.uniform(1, 89, count),
@@ -131,6 +131,7 @@ def time_points(count: int) -> None:
     solve_cells(rows[:1], table[:1], status[:1], NEVER)  # compiles
 
     def run(first: int, last: int) -> None:
+        """Compute and time some cells."""
         for cell in range(first, last):
             here = slice(cell, cell + 1)
             start = time.thread_time()
@@ -155,7 +156,7 @@ def time_points(count: int) -> None:
 
 
 def main() -> None:
-    """Print both parts."""
+    """Print both measurements."""
     given = options(
         __doc__, points=(100_000, "points of the second part"), pairs=(9, "pairs of the first part")
     )

@@ -16,7 +16,7 @@ from core.motion.result import Motion
 
 
 def _sorted(numbers: dict[str, Any]) -> tuple[Groups, Contacts, dict[str, Any]]:
-    """Return groups, contacts and settings among numbers by name."""
+    """Return groups, contacts and settings from named numbers."""
     groups = {name: numbers[name] for name in Groups._fields if name in numbers}
     contacts = {name: numbers[name] for name in Contacts._fields if name in numbers}
     settings = {n: v for n, v in numbers.items() if n not in {*groups, *contacts}}
@@ -24,11 +24,13 @@ def _sorted(numbers: dict[str, Any]) -> tuple[Groups, Contacts, dict[str, Any]]:
 
 
 def _in_plane(function: Callable[..., Any], **numbers: Any) -> Any:
+    """Return a planar function's result for named numbers."""
     groups, _, settings = _sorted(numbers)
     return function(groups, **settings)
 
 
 def _in_space(function: Callable[..., Any], **numbers: Any) -> Any:
+    """Return a spatial function's result for named numbers."""
     groups, contacts, settings = _sorted(numbers)
     return function(groups, contacts, **settings)
 
@@ -44,18 +46,18 @@ reference_path = partial(_in_space, reference.reference_path)
 
 
 def tumbling_motion(**numbers: Any) -> tumbling.Tumble:
-    """Return what `tumbling.tumbling_motion` does."""
+    """Return the motion of tumbling parts given by named numbers."""
     own = {name: numbers.pop(name) for name in ("method", "watch") if name in numbers}
     return tumbling.tumbling_motion(tumbling.Throw(**numbers), **own)
 
 
 def tumbling_path(*, times: Any, **numbers: Any) -> tumbling.TumblePath:
-    """Return what `tumbling.tumbling_path` does."""
+    """Return the path of a tumbling part given by named numbers."""
     own = {name: numbers.pop(name) for name in ("method",) if name in numbers}
     return tumbling.tumbling_path(tumbling.Throw(**numbers, duration=1.0), times=times, **own)
 
 
 def follow(method: str, **numbers: Any) -> Motion:
-    """Return what a method of `METHODS` follows, as the equation of a system does."""
+    """Return the motion by a method of `METHODS`, as in the equation of a system."""
     groups, contacts, settings = _sorted(numbers)
     return METHODS["conveying"][method].follow(contacts)(groups=groups, **settings)

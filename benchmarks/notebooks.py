@@ -19,7 +19,7 @@ FOLDER = Path(__file__).parents[1] / "docs" / "notebooks"
 
 
 def carried_out(notebook: dict[str, Any]) -> Iterator[list[dict[str, Any]]]:
-    """Yield the outputs of each cell of code, in order, as a notebook stores them."""
+    """Yield the outputs of each code cell, in the form of a notebook."""
     names: dict[str, Any] = {"__name__": "__main__"}
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code":
@@ -27,6 +27,7 @@ def carried_out(notebook: dict[str, Any]) -> Iterator[list[dict[str, Any]]]:
 
 
 def _outputs(code: str, names: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the outputs of a code cell."""
     body = ast.parse(code).body
     last = body.pop() if body and isinstance(body[-1], ast.Expr) else None
     printed = io.StringIO()
@@ -49,11 +50,12 @@ def _outputs(code: str, names: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _lines(text: str) -> list[str]:
+    """Return a text as lines with their ends."""
     return text.splitlines(keepends=True)
 
 
 def said(outputs: list[dict[str, Any]]) -> list[str]:
-    """Return what outputs say in words."""
+    """Return the texts in outputs."""
     return [
         "".join(output.get("text") or output["data"]["text/plain"])
         for output in outputs

@@ -29,7 +29,7 @@ OUTPUT = "transport_velocity"
 
 
 def study(cells: float) -> dict[str, object]:
-    """Return a study of four axes with about so many cells."""
+    """Return a study of four axes with about `cells` cells."""
     each = max(2, round(cells ** (1 / 4)))
     ends = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
     axes = {name: {"start": a, "stop": b, "num": each} for name, (a, b) in ends.items()}
@@ -42,7 +42,7 @@ def study(cells: float) -> dict[str, object]:
 
 
 def stored(sweep: Sweep, path: Path) -> Path:
-    """Write a sweep as the command line does; return where."""
+    """Write a sweep as the command line does; return its path."""
     target = open_target(path, sweep, outline(sweep))
     try:
         stream(sweep, target)
@@ -52,7 +52,7 @@ def stored(sweep: Sweep, path: Path) -> Path:
 
 
 def median(work: Callable[[], object], runs: int) -> tuple[float, float, float]:
-    """Return the median, least and largest of the seconds that something takes, once warm."""
+    """Return median, least and largest time of a warm function [s]."""
     work()
     seconds = []
     for _ in range(runs):

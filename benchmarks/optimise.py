@@ -41,7 +41,7 @@ ROUNDING = 1e-16  # stands for no error at all on a logarithmic axis
 
 
 def studies() -> dict[str, dict[str, Any]]:
-    """Return the problems to compare methods on; each has an exact or compiled answer."""
+    """Return the problems on which methods are compared, each with a known optimum."""
     random = np.random.default_rng(3)
     amplitude = sorted((10 ** random.uniform(-4.3, -3.3, 5)).tolist())
     friction = sorted(random.uniform(0.1, 0.9, 4).tolist())
@@ -71,7 +71,7 @@ def studies() -> dict[str, dict[str, Any]]:
 
 
 def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]]:
-    """Return errors, seconds a design, and evaluations of every method that can."""
+    """Return error, time per design, and evaluations of every applicable method."""
     known = run_study(parse_study(dict(content)))
     moves = (known["optimum_status"] == 0).values.ravel()
     exact = known["objective"].values.ravel()
@@ -90,7 +90,7 @@ def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]
 
 
 def print_methods() -> dict[str, dict[str, tuple[Array, float, Array]]]:
-    """Print the table of methods and return what it shows."""
+    """Print the table of methods and return its content."""
     everything = {}
     for title, content in studies().items():
         everything[title] = compared(content)
@@ -176,7 +176,7 @@ def bounds(count: int) -> dict[str, Array]:
 
 
 def least_seconds(run: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Return the shortest of several runs."""
+    """Return the shortest time of several runs [s]."""
     times = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -186,7 +186,7 @@ def least_seconds(run: Callable[[], object], repeats: int = REPEATS) -> float:
 
 
 def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]]]) -> None:
-    """Print the time of a design in a batch, and against the best of scipy in a loop."""
+    """Print the time per design in a batch, and against scipy in a loop."""
     given, within = designs(DESIGNS), bounds(DESIGNS)
     print(f"\nBatches of {DESIGNS:,} designs, microseconds a design")
     print(f"  {'problem':18}{'1 thread':>10}{'2 threads':>11}{'random bounds':>15}")
@@ -196,6 +196,7 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
         fastest(problem, **asked)  # compiles
 
         def took(problem: str, asked: dict[str, Array], threads: int) -> float:
+            """Return the time per design in microseconds."""
             return least_seconds(lambda: fastest(problem, **asked, threads=threads)) / DESIGNS * 1e6
 
         one, two = took(problem, asked, 1), took(problem, asked, 2)
@@ -232,7 +233,7 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
 
 
 def print_front() -> None:
-    """Print the time of a front of 200 points in single limits."""
+    """Print the time of a front of 200 points, solved point by point."""
     plane = {
         "kind": "optimise",
         "scene": "rectangle-on-plane",
@@ -249,7 +250,7 @@ def print_front() -> None:
 
 
 def print_answers() -> None:
-    """Print the best angles on the data of figure 5.1, as printed, physical, and in true motion."""
+    """Print the best angles for figure 5.1: printed, physical, and simulated."""
     data = {"frequency": 60, "amplitude": "0.5 mm", "friction": 0.5, "gravity": 9.8}
     base = {"kind": "optimise", "scene": "cylinder-on-plane", "parameters": data}
     fastest_of = {"criterion": {"kind": "maximise"}, "outputs": ["throw_number", "acceleration_y"]}
@@ -275,7 +276,7 @@ def print_answers() -> None:
 
 
 def main() -> None:
-    """Print the tables and draw the picture."""
+    """Print all tables and draw the picture."""
     everything = print_methods()
     print_batch(everything)
     print_front()

@@ -51,12 +51,12 @@ FINISHED = """() =>
 
 
 def finished(page: Any) -> None:
-    """Wait until the page says that its picture is whole."""
+    """Wait until the page reports that its picture is complete."""
     page.wait_for_function(FINISHED)
 
 
 def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[int, int]]:
-    """Return frames a second with new data while a slider is dragged, and the size of the map."""
+    """Return frames per second while a slider is dragged, and the map's size."""
     page.goto("about:blank")
     page.goto(address + CLOSED)
     finished(page)
@@ -66,6 +66,7 @@ def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[
     middle = box["y"] + box["height"] / 2
 
     def along(share: float) -> float:
+        """Return the horizontal position at a share of the slider."""
         return float(box["x"] + (0.05 + 0.9 * share) * box["width"])
 
     page.mouse.move(along(0), middle)
@@ -84,7 +85,7 @@ def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[
 
 
 def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, int]]:
-    """Return seconds from a typed friction to the finished map of motion, and its size."""
+    """Return the time from a typed friction to the finished motion map, and its size."""
     page.goto("about:blank")
     page.goto(address + MOTION.format(friction=0.3))
     finished(page)
@@ -107,7 +108,7 @@ def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, i
 
 
 def loaded(page: Any, address: str) -> tuple[float, float, float]:
-    """Return seconds to the first picture of a cold load, to the whole one, and the kB it took."""
+    """Return the times to the first and the complete picture of a cold load, and its kB."""
     session = page.context.new_cdp_session(page)
     session.send("Network.setCacheDisabled", {"cacheDisabled": True})
     session.send("Network.enable")
@@ -121,7 +122,7 @@ def loaded(page: Any, address: str) -> tuple[float, float, float]:
 
 
 def opened(context: Any) -> Any:
-    """Return a page that notes what it draws."""
+    """Return a page that records its drawing."""
     page = context.new_page()
     page.add_init_script(WITNESS)
     page.set_default_timeout(60_000)
@@ -129,11 +130,12 @@ def opened(context: Any) -> Any:
 
 
 def measure(server: Served, context: Any, runs: int) -> None:
-    """Print each figure: the median of some runs, and their extremes."""
+    """Print median and extremes of each measurement."""
     page = opened(context)
     loaded(page, server.address)
 
     def told(title: str, unit: str, values: list[float]) -> None:
+        """Print one measurement."""
         print(
             f"{title:<64}{statistics.median(values):>8.3g} {unit}"
             f"   ({min(values):.3g} to {max(values):.3g})"
@@ -165,7 +167,7 @@ def measure(server: Served, context: Any, runs: int) -> None:
 
 
 def main() -> None:
-    """Measure, and print."""
+    """Run all measurements of the page and print them."""
     given = options(__doc__, runs=5)
     with served(workers=1) as server, browsed() as context:
         measure(server, context, given.runs)

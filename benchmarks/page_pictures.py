@@ -65,12 +65,13 @@ class State:
 
 
 def _points(page: Any) -> None:
+    """Move the keyboard focus to the map and select a neighbour."""
     page.locator("#picture .map").focus()
     page.keyboard.press("ArrowRight")
 
 
 def _steps(page: Any) -> None:
-    """Have the part come to where it hops."""
+    """Set the part's parameters so that it hops."""
     on = page.get_by_role("button", name="Step on")
     on.evaluate("button => { for (let i = 0; i < 45; i++) button.click(); }")
 
@@ -153,7 +154,7 @@ def reach(page: Any, address: str, state: State) -> None:
 
 
 def pictures(page: Any, state: State) -> Iterator[tuple[str, bytes]]:
-    """Yield names and PNG of the pictures of a state that is reached, one for each width."""
+    """Yield name and PNG of a state's pictures, one for each width."""
     for width, height in SIZES.items():
         tall = state.height if width == max(SIZES) and state.height else height
         page.set_viewport_size({"width": width, "height": tall})
@@ -175,7 +176,7 @@ def _written(content: bytes, target: Path) -> None:
 
 
 def _palette(image: Image.Image) -> Image.Image:
-    """Return colours for a picture: its most frequent ones, and few for all others.
+    """Return a palette: the most frequent colours, and few for the others.
 
     Each of the others counts once, so that the small marks of a legend keep their colours.
     """
@@ -192,7 +193,7 @@ def _palette(image: Image.Image) -> Image.Image:
 
 
 def main() -> None:
-    """Make all pictures anew."""
+    """Make all pictures of the page."""
     FOLDER.mkdir(exist_ok=True)
     with served(workers=1) as server, browsed() as browser:
         page = browser.new_page()

@@ -17,7 +17,7 @@ from core.kinds import tabulate
 
 
 def main(cells: int, count: int) -> None:
-    """Print the figures of a reduced sweep, in parts and at once."""
+    """Print time and memory of a reduced sweep, in parts and as a whole."""
     content = study(cells, ASKED["all statistics"], TABLE)
     prepared = prepare_content(content)
     prepared.work.seconds()  # what repays compiling is compiled

@@ -33,12 +33,12 @@ CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
 
 def log_uniform(random: Random, low: float, high: float) -> float:
-    """Return a number, each order of size being as likely."""
+    """Return a random number with uniform logarithm."""
     return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
 
 def drive(random: Random) -> dict[str, Any]:
-    """Return a drive: mostly a sine, else harmonics or steps."""
+    """Return a random drive: mostly a sine, else harmonics or steps."""
     frequency = log_uniform(random, 20, 120)
     gravity, beta = 9.81, random.uniform(5, 60)
     lift = random.uniform(0.1, 4.0) * gravity / (2 * np.pi * frequency) ** 2  # throw number 0.1-4
@@ -65,7 +65,7 @@ def drive(random: Random) -> dict[str, Any]:
 
 
 def conveying(random: Random) -> Content:
-    """Return a study of a part that is conveyed, by any method, with any settings."""
+    """Return a random study of a conveyed part."""
     scene = str(random.choice(list(CONTACTS)))
     method = str(random.choice(list(SYSTEMS[scene].variants)))
     given = drive(random)
@@ -107,7 +107,7 @@ def conveying(random: Random) -> Content:
 
 
 def tumbling(random: Random) -> Content:
-    """Return a study of a part that tumbles."""
+    """Return a random study of a tumbling part."""
     scene = str(random.choice([name for name in SYSTEMS if name not in CONTACTS]))
     other = "diameter" if scene.startswith("cylinder") else "height"
     given: dict[str, Any] = {
@@ -131,7 +131,7 @@ def tumbling(random: Random) -> Content:
 
 
 def example(random: Random, pattern: str) -> Content:
-    """Return an example of the repository, with other numbers of values on its axes."""
+    """Return an example study with other numbers of values on its axes."""
     paths = sorted(CONFIGS.glob(pattern))
     content = load_study(paths[random.integers(len(paths))]).content()
     for values in content["parameters"].values():
@@ -141,12 +141,12 @@ def example(random: Random, pattern: str) -> Content:
 
 
 def sweeping(random: Random) -> Content:
-    """Return a sweep of closed forms."""
+    """Return a random sweep of closed forms."""
     return example(random, "figures/*.toml")
 
 
 def optimising(random: Random) -> Content:
-    """Return an optimisation; of motions, one design with any settings of the optimiser."""
+    """Return a random optimisation."""
     return example(random, "optimise-*.toml")
 
 
@@ -160,7 +160,7 @@ FAMILIES: tuple[tuple[float, Callable[[Random], Content]], ...] = (
 
 
 def studies(seed: int) -> Iterator[Content]:
-    """Yield random studies that are accepted."""
+    """Yield random valid studies."""
     random = np.random.default_rng(seed)
     shares = [share for share, _ in FAMILIES]
     while True:
@@ -173,7 +173,7 @@ def studies(seed: int) -> Iterator[Content]:
 
 
 def measured(content: Content) -> tuple[float, float, float]:
-    """Return what a study is said to take, at most, and what it takes, on one core [s]."""
+    """Return predicted, largest and measured time of a study on one core [s]."""
     prepared = prepare_content(content)
     started = time.process_time()
     tabulate(prepared, watch=Watch(threads=1, deadline=time.monotonic() + MOST))
@@ -182,13 +182,13 @@ def measured(content: Content) -> tuple[float, float, float]:
 
 
 def name_of(content: Content) -> str:
-    """Return the kind and the method of a study."""
+    """Return kind and method of a study."""
     prepared = prepare_content(content)
     return f"{content['kind']} {getattr(prepared, 'method_name', prepared.plan.variant)}"
 
 
 def main() -> None:
-    """Print how well prices tell times."""
+    """Print how well predicted times agree with measured ones."""
     asked = options(__doc__, studies=200, seed=0)
     ratios: dict[str, list[float]] = defaultdict(list)
     for number, content in enumerate(studies(asked.seed)):

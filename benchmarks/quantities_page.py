@@ -11,7 +11,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "generated" / "quantities.md"
 
 
 def page() -> str:
-    """Return the page."""
+    """Return the text of the page on quantities."""
     lines = [
         "# Quantities and regimes",
         "",
@@ -52,10 +52,12 @@ def page() -> str:
 
 
 def _cell(text: str) -> str:
+    """Return a text for a table cell."""
     return text.replace("|", "\\|")
 
 
 def _bounds(quantity: Quantity) -> str:
+    """Return the bounds of a quantity in short notation."""
     least = (
         ""
         if math.isinf(quantity.lower)

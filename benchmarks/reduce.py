@@ -76,7 +76,7 @@ RADIUS, GRAVITY = 0.8, 9.80665
 
 
 def study(cells: float, asked: dict[str, Any], kept: tuple[str, ...] = TABLE) -> dict[str, Any]:
-    """Return a study of about so many cells, reduced over all axes but those that are kept."""
+    """Return a study of about `cells` cells, reduced over all axes except some."""
     left = int(cells)
     axes = {}
     for done, (name, (start, stop)) in enumerate(SPANS.items()):
@@ -93,14 +93,14 @@ def study(cells: float, asked: dict[str, Any], kept: tuple[str, ...] = TABLE) ->
 
 
 def prepared(content: dict[str, Any]) -> ReducedSweep:
-    """Return a study, ready."""
+    """Return a prepared study."""
     sweep = prepare_content(content)
     assert isinstance(sweep, ReducedSweep)
     return sweep
 
 
 def limit(sweep: ReducedSweep) -> Callable[[], None]:
-    """Return what computes all cells, each tile into the same few rows, on all cores."""
+    """Return a function that computes all cells without reducing them, on all cores."""
     plan, grid = sweep.work.boxes[0].field.plan, sweep.grid
     plan = plan.part((SPEED,), plan.conditions)
     graph = traced(plan, grid.axes)
@@ -120,11 +120,13 @@ def limit(sweep: ReducedSweep) -> Callable[[], None]:
     tiles = [dict(ends) for ends in itertools.product(*ranges)]
 
     def some(share: Iterable[Mapping[str, tuple[int, int]]]) -> None:
+        """Compute a share of the tiles."""
         rows = [np.empty(order.piece), np.empty(order.piece, np.int8)]
         for tile in share:
             loop.run(tile, {}, {}, rows)
 
     def run() -> None:
+        """Compute all tiles on all cores."""
         with ThreadPoolExecutor(cores()) as pool:
             list(pool.map(some, (tiles[k :: cores()] for k in range(cores()))))
 
@@ -132,7 +134,7 @@ def limit(sweep: ReducedSweep) -> Callable[[], None]:
 
 
 def by_xarray(grid: Grid) -> xarray.DataArray:
-    """Return the largest speed by drive, as one writes it with xarray; it tells no regime."""
+    """Return the largest speed per drive with xarray, as a user would write it."""
     at = {name: xarray.DataArray(grid.coordinate(name), dims=name) for name in grid.axes}
     alpha, beta, gamma = (np.deg2rad(at[name]) for name in ("alpha", "beta", "gamma"))
     push = at["amplitude"] * (2 * np.pi * at["frequency"]) ** 2 * np.cos(beta)
@@ -143,7 +145,7 @@ def by_xarray(grid: Grid) -> xarray.DataArray:
 
 
 def by_numexpr(grid: Grid, *, is_prepared: bool) -> Any:
-    """Return the same with numexpr, a drive at a time, so that its arrays stay small.
+    """Return the largest speed per drive with numexpr, one drive at a time.
 
     The formula is one text; or, prepared by hand, sines and the like are computed before on their
     own small grids, and the text has what needs every cell.
@@ -171,14 +173,14 @@ def by_numexpr(grid: Grid, *, is_prepared: bool) -> Any:
 
 
 def timed(run: Callable[[], object]) -> tuple[float, float]:
-    """Return the seconds of a call by the clock and of the processor."""
+    """Return wall time and processor time of a call [s]."""
     clock, processor = time.perf_counter(), time.process_time()
     run()
     return time.perf_counter() - clock, time.process_time() - processor
 
 
 def compare(cells: float, runs: int) -> None:
-    """Print every bar: what each answer costs over the limit, and peers over `max`."""
+    """Print the cost of each reduction over the limit, and of peers over `max`."""
     sweeps = {name: prepared(study(cells, asked)) for name, asked in ASKED.items()}
     small = prepared(study(PEER_CELLS, ASKED["max"]))
     ways: dict[str, tuple[Callable[[], object], int]] = {
@@ -216,7 +218,7 @@ def compare(cells: float, runs: int) -> None:
 
 
 def slow_ones(runs: int) -> None:
-    """Print what answers cost that are read off stored boxes."""
+    """Print the cost of reductions that need stored boxes."""
     for name, asked in SLOW.items():
         sweep = prepared(study(FEW, asked))
         times = [timed(lambda s=sweep: tabulate(s)) for _ in range(runs)]
@@ -225,7 +227,7 @@ def slow_ones(runs: int) -> None:
 
 
 def same_bits() -> None:
-    """Print whether answers have the same bits for threads, boxes and parts."""
+    """Print whether results have equal bits for all threads, boxes and parts."""
     asked = {**ASKED["all statistics"], "regimes": True}
     for kept in (TABLE, ("beta", "distance"), ("friction",), ()):
         sweep = prepared(study(BITS_CELLS, asked, kept))
@@ -246,11 +248,13 @@ def same_bits() -> None:
 
 
 def _bits(sweep: ReducedSweep, units: Units, states: Iterable[tuple[int, int, State]]) -> bytes:
+    """Return the bytes of a reduction's variables."""
     arrays = reduced_arrays(units, sweep.grid, sweep.asked, states)
     return b"".join(arrays[name].tobytes() for name in sorted(arrays))
 
 
 def _joined(states: Iterable[tuple[int, int, State]]) -> Iterable[tuple[int, int, State]]:
+    """Return states joined by field and block."""
     known: dict[tuple[int, int], State] = {}
     for field, block, state in states:
         place = field, block
@@ -259,7 +263,7 @@ def _joined(states: Iterable[tuple[int, int, State]]) -> Iterable[tuple[int, int
 
 
 def sizes(cells: Iterable[float]) -> None:
-    """Print time, prediction and memory of large studies."""
+    """Print time, predicted time and memory of large studies."""
     for count in cells:
         sweep = prepared(study(count, ASKED["argmax"]))
         predicted = sweep.work.seconds()
@@ -273,7 +277,7 @@ def sizes(cells: Iterable[float]) -> None:
 
 
 def main() -> None:
-    """Print the figures."""
+    """Print all measurements."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cells", type=float, default=1e9)
     parser.add_argument("--runs", type=int, default=9)

@@ -29,7 +29,7 @@ STORED, REDUCED = "stored", "reduced"
 
 
 def study(cells: int) -> dict[str, Any]:
-    """Return a study of about so many cells."""
+    """Return a study of about `cells` cells."""
     each = max(2, round((cells / 20) ** 0.5))
     return {
         "kind": "simulate",
@@ -54,7 +54,7 @@ ASKED = {
 
 
 def run(way: str, cells: int, where: str) -> None:
-    """Carry a study out in this process, and print what it took."""
+    """Run a study in this process, and print time and memory."""
     tabulate(prepare_content(study(20)))  # loads what is compiled
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     content = study(cells) if way == STORED else {**study(cells), "reduce": ASKED}
@@ -66,7 +66,7 @@ def run(way: str, cells: int, where: str) -> None:
 
 
 def main() -> None:
-    """Print both ways, and whether they agree."""
+    """Print both ways, and whether their results agree."""
     given = options(
         __doc__, cells=(2_000_000, "cells, about"), way=("", "of one process"), where=("", "a file")
     )

@@ -20,7 +20,7 @@ PERIODS = (100, 12, 3, 1)
 
 
 def main() -> None:
-    """Print a row for each number of periods and each status."""
+    """Print a table row for each number of periods and each status."""
     arguments = options(__doc__, motions=400, seed=3)
     groups = random_groups(
         arguments.motions, arguments.seed, throw=(0.1, 4.0), most_restitution=0.4

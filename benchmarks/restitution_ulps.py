@@ -36,7 +36,7 @@ SHARE = 1e-3
 
 
 def random_cells(count: int, seed: int) -> Cells:
-    """Return parameters in SI units: what users of feeders type, and restitution from 0.1 to 0.95.
+    """Return random parameters in SI units as users type them, restitution from 0.1 to 0.95.
 
     One cell in ten has a static friction above the kinetic one, one in five lies on the level.
     """
@@ -60,13 +60,13 @@ def random_cells(count: int, seed: int) -> Cells:
 
 
 def moved(values: Array, ulps: int) -> Array:
-    """Return the floating numbers so many places further up, or down."""
+    """Return floats moved by some units in the last place."""
     way = np.inf if ulps > 0 else -np.inf
     return reduce(lambda value, _: np.nextafter(value, way), range(abs(ulps)), values)
 
 
 def neighbours(cells: Cells) -> list[Cells]:
-    """Return the cells with one parameter moved; one friction is moved as one, as users type it."""
+    """Return the cells with one parameter moved by an ulp; equal frictions move together."""
     one = cells["friction_static"] == cells["friction_kinetic"]
     found = []
     for name in MOVED:
@@ -110,12 +110,12 @@ class Changes:
 
     @property
     def share(self) -> float:
-        """The share of cells that change in the one or the other."""
+        """The share of cells that change in status or velocity."""
         return float((self.of_status | self.of_value).mean())
 
 
 def changes(cells: Cells) -> Changes:
-    """Return what changes within 3 ulp of any parameter."""
+    """Return the changes of results when any parameter moves by up to 3 ulp."""
     here = followed(cells)
     status, velocity = here["motion_status"], here["conveying_velocity"]
     has_value = np.isfinite(velocity)
@@ -130,7 +130,7 @@ def changes(cells: Cells) -> Changes:
 
 
 def main() -> int:
-    """Print the shares by restitution and by status; 1 if more than the aim changes."""
+    """Print shares of changes by restitution and status; 1 if they exceed the aim."""
     given = options(__doc__, cells=10_000, seed=14, show=(5, "cells that change, in full"))
     start = time.perf_counter()
     found = changes(random_cells(given.cells, given.seed))

@@ -53,12 +53,12 @@ class Known:
 
     @property
     def lower(self) -> Array:
-        """Zeros."""
+        """The lower bounds: zeros."""
         return np.zeros(self.variables)
 
     @property
     def upper(self) -> Array:
-        """Ones."""
+        """The upper bounds: ones."""
         return np.ones(self.variables)
 
     def velocity(self, points: Array) -> Array:
@@ -67,18 +67,18 @@ class Known:
 
 
 def hills(u: Array) -> Array:
-    """Return Rastrigin's function, turned over: fifty hills and more along each variable."""
+    """Return Rastrigin's function, negated: fifty hills and more per variable."""
     x = (u - 0.637) * 10
     return 1 - np.sum(x * x + 10 * (1 - np.cos(2 * np.pi * x)), axis=1)
 
 
 def edge_peak(u: Array) -> Array:
-    """Return a peak on an edge, 0.004 wide."""
+    """Return a function with a peak of width 0.004 on an edge."""
     return np.exp(-(((u[:, 0] - 0.4321) / 0.002) ** 2)) * u[:, 1]
 
 
 def cliff(u: Array) -> Array:
-    """Return a plane that breaks off along a slanted line; the largest values are on the brink."""
+    """Return a plane that ends abruptly along a slanted line, where it is largest."""
     along = u[:, 0] - u[:, 1]
     return np.where(u.sum(axis=1) < 1.1234, u.sum(axis=1) - (along - 0.2) ** 2, 0.0)
 
@@ -116,7 +116,7 @@ class Judge:
         self.variables = len(design.lower)
 
     def __call__(self, unit: Array) -> Array:
-        """Return -velocity at points (n, variables) of the unit box."""
+        """Return -velocity at points (n, variables) of the unit box, and count them."""
         if self.evaluations + len(unit) > self.budget:
             raise SpentError
         inside = np.clip(unit, 0.0, 1.0)
@@ -135,7 +135,7 @@ Rival = Callable[[Judge, int], object]
 
 
 def ours(judge: Judge, seed: int) -> None:
-    """Run the search of vibrafeed."""
+    """Run vibrafeed's own search."""
     ends = np.zeros(judge.variables), np.ones(judge.variables)
     search_maximum(lambda points: -judge(points), *ends, budget=judge.budget, seed=seed)
 
@@ -144,7 +144,7 @@ def by_cma(
     judge: Judge, seed: int, *, members: int | None, sigma: float, bipop: bool = False,
     growth: float = 2.0,
 ) -> None:  # fmt: skip
-    """Run pycma with restarts at random points until the budget is spent."""
+    """Run pycma with random restarts until the budget is used up."""
     random = np.random.default_rng(seed)
     options: dict[str, Any] = {
         "bounds": [[-BEYOND] * judge.variables, [1 + BEYOND] * judge.variables],
@@ -170,7 +170,7 @@ def by_cma(
 
 
 def by_scipy(judge: Judge, seed: int, *, members: int, strategy: str, **more: Any) -> None:
-    """Run scipy's differential evolution, vectorised, again and again until the budget is spent.
+    """Run scipy's differential evolution repeatedly until the budget is used up.
 
     Sobol's points come in powers of 2: 40 members are 64, 200 are 256, 1,000 are 1,024.
     """
@@ -200,11 +200,12 @@ class AsProblem(Problem):  # type: ignore[misc] # pymoo has no types
         super().__init__(n_var=judge.variables, n_obj=1, xl=-BEYOND, xu=1 + BEYOND)
 
     def _evaluate(self, x: Array, out: dict[str, Array], *_: Any, **__: Any) -> None:
+        """Write the objective of points into pymoo's output."""
         out["F"] = self.judge(x)
 
 
 def by_pymoo(judge: Judge, seed: int, *, make: Callable[[], Any]) -> None:
-    """Run a search of pymoo, again and again until the budget is spent."""
+    """Run a pymoo search repeatedly until the budget is used up."""
     for again in range(1000):
         minimize(
             AsProblem(judge),
@@ -258,7 +259,7 @@ class Run(NamedTuple):
 def run(
     number: int, design: Design | Known, best: float, budget: int, rival: Rival, seed: int
 ) -> Run:
-    """Carry out one search."""
+    """Run one search on one design."""
     judge = Judge(design, budget)
     start = time.perf_counter()
     with warnings.catch_warnings():
@@ -273,7 +274,7 @@ def run(
 
 
 def told(name: str, seed: int, runs: Iterable[Run], tolerance: float) -> str:
-    """Return one line of the table."""
+    """Return a table row for a search method."""
     runs = list(runs)
     reached = [one for one in runs if one.short <= tolerance]
     missed = " ".join(f"{one.design}:{one.short:.0e}" for one in runs if one.short > tolerance)
@@ -287,7 +288,7 @@ def told(name: str, seed: int, runs: Iterable[Run], tolerance: float) -> str:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table of searches."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--grid", type=int, default=2000, help="points of an axis of the grid")
     parser.add_argument("--rough-grid", type=int, help="the same with restitution above 0")

@@ -28,7 +28,7 @@ LOOK = 0.2  # s between two looks at a job
 
 
 def whole_rows(parts: int, rows: int, orders: int = 0) -> tuple[float, float]:
-    """Return the mean and the largest processor time of 100 periods of random rows [ms].
+    """Return mean and largest processor time of random rows over 100 periods [ms].
 
     Under a sine, or under as many harmonics on both axes.
     """
@@ -51,7 +51,7 @@ def whole_rows(parts: int, rows: int, orders: int = 0) -> tuple[float, float]:
 
 
 def milliseconds(study: Callable[[int], object], cells: int) -> float:
-    """Return processor time of a cell beyond the first [ms]."""
+    """Return the processor time per cell beyond the first [ms]."""
     study(1)
     start = time.process_time()
     study(cells)
@@ -59,9 +59,10 @@ def milliseconds(study: Callable[[int], object], cells: int) -> float:
 
 
 def of_rows(parts: int, **more: Any) -> Callable[[int], object]:
-    """Return studies of so many rows of random friction and drive."""
+    """Return a function that makes studies of rows with random friction and drive."""
 
     def study(cells: int) -> object:
+        """Run a study of so many rows."""
         amplitudes = np.random.default_rng(cells).uniform(1e-4, MAX_AMPLITUDE, 20)
         return vibrafeed.simulate(
             **ROW, **DRIVE, **more, parts=parts, friction_spread=0.08,
@@ -73,7 +74,7 @@ def of_rows(parts: int, **more: Any) -> Callable[[int], object]:
 
 
 def over_http(cells: int) -> None:
-    """Print how a server carries out a study of rows as a job, and how it gives one up."""
+    """Print how a server runs a study of rows as a job, and how it dismisses one."""
     study: dict[str, Any] = {
         "kind": "simulate", "scene": "row-on-plane", "max_periods": 100,
         "outputs": ["conveying_velocity", "platoons"],
@@ -111,12 +112,13 @@ def over_http(cells: int) -> None:
 
 
 def _posted(server: Served, study: dict[str, Any]) -> str:
+    """Post a study as a job and return the job's identifier."""
     path = "/processes/simulate/execution"
     return str(server.post(path, study, Prefer="respond-async")["jobID"])
 
 
 def main() -> None:
-    """Print all figures."""
+    """Print all measurements."""
     asked = options(
         __doc__,
         cells=(1000, "cells of a study, 50 or more"),
@@ -141,6 +143,7 @@ def main() -> None:
     amplitudes = np.linspace(1e-4, MAX_AMPLITUDE, cells)
 
     def equal(scene: str, **more: Any) -> Callable[[int], object]:
+        """Return a function that simulates equal rows, or single parts."""
         return lambda count: vibrafeed.simulate(
             scene=scene, friction=0.4, amplitude=amplitudes[:count], **DRIVE, **more
         )

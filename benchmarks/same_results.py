@@ -40,6 +40,7 @@ DRIVE = {"frequency": 50.0, "amplitude": [1e-4, 2e-4, 3e-4, 4e-4], "beta": [10.0
 
 
 def _simulate(scene: str, method: str, **more: Any) -> dict[str, Any]:
+    """Return a study of motion by a method."""
     settings = {n: more.pop(n) for n in ("max_periods", "steps_per_period") if n in more}
     outputs = [
         "conveying_velocity", "conveying_velocity_error", "stick_fraction", "forward_fraction",
@@ -82,7 +83,7 @@ MOTIONS: dict[str, dict[str, Any]] = {
 
 
 def studies() -> dict[str, Any]:
-    """Return the content of every study, by a name."""
+    """Return the content of every study, by name."""
     paths = [*sorted((ROOT / "configs").glob("*.toml"))]
     paths = [path for path in paths if path.name not in LEFT_OUT]
     paths += [ROOT / "configs" / "figures" / f"fig-{number}.toml" for number in FIGURES]
@@ -90,7 +91,7 @@ def studies() -> dict[str, Any]:
 
 
 def compute(folder: Path) -> None:
-    """Carry out every study with the code that is imported; write its arrays."""
+    """Run every study with the imported code, and write its arrays."""
     from core.kinds import tabulate
 
     try:
@@ -109,7 +110,7 @@ def compute(folder: Path) -> None:
 
 
 def run(tree: Path, folder: Path, settings: Mapping[str, str] = MappingProxyType({})) -> None:
-    """Carry out every study with the code of a tree, in a process of its own with settings."""
+    """Run every study with the code of another tree, in a process with settings."""
     folder.mkdir()
     (folder / "studies.json").write_text(json.dumps(studies()))
     code = (
@@ -121,7 +122,7 @@ def run(tree: Path, folder: Path, settings: Mapping[str, str] = MappingProxyType
 
 
 def differences(ours: Path, theirs: Path) -> dict[str, str]:
-    """Return what differs in each study; nothing where all is the same to the byte."""
+    """Return the differences in each study; empty if all bytes are equal."""
     found = {}
     for name in studies():
         with np.load(ours / f"{name}.npz") as one, np.load(theirs / f"{name}.npz") as other:
@@ -135,6 +136,7 @@ def differences(ours: Path, theirs: Path) -> dict[str, str]:
 
 
 def _difference(key: str, one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> str:
+    """Return the difference of two arrays in words; empty if all bytes are equal."""
     if one.dtype != other.dtype or one.shape != other.shape:
         return f"{key}: {one.dtype}{one.shape} for {other.dtype}{other.shape}"
     if one.tobytes() == other.tobytes():
@@ -152,7 +154,7 @@ def _difference(key: str, one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]
 
 
 def main() -> int:
-    """Compare two trees, or two processors; return 1 if any array differs."""
+    """Compare two trees or processors; return 1 if any array differs."""
     if sys.argv[1] == "--compute":
         compute(Path(sys.argv[2]))
         return 0

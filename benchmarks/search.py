@@ -43,16 +43,16 @@ class Design:
 
     @property
     def lower(self) -> Array:
-        """The least beta and variable, SI units."""
+        """The lower bounds of beta and the other variable, SI units."""
         return np.array([math.radians(1), 2e-5 if self.variable == "amplitude" else 20.0])
 
     @property
     def upper(self) -> Array:
-        """The largest beta and variable."""
+        """The upper bounds of beta and the other variable, SI units."""
         return np.array([math.radians(89), 2e-3 if self.variable == "amplitude" else 120.0])
 
     def velocity(self, points: Array) -> Array:
-        """Return the conveying velocity at points (n, 2); NaN above the limit of throw."""
+        """Return the conveying velocity at points (n, 2); NaN above the throw limit."""
         beta, varied = points.T
         by_amplitude = self.variable == "amplitude"
         frequency = np.full_like(beta, self.other) if by_amplitude else varied
@@ -77,7 +77,7 @@ class Design:
 
 
 def designs() -> list[Design]:
-    """Return the random designs."""
+    """Return random designs of feeders."""
     random = np.random.default_rng(5)
     made = []
     for number in range(20):
@@ -100,7 +100,7 @@ def designs() -> list[Design]:
 
 
 def grid_points(design: Design, size: int) -> Iterator[Array]:
-    """Yield the points of a grid with both ends, in pieces (n, 2)."""
+    """Yield the points of a grid, ends included, in pieces (n, 2)."""
     first, second = np.linspace(design.lower, design.upper, size).T
     rows = max(1, PIECE // size)
     for start in range(0, size, rows):
@@ -109,7 +109,7 @@ def grid_points(design: Design, size: int) -> Iterator[Array]:
 
 
 def best_of_grid(design: Design, size: int) -> dict[str, float]:
-    """Return the best value of a grid, its point and the time."""
+    """Return the best value of a grid, its point, and the time."""
     start = time.perf_counter()
     best = {"value": -np.inf}
     for points in grid_points(design, size):
@@ -127,7 +127,7 @@ def best_of_grid(design: Design, size: int) -> dict[str, float]:
 
 
 def cached_grid(number: int, design: Design, size: int, cache: Path | None) -> dict[str, float]:
-    """Return the best of a grid, from the cache where it is there."""
+    """Return the best value of a grid, read from the cache if possible."""
     known = json.loads(cache.read_text()) if cache is not None and cache.exists() else {}
     key = f"{number} {size} {design}"
     if key not in known:
@@ -144,7 +144,7 @@ class Counted:
         self.design, self.evaluations, self.best = design, 0, -np.inf
 
     def __call__(self, point: Array) -> float:
-        """Return -velocity at a point (2,)."""
+        """Return -velocity at a point (2,), and count it."""
         value = float(np.nan_to_num(self.design.velocity(point[None])[0], nan=-NO_VALUE))
         self.evaluations += 1
         self.best = max(self.best, value)
@@ -152,7 +152,7 @@ class Counted:
 
 
 def by_direct(lost: Counted) -> None:
-    """Run scipy's DIRECT, one point at a time, on the whole budget."""
+    """Run scipy's DIRECT with the whole budget, point by point."""
     ends = list(zip(lost.design.lower, lost.design.upper, strict=True))
     most = SEARCH_BUDGET
     optimize.direct(
@@ -161,7 +161,7 @@ def by_direct(lost: Counted) -> None:
 
 
 def longer(design: Design, beta: float, varied: float) -> tuple[float, float]:
-    """Return the velocity at one point over a hundred times as many periods, and its spread."""
+    """Return the velocity at a point over a hundred times as many periods, with its spread."""
     w = 2 * math.pi * (varied if design.variable == "frequency" else design.other)
     amplitude = design.other if design.variable == "frequency" else varied
     drive = amplitude * w * w / GRAVITY
@@ -181,7 +181,7 @@ def longer(design: Design, beta: float, varied: float) -> tuple[float, float]:
 
 
 def compare(number: int, design: Design, size: int, cache: Path | None) -> float:
-    """Print one line of the table; return by how much the search falls short of the grid."""
+    """Print a table row; return by how much the search falls short of the grid."""
     grid = cached_grid(number, design, size, cache)
     found, seconds = timed(
         search_maximum, design.velocity, design.lower, design.upper, budget=SEARCH_BUDGET
@@ -210,7 +210,7 @@ def compare(number: int, design: Design, size: int, cache: Path | None) -> float
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table of the search against grids."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--grid", type=int, default=200, help="points of an axis of the grid")
     parser.add_argument("--rough-grid", type=int, help="the same with restitution above 0")

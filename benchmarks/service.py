@@ -79,7 +79,7 @@ class Client:
         self.size = 0
 
     def ask(self, method: str, path: str, body: bytes = b"") -> None:
-        """Receive a reply to its end."""
+        """Send a request and receive the whole reply."""
         head = (
             f"{method} {path} HTTP/1.1\r\nHost: {self._name}\r\n"
             f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
@@ -98,7 +98,7 @@ class Client:
 
 
 def clocked(call: Callable[[], Any]) -> float:
-    """Return the wall time of a call in milliseconds."""
+    """Return the wall time of a call [ms]."""
     started = time.perf_counter()
     call()
     return 1e3 * (time.perf_counter() - started)
@@ -121,7 +121,7 @@ class Comparison:
 
     def line(self, name: str, wanted: tuple[Any, ...], computed: Callable[[], Any],
              written: Callable[[], Any]) -> None:  # fmt: skip
-        """Print what the service adds to computing and writing."""
+        """Print the time that the service adds to computing and writing."""
         self.client.ask(*wanted)
         size = self.client.size
         times = [
@@ -175,7 +175,7 @@ def requests(server: Served, pairs: int) -> None:
 
 
 def _slice_of(server: Served, study: dict[str, Any]) -> tuple[Callable[[], dict[str, Any]], str]:
-    """Return what cuts a slice of a sweep in this process, and where a server has the same."""
+    """Return a function that cuts a slice in this process, and its URL on a server."""
     key = server.post("/sweeps", study)["id"]
     sweep = prepare_content(study)
     wishes = {"output": "acceleration_x", "axes": list(FREE), "at": {"frequency": "60"}}
@@ -184,7 +184,7 @@ def _slice_of(server: Served, study: dict[str, Any]) -> tuple[Callable[[], dict[
 
 
 def download(server: Served, pairs: int) -> None:
-    """Print the speed of a warm download of 1 GB beside that of a bare sendfile loop."""
+    """Print the speed of a warm download of 1 GB against a plain sendfile loop."""
     path = server.file_of(SMALL, GIGABYTE)
     file = Store(server.data).folder(path.split("/")[2]) / NETCDF
     ours = server.place
@@ -205,7 +205,7 @@ def download(server: Served, pairs: int) -> None:
 
 
 def received(address: tuple[str, int], request: bytes) -> float:
-    """Return the seconds that a reply with 1 GB takes."""
+    """Return the time to receive a reply of 1 GB [s]."""
     buffer = bytearray(PIECE)
     started = time.perf_counter()
     with socket.create_connection(address) as connection:
@@ -223,6 +223,7 @@ def received(address: tuple[str, int], request: bytes) -> float:
 
 
 def _reply_for_ever(listener: socket.socket) -> None:
+    """Answer requests on one connection with prepared bytes."""
     connection, _ = listener.accept()
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     replies: dict[int, bytes] = {}  # ready, so that only sending takes time
@@ -235,6 +236,7 @@ def _reply_for_ever(listener: socket.socket) -> None:
 
 
 def _send_for_ever(listener: socket.socket, path: str) -> None:
+    """Send a file of 1 GB to every client."""
     while True:
         connection, _ = listener.accept()
         with connection, Path(path).open("rb") as file:
@@ -246,7 +248,7 @@ def _send_for_ever(listener: socket.socket, path: str) -> None:
 
 
 def main() -> None:
-    """Print every figure."""
+    """Print all measurements."""
     wanted = options(__doc__, pairs=200, downloads=7)
     with served() as server:
         requests(server, wanted.pairs)

@@ -36,17 +36,17 @@ class Served:
 
     @property
     def place(self) -> tuple[str, int]:
-        """The host and the port of its address."""
+        """The host and port of the server."""
         parts = urllib.parse.urlsplit(self.address)
         return str(parts.hostname), int(parts.port or 0)
 
     def get(self, path: str) -> Any:
-        """Return the JSON of a path."""
+        """Return the JSON document at a path."""
         with urllib.request.urlopen(f"{self.address}{path}", timeout=60) as reply:
             return json.load(reply)
 
     def post(self, path: str, content: Any, **headers: str) -> Any:
-        """Return the JSON of the reply to a JSON body."""
+        """Return the JSON reply to a posted JSON document."""
         request = urllib.request.Request(
             f"{self.address}{path}",
             json.dumps(content).encode(),
@@ -56,7 +56,7 @@ class Served:
             return json.load(reply)
 
     def file_of(self, study: Any, size: int) -> str:
-        """Return the path of a download of `size` random bytes: the result of a study, swapped."""
+        """Return the path of a download of `size` random bytes, put in place of a result."""
         key = self.post("/sweeps", study)["id"]
         path = f"/sweeps/{key}/netcdf"
         with urllib.request.urlopen(f"{self.address}{path}", timeout=60) as reply:
@@ -72,20 +72,20 @@ class Served:
         return path
 
     def memory(self) -> int:
-        """Return the resident memory of the server itself in bytes, without its workers."""
+        """Return the resident memory of the server without its workers [bytes]."""
         fields = Path(f"/proc/{self.pid}/statm").read_text().split()
         return int(fields[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def free_port() -> int:
-    """Return a port of this machine that nobody listens at now."""
+    """Return a free port of this machine."""
     with socket.create_server(("127.0.0.1", 0)) as probe:
         return int(probe.getsockname()[1])
 
 
 @contextmanager
 def served(open_files: int | None = None, **settings: object) -> Iterator[Served]:
-    """Yield a server with these settings, and at most so many open files; stop it at the end."""
+    """Yield a running server with some settings, and stop it afterwards."""
     port = free_port()
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data"
@@ -111,10 +111,12 @@ def served(open_files: int | None = None, **settings: object) -> Iterator[Served
 
 
 def _limit_files(most: int) -> None:
+    """Limit the number of open files of this process."""
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def _wait_for(server: Served) -> None:
+    """Wait until the server answers."""
     until = time.monotonic() + PATIENCE
     while True:
         try:

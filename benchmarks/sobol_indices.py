@@ -37,15 +37,16 @@ class Known:
 
     @property
     def inputs(self) -> int:
-        """Number of inputs."""
+        """The number of inputs."""
         return len(self.first)
 
 
 def _ishigami() -> Known:
-    """T. Ishigami and T. Homma 1990, with a = 7 and b = 0.1."""
+    """Return the function of Ishigami and Homma (1990), a = 7 and b = 0.1, with its indices."""
     a, b = 7.0, 0.1
 
     def values(points: Array) -> Array:
+        """Return the function's values."""
         x, y, z = np.pi * (2 * points - 1)
         return np.asarray(np.sin(x) + a * np.sin(y) ** 2 + b * z**4 * np.sin(x))
 
@@ -61,6 +62,7 @@ def _g_function() -> Known:
     a = np.array([0, 1, 4.5, 9, 99, 99, 99, 99])
 
     def values(points: Array) -> Array:
+        """Return the function's values."""
         return np.asarray(np.prod((np.abs(4 * points - 2) + a[:, None]) / (1 + a[:, None]), axis=0))
 
     parts = 1 / (3 * (1 + a) ** 2)
@@ -72,7 +74,7 @@ FUNCTIONS = {"ishigami": _ishigami(), "g-function": _g_function()}
 
 
 def coverage(one: Known, samples: int, repeats: int) -> Mask:
-    """Return which intervals hold their index, shape (repeats, first and total, inputs)."""
+    """Return a mask of intervals that contain their index, (repeats, first and total, inputs)."""
     held = []
     for seed in range(repeats):
         found = sobol_indices(one.values, one.inputs, samples, seed)
@@ -86,7 +88,7 @@ def coverage(one: Known, samples: int, repeats: int) -> Mask:
 
 
 def main(repeats: int) -> None:
-    """Print how often intervals hold."""
+    """Print how often intervals contain their index."""
     for name, one in FUNCTIONS.items():
         for samples in SAMPLES:
             held = coverage(one, samples, repeats)

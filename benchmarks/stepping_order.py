@@ -22,14 +22,14 @@ REST = {"drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_nor
 
 
 def show(name: str, error: Callable[[int], float], steps: tuple[int, ...] = STEPS) -> None:
-    """Print errors over steps and the slope of their logarithms."""
+    """Print errors against steps, and the slope of their logarithms."""
     errors = [error(n) for n in steps]
     slope = -fitted_slope(list(zip(steps, errors, strict=True)))
     print(f"{name:24} slope {slope:4.2f}  " + "  ".join(f"{e:.1e}" for e in errors))
 
 
 def disc(n: int) -> float:
-    """Return the error of the travel of a disc on an incline."""
+    """Return the error of a disc's travel on an incline."""
     gamma, mu, u0, psi = math.radians(20.0), 0.6, 2.0, math.radians(70.0)
     a, nu = math.sin(gamma), mu / math.tan(gamma)
     t = math.tan(psi / 2.0)
@@ -59,7 +59,7 @@ def chute(n: int) -> float:
 
 
 def cells(count: int, across: bool) -> dict[str, Any]:
-    """Return random cells: drives of 0.5 to 5 g, slides and hops."""
+    """Return random cells: drives of 0.5 to 5 g, sliding and hopping."""
     random = np.random.default_rng(5)
     drive = 10.0 ** random.uniform(-0.3, 0.7, count)
     alpha = np.radians(random.uniform(-20.0, 40.0, count)) * across
@@ -85,7 +85,7 @@ def cells(count: int, across: bool) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Print errors, orders and speed."""
+    """Print errors, orders and speed of time stepping."""
     print("error against steps a period:", *STEPS)
     show("disc, travel", disc)
     show("chute, speed", chute)
@@ -93,6 +93,7 @@ def main() -> None:
         groups, mean = case.groups(), case.scaled
 
         def error(n: int, groups: dict[str, float] = groups, mean: float = mean) -> float:
+            """Return the error of the mean velocity in the plane."""
             return abs(float(planar_stepped_motion(**groups, steps_per_period=n).velocity) - mean)
 
         show(name, error)
@@ -100,6 +101,7 @@ def main() -> None:
     exact = float(reference_motion(**one, wall=True).velocity)
 
     def at_wall(n: int) -> float:
+        """Return the error of the mean velocity at the wall."""
         found = stepped_motion(**one, wall=True, steps_per_period=n)
         return abs(float(found.velocity) - exact)
 

@@ -42,7 +42,7 @@ YESTERDAY = b"of yesterday"
 
 
 def run(moment: float | None) -> tuple[float, int, str]:
-    """Return the seconds from Ctrl-C at a moment [s] to the end, the exit code, and what is left.
+    """Return the time from Ctrl-C to the end [s], the exit code, and what is left on disk.
 
     None sends no Ctrl-C, and counts the seconds of the whole run.
     """
@@ -65,7 +65,7 @@ def run(moment: float | None) -> tuple[float, int, str]:
 
 
 def state(folder: Path) -> str:
-    """Return a word for what a run has left in its folder; raise if it is anything broken."""
+    """Return a word for what a stopped run left in its folder; raise if it is broken."""
     files = {path.name for path in folder.iterdir()} - {"compiled", "study.toml", "study.nc"}
     assert files <= {"study.partial.nc", ".study.nc.partial"}, files
     untouched = (folder / "study.nc").read_bytes() == YESTERDAY

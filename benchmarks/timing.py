@@ -10,7 +10,7 @@ Result = TypeVar("Result")
 
 
 def timed(function: Callable[..., Result], *arguments: Any, **named: Any) -> tuple[Result, float]:
-    """Return the result of a function and the wall time of the call [s]."""
+    """Call a function; return its result and the wall time [s]."""
     started = time.perf_counter()
     result = function(*arguments, **named)
     return result, time.perf_counter() - started

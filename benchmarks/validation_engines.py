@@ -58,7 +58,7 @@ repeats."""
 
 @cache
 def asked_cases() -> Mapping[str, tuple[Case, float]]:
-    """Return each case with all digits of its result: those of `events`, which it holds right."""
+    """Return each case with the full-precision result of `events`."""
     found = {}
     for case in cases():
         if case.id in ASKED:
@@ -69,7 +69,7 @@ def asked_cases() -> Mapping[str, tuple[Case, float]]:
 
 
 def jobs(case: Case) -> list[dict[str, Any]]:
-    """Return what the drivers are told of a case, one job a number of steps."""
+    """Return the inputs of a case for the engines, one job per number of steps."""
     given = _parameters(case)
     frequency = given["frequency"]
     found = []
@@ -91,7 +91,7 @@ def jobs(case: Case) -> list[dict[str, Any]]:
 
 
 def _parameters(case: Case) -> dict[str, float]:
-    """Return the parameters of a case's study, in SI units and radians."""
+    """Return a case's parameters in SI units and radians."""
     given = case.terms[0].study["parameters"]
     return {
         name: math.radians(value) if QUANTITIES[name].is_angle else value
@@ -100,7 +100,7 @@ def _parameters(case: Case) -> dict[str, float]:
 
 
 def _track(given: Mapping[str, float], phases: np.ndarray) -> np.ndarray:
-    """Return the velocity of a level track along and normal to itself, at phases of the drive."""
+    """Return the velocity of a level track along and normal, at phases of the drive."""
     w = 2 * math.pi * given["frequency"]
     if "amplitude" in given:
         line = np.array([[math.cos(given["beta"])], [math.sin(given["beta"])]])
@@ -117,7 +117,7 @@ def _track(given: Mapping[str, float], phases: np.ndarray) -> np.ndarray:
 
 
 def answer(case: Case, steps: int, told: Mapping[str, Any]) -> float:
-    """Return an engine's result of a case, in its unit."""
+    """Return an engine's result of a case, in the case's unit."""
     (term,) = case.terms
     if term.output == "conveying_velocity":
         return term.times * told["mean"] - term.minus
@@ -126,13 +126,14 @@ def answer(case: Case, steps: int, told: Mapping[str, Any]) -> float:
 
 
 def ours(case: Case) -> float:
-    """Return the seconds of processor time that a cell takes `events`: 2,000 cells at once."""
+    """Return the processor time of `events` per cell, of 2,000 cells at once [s]."""
     given, cells = _parameters(case), 2000
     arrays = {name: np.full(cells, value) for name, value in given.items()}
     arrays["gravity"] = GRAVITY * (1 + 1e-9 * np.arange(cells))  # equal cells are computed once
     outputs = ("conveying_velocity",)
 
     def run() -> None:
+        """Compute 2,000 cells at once."""
         if "amplitude" in given:
             plan = plan_scene(SYSTEMS["rectangle-on-plane"], "events", outputs, tuple(arrays))
             run_equations(plan, {name: arrays[name] for name in plan.parameters if name in arrays}
@@ -171,7 +172,7 @@ def rows(pythons: Mapping[str, str]) -> Iterator[dict[str, Any]]:
 
 
 def _run(name: str, python: str) -> dict[str, Any] | None:
-    """Return what an engine found; None, and a line, where it is not installed."""
+    """Return the results of an engine; print a line and return None if it is missing."""
     work = [job for case, _ in asked_cases().values() for job in jobs(case)]
     done = subprocess.run(
         [python, DRIVERS, name], input=json.dumps(work), capture_output=True, text=True, check=False
@@ -188,7 +189,7 @@ def _run(name: str, python: str) -> dict[str, Any] | None:
 
 
 def draw(found: list[dict[str, Any]]) -> None:
-    """Draw the error of each engine over its run time, a panel a problem."""
+    """Draw the error of each engine over its run time, a panel per problem."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -220,7 +221,7 @@ def draw(found: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    """Run the engines, write and draw what they found."""
+    """Run the engines, then write and draw their results."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--python", action="append", default=[], metavar="ENGINE=PYTHON")
     parser.add_argument("--draw", action="store_true", help="draw what is there already")

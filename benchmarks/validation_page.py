@@ -90,7 +90,7 @@ cores that others used too. Siconos was not at hand when the last of these probl
 
 
 def page() -> str:
-    """Return the page."""
+    """Return the text of the validation page."""
     outcomes = run_cases(cases())
     lines = [HEAD, "", *_kinds(), "", "## Anchors", ""]
     families = list(FAMILIES)
@@ -103,6 +103,7 @@ def page() -> str:
 
 
 def _kinds() -> Iterator[str]:
+    """Yield the table of kinds of truth."""
     yield "| kind of truth | |"
     yield "| --- | --- |"
     for name, words in EVIDENCE.items():
@@ -110,7 +111,7 @@ def _kinds() -> Iterator[str]:
 
 
 def _form(form: Form, outcomes: list[Outcome]) -> Iterator[str]:
-    """Yield a form in words, with its listed problems."""
+    """Yield the section on a form: its description and listed problems."""
     yield f"### {form.title} ({form.name})"
     yield ""
     yield f"{form.words}"
@@ -129,6 +130,7 @@ def _form(form: Form, outcomes: list[Outcome]) -> Iterator[str]:
 
 
 def _row(outcome: Outcome) -> tuple[str, ...]:
+    """Return the table row of an outcome."""
     case = outcome.case
     given = ", ".join(f"{name} {value:.9g}" for name, value in case.inputs.items())
     nothing = abs(outcome.value) < 1e-3 * case.right.tolerance  # rounding, or how a limit is missed
@@ -143,7 +145,7 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
 
 
 def _measured(outcomes: list[Outcome]) -> Iterator[str]:
-    """Yield the measured set."""
+    """Yield the section on measured values."""
     mine = [one for one in outcomes if one.case.family == "Y"]
     (scatter,) = (one for one in mine if one.judged)
     yield "## Measured: a rail of cast iron"
@@ -172,7 +174,7 @@ def _measured(outcomes: list[Outcome]) -> Iterator[str]:
 
 
 def _worked(outcomes: list[Outcome]) -> Iterator[str]:
-    """Yield worked values, figures with one number, and what is said of hard cases."""
+    """Yield the section on worked values, figures and hard cases."""
     yield "## Worked values"
     yield ""
     yield (
@@ -206,7 +208,7 @@ def _worked(outcomes: list[Outcome]) -> Iterator[str]:
 
 
 def _thesis() -> Iterator[str]:
-    """Yield how many claims about figures of the thesis came to which verdict."""
+    """Yield the number of claims on thesis figures with each verdict."""
     text = (DOCS / "thesis.md").read_text(encoding="utf-8").partition("### Figures 5.1")[2]
     verdicts = ("holds", "reproduced", "artefact beyond lift-off", "not reproduced",
                 "cannot be reproduced")  # fmt: skip
@@ -221,6 +223,7 @@ def _thesis() -> Iterator[str]:
 
 
 def _engines() -> Iterator[str]:
+    """Yield the section on other engines."""
     rows: list[dict[str, Any]] = json.loads(RESULTS.read_text(encoding="utf-8"))
     known = {(row["engine"], row["problem"], row["steps"]): row for row in rows}
     yield ENGINES
@@ -250,10 +253,12 @@ def _engines() -> Iterator[str]:
 
 
 def _seconds(seconds: float) -> str:
+    """Return a time with its unit."""
     return f"{seconds:.2g} s" if seconds >= 1e-3 else f"{1e6 * seconds:.2g} µs"
 
 
 def _not_claimed() -> Iterator[str]:
+    """Yield the section on what the program does not claim."""
     yield "## What is known, and no claim of this program"
     yield ""
     for name, words in NOT_CLAIMED.items():

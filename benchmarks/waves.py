@@ -29,12 +29,12 @@ Pick = np.random.Generator
 
 
 def sizes(pick: Pick, cells: int) -> NDArray[np.float64]:
-    """Return pushes from 0.3 to 3 g, along and normal."""
+    """Return random accelerations along and normal, from 0.3 to 3 g."""
     return np.exp(pick.uniform(np.log(0.3), np.log(3.0), (2, cells)))
 
 
 def harmonics(pick: Pick, cells: int, orders: int) -> Wave:
-    """Return waves of sines with phases, along and normal."""
+    """Return random waves of sines with phases, along and normal."""
     found = np.zeros((3, 2, orders, cells))
     for axis, size in zip((0, 2), sizes(pick, cells), strict=True):
         share = pick.dirichlet(np.ones(orders), cells).T * size
@@ -44,7 +44,7 @@ def harmonics(pick: Pick, cells: int, orders: int) -> Wave:
 
 
 def steps(pick: Pick, cells: int, count: int) -> Wave:
-    """Return waves of steps, along and normal."""
+    """Return random waves of steps, along and normal."""
     last = pick.dirichlet(np.full(count, 2.0), cells).T
     found = np.zeros((4, count, cells))
     for axis, size in zip((0, 2), sizes(pick, cells), strict=True):
@@ -56,7 +56,7 @@ def steps(pick: Pick, cells: int, count: int) -> Wave:
 
 
 def parts(pick: Pick, wave: Wave) -> Groups:
-    """Return random parts; of some static friction is the larger, some rebound."""
+    """Return random parts; some with larger static friction, some with restitution."""
     cells = wave.cells[0]
     gamma, kinetic = np.radians(pick.uniform(-5, 5, cells)), pick.uniform(0.1, 0.8, cells)
     more = np.where(pick.random(cells) < 0.4, pick.uniform(1, 1.5, cells), 1.0)
@@ -93,7 +93,7 @@ def bouncing(pick: Pick, cells: int, *, clean: bool) -> Groups:
 
 
 def as_harmonic(sine: Groups) -> Groups:
-    """Return the same parts under the same drive, told as one harmonic."""
+    """Return the same parts with the same drive as a wave of one harmonic."""
     pushes = np.broadcast_arrays(sine.drive_number_along, sine.drive_number_normal)
     found = np.zeros((3, 2, 1, pushes[0].size))
     found[0, 0, 0], found[2, 0, 0] = (np.ravel(push) for push in pushes)
@@ -102,7 +102,7 @@ def as_harmonic(sine: Groups) -> Groups:
 
 
 def lifting(pick: Pick, wave: Wave, *, clean: bool) -> Groups:
-    """Return random parts, two in three with rebounds, under a wave that lifts them 1.5 to 5 g."""
+    """Return random parts, two in three with restitution, under a wave that lifts them."""
     size, cells = pick.uniform(1.5, 5.0, wave.cells), wave.cells[0]
     size = np.round(size, 1) if clean else size
     found, steps_of = wave.harmonics.copy(), wave.steps.copy()
@@ -123,7 +123,7 @@ def lifting(pick: Pick, wave: Wave, *, clean: bool) -> Groups:
 
 
 def more_orders(pick: Pick, sine: Groups, orders: int) -> Groups:
-    """Return the parts with so many harmonics on each axis in the place of the sine."""
+    """Return the parts with so many harmonics on each axis in place of the sine."""
     pushes = (sine.drive_number_along, sine.drive_number_across, sine.drive_number_normal)
     cells = np.size(sine.drive_number_along)
     found = np.zeros((3, 2, orders, cells))
@@ -139,7 +139,7 @@ def more_orders(pick: Pick, sine: Groups, orders: int) -> Groups:
 
 
 def times(name: str, sine: Groups, run: Callable, rounds: int) -> None:
-    """Print the time of a cell by orders, over that of the sine; the best of some rounds."""
+    """Print the time per cell by harmonic order, relative to the sine."""
     pick = np.random.default_rng(1)
     sets = {"sine": sine} | {k: more_orders(pick, sine, k) for k in (1, 2, 5, 10)}
     settings = PLANAR if run is planar.solve_cells else SPATIAL
@@ -166,7 +166,7 @@ def times(name: str, sine: Groups, run: Callable, rounds: int) -> None:
 
 
 def feeder_parts(cells: int, seed: int, across: float) -> Groups:
-    """Return parts of a feeder's track under a plain sine; `across` is its largest azimuth."""
+    """Return random parts of a feeder's track under a sine, azimuth up to `across`."""
     pick = np.random.default_rng(seed)
     beta, alpha = np.radians(pick.uniform(10, 50, cells)), np.radians(pick.uniform(5, 35, cells))
     gamma, friction = np.radians(pick.uniform(0, 4, cells)), pick.uniform(0.15, 0.8, cells)
@@ -180,12 +180,13 @@ def feeder_parts(cells: int, seed: int, across: float) -> Groups:
 
 
 def main() -> None:
-    """Print both."""
+    """Print the times in the plane and in space."""
     given = options(__doc__, timed=300, rounds=15, seed=7)
     flat = feeder_parts(given.timed, given.seed, 0.0)
     times("In the plane", flat, planar.solve_cells, given.rounds)
 
     def in_space(rows: NDArray, table: NDArray, status: NDArray, stop: NDArray) -> None:
+        """Run the kernel of motions in space."""
         track.solve_cells(True, 0.0, rows, table, status, stop)
 
     aslant = feeder_parts(given.timed, given.seed, 1.0)

@@ -19,16 +19,16 @@ class MeanVelocity(SimpleNamespace):
 
     @property
     def circular_frequency(self) -> float:
-        """2 pi f [rad s-1]."""
+        """The circular frequency, 2 pi f [rad s-1]."""
         return 2.0 * math.pi * self.frequency
 
     @property
     def scaled(self) -> float:
-        """The mean velocity in g/w, as methods of motion give it."""
+        """The mean velocity in g/w, the unit of simulation methods."""
         return self.value * self.circular_frequency / GRAVITY
 
     def groups(self) -> dict[str, float]:
-        """Return the groups of `core.motion.groups.Groups`, but for those that are 0 here."""
+        """Return the groups of `core.motion.groups.Groups`, without those that are 0."""
         w = self.circular_frequency
         drive = self.amplitude * w * w / GRAVITY
         beta, gamma = math.radians(self.beta), math.radians(self.gamma)

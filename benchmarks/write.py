@@ -41,7 +41,7 @@ LEAST_RUNS = 5
 
 
 def study(cells: float) -> dict[str, object]:
-    """Return a study of seven axes with about so many cells."""
+    """Return a study of seven axes with about `cells` cells."""
     frequencies = max(2, round(cells / (14 * 15 * 15 * 10 * 10 * 5)))
     return {
         "kind": "sweep",
@@ -61,7 +61,7 @@ def study(cells: float) -> dict[str, object]:
 
 
 def raw(path: Path, size: int, behind: Behind | None = None) -> None:
-    """Write so many bytes and nothing else; with `behind`, wait for the disk as our files do."""
+    """Write so many bytes; with `behind`, wait for the disk in the background."""
     block = np.random.default_rng(0).bytes(32 * 2**20)
     with path.open("wb", buffering=0) as file:
         for start in range(0, size, len(block)):
@@ -74,7 +74,7 @@ def raw(path: Path, size: int, behind: Behind | None = None) -> None:
 
 
 def ours(path: Path, sweep: Sweep, tiles: list[dict[str, np.ndarray]], **options: bool) -> None:
-    """Write tiles as the command line does, each of them one of a few."""
+    """Write tiles as the command line does, repeating a few."""
     target = open_target(path, sweep, outline(sweep), **options)
     by_shape = {one["regime"].shape: one for one in tiles}
     for index in target.missing:
@@ -89,7 +89,7 @@ def ours(path: Path, sweep: Sweep, tiles: list[dict[str, np.ndarray]], **options
 
 
 def table(runs: dict[str, list[float]], sizes: dict[str, int], base: str) -> None:
-    """Print medians, spreads and ratios to one of them."""
+    """Print medians, spreads and ratios to a base."""
     reference = statistics.median(runs[base])
     for name, seconds in runs.items():
         middle = statistics.median(seconds)
@@ -101,7 +101,7 @@ def table(runs: dict[str, list[float]], sizes: dict[str, int], base: str) -> Non
 
 
 def write(folder: Path, gigabytes: float, count: int) -> None:
-    """Compare the ways of writing one sweep."""
+    """Compare ways of writing one sweep."""
     sweep = prepare_content(study(gigabytes * 1e9 / 9))
     tiled = Tiled(sweep)
     shapes = {tuple(b - a for a, b in tile.box): tile for tile in tiled.tiles}
@@ -111,6 +111,7 @@ def write(folder: Path, gigabytes: float, count: int) -> None:
     print(f"{sweep.cells:,} cells, {len(tiled.tiles)} tiles, chunks padded to {padded:.3f}")
 
     def peer(path: Path) -> None:
+        """Write the file by a library."""
         part.to_netcdf(path, engine="netcdf4", encoding=encoding)
         sync(path)
 
@@ -147,7 +148,7 @@ def write(folder: Path, gigabytes: float, count: int) -> None:
 
 
 def long(folder: Path, gigabytes: float) -> None:
-    """Carry out one large sweep, then again with kills; compare bytes, and tell the memory."""
+    """Run one large sweep, then again with kills; compare bytes and print memory."""
     import json
 
     path = folder / "long.json"
@@ -174,7 +175,7 @@ def long(folder: Path, gigabytes: float) -> None:
 
 
 def _fingerprint(path: Path) -> str:
-    """Return a digest of a file without what differs from run to run: when it was, its price."""
+    """Return a digest of a file without its times and cost."""
     import h5py
 
     with h5py.File(path, "r+") as file:
@@ -186,7 +187,7 @@ def _fingerprint(path: Path) -> str:
 
 
 def main() -> None:
-    """Run what the arguments say."""
+    """Run the comparisons that the arguments name."""
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", nargs="?", type=Path)
     parser.add_argument("--gigabytes", type=float, default=2.0)

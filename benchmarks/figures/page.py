@@ -55,12 +55,13 @@ FIGURES: dict[int, Callable[[], list[Judgement]]] = {
 
 
 def section() -> str:
-    """Return the part of the page between its marks."""
+    """Return the generated section of the page."""
     judged = {function: function() for function in dict.fromkeys(FIGURES.values())}
     return "\n".join([*_overview(judged), *_figures(judged)])
 
 
 def _overview(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -> Iterator[str]:
+    """Yield the lines of the overview table."""
     yield "| figure | shows | scene, output | beyond lift-off | wall pulls | verdict |"
     yield "| --- | --- | --- | --- | --- | --- |"
     for number, function in FIGURES.items():
@@ -75,6 +76,7 @@ def _overview(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -
 
 
 def _figures(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -> Iterator[str]:
+    """Yield the lines of the section on each figure."""
     for function, numbers in groupby(FIGURES, FIGURES.__getitem__):
         group = list(numbers)
         names = " and ".join(f"5.{number}" for number in group)
@@ -93,18 +95,19 @@ def _figures(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) ->
 
 
 def _subject(number: int) -> str:
+    """Return the subject of a figure, from its study's title."""
     return (study(number).title or "").partition(": ")[2]
 
 
 def page(text: str) -> str:
-    """Return the page with its part on the figures written anew."""
+    """Return the page's text with its section on figures generated anew."""
     head, _, rest = text.partition(BEGIN)
     _, _, tail = rest.partition(END)
     return f"{head}{BEGIN}\n\n{section()}\n\n{END}{tail}"
 
 
 def draw_picture(number: int) -> None:
-    """Draw a figure as its title says, as a small PNG."""
+    """Draw a figure in the form that its title names, as a small PNG."""
     kind = "surface" if "(surface)" in (study(number).title or "") else "contour"
     figure = draw(data(number), variable=study(number).outputs[0], kind=kind)
     picture = io.BytesIO()

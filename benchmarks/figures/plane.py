@@ -31,7 +31,7 @@ from benchmarks.figures.studies import changed, data, fine
 
 
 def best_region() -> list[Judgement]:
-    """Judge 5.1 and 5.2."""
+    """Judge the claims of figures 5.1 and 5.2."""
     box = {"alpha": (0.0, 20.0), "beta": (8.0, 45.0)}
     near = changed(1, alpha=fine(0, 50, 0.1), beta=fine(0, 60, 0.1))
     level, found, misfit = nearest_region(near["acceleration_x"], box, above=True)
@@ -60,7 +60,7 @@ def best_region() -> list[Judgement]:
 
 
 def friction_and_elevation() -> list[Judgement]:
-    """Judge 5.3 and 5.4."""
+    """Judge the claims of figures 5.3 and 5.4."""
     rate = slope(data(3)["acceleration_x"])
     flying = data(3)["throw_number"] > 1
     if (rate > 0).all():
@@ -81,7 +81,7 @@ def friction_and_elevation() -> list[Judgement]:
 
 
 def friction_and_frequency() -> list[Judgement]:
-    """Judge 5.5 and 5.6."""
+    """Judge the claims of figures 5.5 and 5.6."""
     a_x = data(5)["acceleration_x"]
     rate = slope(a_x)
     shape = is_polynomial(a_x, "friction", 1) and is_polynomial(a_x, "frequency", 2)
@@ -109,7 +109,7 @@ def friction_and_frequency() -> list[Judgement]:
 
 
 def elevation_and_frequency() -> list[Judgement]:
-    """Judge 5.7 and 5.8."""
+    """Judge the claims of figures 5.7 and 5.8."""
     a_x = data(7)["acceleration_x"]
     spread = a_x.max("beta") - a_x.min("beta")
     low, high = float(spread.sel(frequency=20)), float(spread.sel(frequency=120))
@@ -128,7 +128,7 @@ def elevation_and_frequency() -> list[Judgement]:
 
 
 def amplitude_and_frequency() -> list[Judgement]:
-    """Judge 5.9 and 5.10."""
+    """Judge the claims of figures 5.9 and 5.10."""
     a_x = data(9)["acceleration_x"]
     strength = a_x["amplitude"] * (2 * np.pi * a_x["frequency"]) ** 2
     y, x = xr.broadcast(a_x, strength)
@@ -146,7 +146,7 @@ def amplitude_and_frequency() -> list[Judgement]:
 
 
 def across_the_track() -> list[Judgement]:
-    """Judge 5.11 and 5.12."""
+    """Judge the claims of figures 5.11 and 5.12."""
     box = {"alpha": (0.0, 20.0), "beta": (0.0, 45.0)}
     a_y = changed(11, alpha=fine(0, 50, 0.1), beta=fine(0, 60, 0.1))["acceleration_y"]
     level, _, misfit = nearest_region(a_y, box, above=False)
@@ -174,7 +174,7 @@ def across_the_track() -> list[Judgement]:
 
 
 def across_by_friction() -> list[Judgement]:
-    """Judge 5.13 and 5.14."""
+    """Judge the claims of figures 5.13 and 5.14."""
     rate = slope(data(13)["acceleration_y"])
     beta = crossing(rate)
     near = changed(13, beta=[beta - 0.01, beta + 0.01])["acceleration_y"]
@@ -192,7 +192,7 @@ def across_by_friction() -> list[Judgement]:
 
 
 def across_by_frequency() -> list[Judgement]:
-    """Judge 5.15 and 5.16."""
+    """Judge the claims of figures 5.15 and 5.16."""
     a_y = data(15)["acceleration_y"]
     shape = is_polynomial(a_y, "frequency", 2) and is_sinusoidal(a_y, "beta")
     best = at_largest(changed(15, frequency=60, beta=fine(50, 70, 0.01))["acceleration_y"])["beta"]
@@ -216,7 +216,7 @@ def across_by_frequency() -> list[Judgement]:
 
 
 def compromises() -> xr.DataArray:
-    """Return which angles of 5.1 and 5.11 no others beat in a_x and |a_y|, to 0.1 m/s2."""
+    """Return a mask of the angles of 5.1 and 5.11 on the trade-off of a_x and |a_y|."""
     a_x, a_y = data(1)["acceleration_x"], abs(data(11)["acceleration_y"]).round(1)
     x, y = a_x.values.ravel(), a_y.values.ravel()
     order = np.lexsort((y, -x))
@@ -227,7 +227,7 @@ def compromises() -> xr.DataArray:
 
 
 def across_by_friction_and_frequency() -> list[Judgement]:
-    """Judge 5.17 and 5.18."""
+    """Judge the claims of figures 5.17 and 5.18."""
     a_y = data(17)["acceleration_y"]
     rate = slope(a_y)
     shape = is_polynomial(a_y, "friction", 1) and is_polynomial(a_y, "frequency", 2)
@@ -243,7 +243,7 @@ def across_by_friction_and_frequency() -> list[Judgement]:
 
 
 def angular_over_angles() -> list[Judgement]:
-    """Judge 5.19 and 5.20."""
+    """Judge the claims of figures 5.19 and 5.20."""
     turn = data(19)["angular_acceleration"]
     ratio = turn / changed(19, variant="derived")["angular_acceleration"].where(turn > 0)
     shape = is_sinusoidal(turn, "alpha") and is_sinusoidal(turn, "beta")
@@ -260,7 +260,7 @@ def angular_over_angles() -> list[Judgement]:
 
 
 def angular_over_frequency() -> list[Judgement]:
-    """Judge 5.21."""
+    """Judge the claims of figure 5.21."""
     turn = data(21)["angular_acceleration"]
     shape = is_polynomial(turn, "frequency", 2) and is_sinusoidal(turn, "beta")
     return [

@@ -18,12 +18,12 @@ PICTURES = ROOT / "docs" / "figures"
 
 
 def path_of(number: int) -> Path:
-    """Return the study of figure 5.number."""
+    """Return the path of the study of figure 5.number."""
     return STUDIES / f"fig-5-{number}.toml"
 
 
 def picture_of(number: int) -> Path:
-    """Return the picture of figure 5.number."""
+    """Return the path of the picture of figure 5.number."""
     return PICTURES / f"fig-5-{number}.png"
 
 
@@ -35,12 +35,12 @@ def study(number: int) -> SweepStudy:
 
 @cache
 def data(number: int) -> xr.Dataset:
-    """Return the data of figure 5.number."""
+    """Return the computed data of figure 5.number."""
     return run_study(study(number))
 
 
 def changed(number: int, *, variant: str | None = None, **parameters: object) -> xr.Dataset:
-    """Return the figure's data with another variant, or with other values of parameters."""
+    """Return a figure's data with another variant or other parameter values."""
     content = tomllib.loads(path_of(number).read_text(encoding="utf-8"))
     content["parameters"] |= parameters
     content["variant"] = variant or content["variant"]
@@ -48,5 +48,5 @@ def changed(number: int, *, variant: str | None = None, **parameters: object) ->
 
 
 def fine(start: float, stop: float, step: float) -> dict[str, float]:
-    """Return a range of a study."""
+    """Return a range with a step, as a study holds it."""
     return {"start": start, "stop": stop, "step": step}

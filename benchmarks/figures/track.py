@@ -19,7 +19,7 @@ from benchmarks.figures.studies import changed, data, fine
 
 
 def velocity_over_drive() -> list[Judgement]:
-    """Judge 5.22."""
+    """Judge the claims of figure 5.22."""
     v = data(22)["transport_velocity"]
     grows = rises(v, "frequency") and rises(v, "amplitude")
     tilted = changed(22, frequency=60, amplitude="1 mm", beta=[5, 20])["transport_velocity"]
@@ -42,14 +42,14 @@ def velocity_over_drive() -> list[Judgement]:
 
 
 def start_of_motion(variant: str) -> float:
-    """Return the frequency at which K is zero at 0.1 mm; K is linear in f^2 [Hz]."""
+    """Return the frequency at which motion starts (K = 0) at 0.1 mm [Hz]."""
     K = changed(22, variant=variant, amplitude="0.1 mm")["starting_acceleration"]  # noqa: N806
     per_square, constant = np.polyfit(K["frequency"] ** 2, K, 1)
     return float(np.sqrt(-constant / per_square))
 
 
 def velocity_over_elevation() -> list[Judgement]:
-    """Judge 5.23."""
+    """Judge the claims of figure 5.23."""
     v = data(23)["transport_velocity"]
     part = v / v.max()
     largest = part.isel(amplitude=-1)
@@ -72,7 +72,7 @@ def velocity_over_elevation() -> list[Judgement]:
 
 
 def velocity_over_frequency() -> list[Judgement]:
-    """Judge 5.24."""
+    """Judge the claims of figure 5.24."""
     v = data(24)["transport_velocity"]
     high = v.isel(frequency=-1)
     ratio = float(high.sel(beta=35) / high.sel(beta=0))
@@ -87,7 +87,7 @@ def velocity_over_frequency() -> list[Judgement]:
 
 
 def velocity_over_angles() -> list[Judgement]:
-    """Judge 5.25."""
+    """Judge the claims of figure 5.25."""
     v = data(25)["transport_velocity"]
     least = float((v / v.max()).sel(alpha=slice(0, 45), beta=slice(0, 35)).min())
     level = changed(25, alpha=fine(0, 90, 0.01), beta=0)["transport_velocity"]
@@ -110,9 +110,10 @@ def velocity_over_angles() -> list[Judgement]:
 
 
 def velocity_over_inclination() -> list[Judgement]:
-    """Judge 5.26."""
+    """Judge the claims of figure 5.26."""
 
     def gain(variant: str) -> float:
+        """Return the gain of velocity from 0 to 10 degrees of lean."""
         v = changed(26, variant=variant, gamma=0, delta=[0, 10])["transport_velocity"]
         return float(v[1] / v[0]) - 1
 
@@ -136,7 +137,7 @@ def velocity_over_inclination() -> list[Judgement]:
 
 
 def velocity_over_friction() -> list[Judgement]:
-    """Judge 5.27."""
+    """Judge the claims of figure 5.27."""
     bare = changed(27, friction=0, frequency=60)
     bound = float(bare["velocity_bound"])
     distance = bound**2 / (2 * float(bare["starting_acceleration"]))
@@ -158,7 +159,7 @@ def velocity_over_friction() -> list[Judgement]:
 
 
 def least_distance(frequency: float, *, all_the_way: bool) -> float:
-    """Return the distance from which on the velocity of 5.27 falls with friction [m]."""
+    """Return the distance beyond which the velocity of 5.27 falls with friction [m]."""
     v = changed(27, frequency=frequency, distance=fine(0.19, 0.29, 0.001))["transport_velocity"]
     falls = (v.diff("friction") < 0).all("friction") if all_the_way else slope(v) < 0
     return float(v["distance"].where(falls).min())
@@ -171,6 +172,7 @@ MISSING = {
 
 
 def _comparison(number: int, numbers: str) -> Judgement:
+    """Return the judgement of a comparison with measurements."""
     missing = MISSING[number]
     return Judgement(
         "The model describes what was measured adequately.",
@@ -180,7 +182,7 @@ def _comparison(number: int, numbers: str) -> Judgement:
 
 
 def wolfsteiner_and_pfeiffer() -> list[Judgement]:
-    """Judge 5.28."""
+    """Judge the claims of figure 5.28."""
     level = data(28).sel(gamma=0)
     bound = float(level["velocity_bound"])
     distance = 1e3 * crossing(level["transport_velocity"] - bound)
@@ -193,7 +195,7 @@ def wolfsteiner_and_pfeiffer() -> list[Judgement]:
 
 
 def boothroyd() -> list[Judgement]:
-    """Judge 5.29."""
+    """Judge the claims of figure 5.29."""
     without = changed(29, friction=0)["starting_acceleration"].values
     same = bool((data(29)["starting_acceleration"].values == without).all())
     text = (

@@ -51,7 +51,7 @@ class ProgramAnswers:
 
 
 def read_answers(path: Path) -> ProgramAnswers:
-    """Return the answers in a file.
+    """Return the answers of another program from a file.
 
     Raises
     ------
@@ -72,7 +72,7 @@ _FORM = f'Write {{"format": "{FORMAT}", "program": "...", "answers": {{"Q-two-le
 
 
 def answers_of(content: object) -> ProgramAnswers:
-    """Return the answers that a mapping holds; raise `StudyError` with all that is wrong."""
+    """Return the answers in a mapping; raise `StudyError` with every problem."""
     if not isinstance(content, Mapping):
         raise StudyError([Problem("answers", "it is not a JSON object", _FORM)])
     problems = [
@@ -104,13 +104,14 @@ def answers_of(content: object) -> ProgramAnswers:
 
 
 def _is_answer(value: Any) -> bool:
+    """True if a value can be an answer: None or a finite number."""
     if value is None:
         return True
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
-    """Return the problems of some names, and what is wrong with names that are of none."""
+    """Return the problems with these names, and errors for unknown names."""
     letters = {name.partition("-")[0] for name in names}
     known = {problem.id: problem for problem in cases(letters & set(FAMILIES) or {"Q"})}
     most, problems = _random(names)
@@ -126,7 +127,7 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
 
 
 def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Problem]]:
-    """Return the largest number of each form and seed among some names, and what is too large."""
+    """Return the largest number per form and seed in some names, and errors for too large ones."""
     problems: list[Problem] = []
     most: dict[tuple[str, int], int] = {}
     for name in names:

@@ -165,22 +165,22 @@ class Case:
 
     @cached_property
     def truth(self) -> Truth | None:
-        """The truth, computed once."""
+        """The true value, computed once."""
         return self.known() if callable(self.known) else self.known
 
     @property
     def right(self) -> Truth:
-        """The truth of a case that has one."""
+        """The true value of a case that has one."""
         assert self.truth is not None
         return self.truth
 
     @property
     def form(self) -> str:
-        """The form that it is a member of."""
+        """The form of the case."""
         return self.id.rpartition("-")[0]
 
     def result(self, outputs: Sequence[Any]) -> Any:
-        """Return the result that the outputs of the terms make; several terms are numbers."""
+        """Return the result of a case, combined from the outputs of its terms."""
         parts = [
             term.times * output - term.minus
             for term, output in zip(self.terms, outputs, strict=True)
@@ -190,7 +190,7 @@ class Case:
         return parts[0] + 0.0 if len(parts) == 1 else math.fsum(parts)  # 0 has no sign
 
     def errors(self, value: Any) -> Array:
-        """Return the error of a result in each cell: 0 on the right side of a bound.
+        """Return the error of a result in each cell: 0 within a bound.
 
         Infinite where there is no value and should be one.
         """
@@ -205,7 +205,7 @@ class Case:
         return np.where(same, 0.0, np.where(np.isnan(off), np.inf, np.abs(off)))
 
     def holds(self, value: Any) -> bool:
-        """True if a result is right everywhere; one that is only shown always is."""
+        """True if a result is right in every cell; cases without a truth always are."""
         return self.relation == "shown" or bool(np.all(self.errors(value) <= self.right.tolerance))
 
     def document(self) -> dict[str, Any]:
@@ -241,7 +241,7 @@ class Case:
 
 
 def half_unit(digits: str) -> float:
-    """Return half a unit of the last digit of a number as it is written, such as ``3.2700``."""
+    """Return half a unit of a written number's last digit, such as of ``3.2700``."""
     mantissa, _, exponent = digits.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     return 0.5 * 10.0 ** (int(exponent or 0) - decimals)

@@ -62,7 +62,7 @@ NOT_CLAIMED: Mapping[str, str] = MappingProxyType(
 
 
 def families_of(asked: Collection[str]) -> tuple[str, ...]:
-    """Return the families that are asked for, all if none is, in the order of `FAMILIES`.
+    """Return the asked families, all by default, in the order of `FAMILIES`.
 
     Letters may stand in one text, with commas between.
 
@@ -110,7 +110,7 @@ def cases(families: Collection[str] = (), random: int = 0, seed: int = 1) -> tup
 
 
 def document(asked: Collection[Case]) -> dict[str, Any]:
-    """Return problems as plain values, with all that is needed to answer them, for JSON."""
+    """Return problems as plain values with everything needed to solve them, for JSON."""
     letters = dict.fromkeys(case.family for case in asked)
     named = {case.form for case in asked}
     return {

@@ -61,17 +61,17 @@ class Outcome:
 
     @property
     def judged(self) -> bool:
-        """True where the result is compared, not only shown."""
+        """True where the result is compared with a truth, not only shown."""
         return self.case.relation != "shown"
 
     @property
     def remark(self) -> str:
-        """The note, or where the truth comes from."""
+        """The note, or the source of the truth."""
         return self.note or (self.case.right.source if self.case.known else "")
 
     @property
     def share(self) -> float:
-        """The error over the allowed one; 0 where there is none to judge, infinite if it failed."""
+        """The error over the tolerance; 0 without a truth, infinite for a failed case."""
         if not self.passed:
             return math.inf
         return self.error / self.allowed if self.error > 0 else 0.0
@@ -88,7 +88,7 @@ class Summary:
 
 
 def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome]:
-    """Return the outcomes of this program, in order; those not begun when stopped are left out."""
+    """Return this program's outcomes of cases, in order; a stop leaves the rest out."""
     watch = watch or Watch()
     outcomes = []
     for case in cases:
@@ -100,7 +100,7 @@ def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome
 
 
 def run_case(case: Case) -> tuple[Outcome, CaseValues | None]:
-    """Return the outcome of a case, and its values if they were computed; warnings are errors."""
+    """Return the outcome of a case, and its values if computed; warnings count as errors."""
     started = time.perf_counter()
     computed = None
     with warnings.catch_warnings():
@@ -119,7 +119,7 @@ def run_case(case: Case) -> tuple[Outcome, CaseValues | None]:
 
 
 def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) -> list[Outcome]:
-    """Return the outcomes of another program's results; what it left out is no outcome."""
+    """Return the outcomes of another program's results; missing results have none."""
     return [
         Outcome(case, note="it has no answer")
         if (value := results[case.id]) is None
@@ -130,7 +130,7 @@ def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) ->
 
 
 def _incomplete(case: Case, computed: CaseValues) -> str:
-    """Return the fault of statuses, values and stated errors, whatever the truth is."""
+    """Return the fault in statuses, values and stated errors that needs no truth to be seen."""
     if case.status and not computed.statuses <= set(case.status):
         return f"not {' or '.join(case.status)}"
     finite, stated = np.isfinite(computed.value), computed.stated
@@ -142,7 +142,7 @@ def _incomplete(case: Case, computed: CaseValues) -> str:
 
 
 def _states_too_much(case: Case, truth: Truth, value: Array, stated: Array) -> bool:
-    """True if the error stated for a mean velocity is larger than the velocity itself."""
+    """True if the stated error of a mean velocity exceeds the velocity itself."""
     if case.blunt or case.terms[0].output != "conveying_velocity":
         return False
     size = np.abs(np.broadcast_to(truth.value, np.shape(value)))
@@ -152,7 +152,7 @@ def _states_too_much(case: Case, truth: Truth, value: Array, stated: Array) -> b
 
 
 def judge(case: Case, computed: CaseValues) -> Outcome:
-    """Return the verdict on what was computed for a case; nothing is computed anew."""
+    """Return the verdict on computed values of a case."""
     value, stated = computed.value, computed.stated
     status = ", ".join(sorted(computed.statuses))
     failed = Outcome(case, status=status)
@@ -191,12 +191,12 @@ def summaries(outcomes: Sequence[Outcome]) -> list[Summary]:
 
 
 def results_of(content: Content) -> Table:
-    """Return the results of a study as a user writes it."""
+    """Return the results of a study as a user would write it."""
     return kinds.tabulate(prepare_content(content))
 
 
 def outputs_of(terms: Sequence[Term]) -> list[Any]:
-    """Return the output of each term; what differs in outputs alone is one study.
+    """Return the outputs of each term; studies that differ in outputs only are joined.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def outputs_of(terms: Sequence[Term]) -> list[Any]:
 
 
 def _computed(case: Case) -> CaseValues:
-    """Return the values of the studies of a case."""
+    """Return the computed values of a case."""
     if case.refused:
         prepare_content(case.terms[0].study)
         return CaseValues(np.asarray(math.nan))
@@ -227,12 +227,13 @@ def _computed(case: Case) -> CaseValues:
 
 
 def _key(term: Term) -> str:
+    """Return what identifies the study of a term, apart from its outputs."""
     rest = {name: value for name, value in term.study.items() if name != "outputs"}
     return json.dumps(rest, sort_keys=True)
 
 
 def _tables(terms: Sequence[Term]) -> dict[str, Table]:
-    """Return the results of each different study."""
+    """Return the results of each distinct study."""
     studies: dict[str, dict[str, Any]] = {}
     for term in terms:
         before = studies.get(_key(term), {"outputs": ()})["outputs"]
@@ -242,6 +243,7 @@ def _tables(terms: Sequence[Term]) -> dict[str, Table]:
 
 
 def _outputs(terms: Sequence[Term], tables: Mapping[str, Table]) -> list[Any]:
+    """Return the outputs of all terms."""
     return [_picked(tables[_key(term)], term) for term in terms]
 
 
@@ -257,7 +259,7 @@ def _picked(table: Table, term: Term) -> Any:
 
 
 def _drive_speed(content: Mapping[str, Any]) -> float:
-    """Return the largest speed of the track, which a stated error of a value of 0 stands beside."""
+    """Return the largest track speed, the scale of stated errors of zero velocities."""
     frequency, amplitude = (
         float(np.max(content["parameters"][name])) for name in ("frequency", "amplitude")
     )
@@ -265,7 +267,7 @@ def _drive_speed(content: Mapping[str, Any]) -> float:
 
 
 def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
-    """Return the names of the statuses of all cells, and whether one explains a missing value."""
+    """Return the names of all cells' statuses, and if one explains a missing value."""
     regimes = _present(variables["regime"], REGIMES) if "regime" in variables else {}
     statuses = regimes
     if "motion_status" in variables:
@@ -279,6 +281,6 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
 
 
 def _present(variable: TableVariable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
-    """Return the flags that stand in a variable."""
+    """Return the flags that occur in a variable."""
     values = set(np.unique(variable.values).tolist())
     return {name: flag for name, flag in flags.items() if flag.value in values}

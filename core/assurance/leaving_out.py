@@ -148,7 +148,7 @@ HEAVY = ("matplotlib", "netCDF4", "numba", "pandas", "pint", "scipy", "xarray")
 
 
 def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
-    """Return the same study, and a count of the calls of each of its equations as it runs.
+    """Return the study with counters of the calls of each equation.
 
     The count is by the quantity that an equation gives; conditions count by their regime, in
     brackets.
@@ -156,8 +156,11 @@ def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
     calls: Counter[str] = Counter()
 
     def count(name: str, function: Any) -> Any:
+        """Return an equation's function that counts its calls."""
+
         @wraps(function)  # the signature tells what it needs
         def calling(**arguments: Any) -> Any:
+            """Call the equation's function and count the call."""
             calls[name] += 1
             return function(**arguments)
 
@@ -173,13 +176,13 @@ def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
 
 
 def _typical(scene: Scene, variant: str, *, ranged: bool) -> dict[str, Any]:
-    """Return typical values of the parameters of a scene; the middle ones, unless `ranged`."""
+    """Return typical parameter values of a scene, as ranges if `ranged`."""
     values = {n: TYPICAL[n] for n in scene_parameters(scene, variant) if n in TYPICAL}
     return values if ranged else {n: v[1] if isinstance(v, list) else v for n, v in values.items()}
 
 
 def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) -> dict[str, Any]:
-    """Return a study of one output with the parameters that it can use, and no others.
+    """Return a study of one output with exactly the parameters that it can use.
 
     Parameters
     ----------
@@ -209,7 +212,7 @@ def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) ->
 
 
 def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -> Footprint:
-    """Return the cost of the study of one output; `modules` starts a process to count them."""
+    """Return the cost of one output's study: equations, parameters, modules."""
     content = study_of(scene, variant, output)
     prepared, calls = counted(prepare_content(content))
     kinds.tabulate(prepared)  # kernels are loaded, or compiled, before memory counts
@@ -233,7 +236,7 @@ def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -
 
 
 def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the coordinates and contacts that the motion of a study carries; none if it has none.
+    """Return the coordinates and contacts that a study's motion simulates; none without motion.
 
     A part driven along the track only has nothing across; a block on a plane has no spin.
     """
@@ -252,7 +255,7 @@ def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...
 
 
 def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
-    """Return the number of modules that a study imports in a fresh process, and the heavy ones."""
+    """Return how many modules a study imports in a fresh process, and the large ones."""
     code = (
         "import json, sys; before = set(sys.modules)\n"
         "from core.intake import prepare_content\n"
@@ -270,13 +273,13 @@ def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
 
 
 def measured_output(scene: Scene, variant: str) -> str:
-    """Return the output of a variant that needs most parameters: the most that one may cost."""
+    """Return the output of a variant that needs most parameters."""
     outputs = [name for name in scene.outputs(variant) if name != "regime"]
     return max(outputs, key=lambda name: len(needed_parameters(scene, variant, name)))
 
 
 def footprints(*, modules: bool = True, watch: Watch | None = None) -> list[Footprint]:
-    """Return, for each scene and each kind of study, the cost of its dearest output and least.
+    """Return, per scene and kind of study, the cost of its most and its least expensive output.
 
     Modules are counted for the dearest, in a process of its own: the other imports no more. What is
     not begun when the watch stops it is left out.
@@ -307,7 +310,7 @@ def cheapest(scene: Scene, variant: str) -> str:
 
 
 def to_table(rows: Sequence[Footprint]) -> Table:
-    """Return the footprints as variables over the dimension `study`."""
+    """Return the costs as variables over the dimension `study`."""
     labels = {
         "kind": "Kind of study", "variant": "Variant or method", "output": "The only output",
         "equations": "Equations run", "of": "Equations of the variant", "calls": "Calls",
@@ -330,11 +333,12 @@ def to_table(rows: Sequence[Footprint]) -> Table:
 
 
 def _text(value: Any) -> str:
+    """Return a value as text."""
     return ", ".join(value) if isinstance(value, tuple) else str(value)
 
 
 def to_markdown(rows: Sequence[Footprint]) -> str:
-    """Return the footprints as Markdown: what the columns are, and a table."""
+    """Return the costs as Markdown: an explanation of columns, and a table."""
     about = (
         "What a study of one output takes, counted while it runs: for each scene the output that "
         "needs fewest parameters, and the one that needs most. Equations: those run, of those that "

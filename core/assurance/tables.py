@@ -18,7 +18,7 @@ FORMAT = "vibrafeed-outcomes-1"
 
 
 def number(value: float, tolerance: float, most: int = 15) -> str:
-    """Return a value with as many digits as its tolerance tells, and one more, or so at most."""
+    """Return a value with one digit more than its tolerance justifies, at most `most`."""
     if not math.isfinite(value):
         return "none"
     if value == 0:
@@ -30,23 +30,25 @@ def number(value: float, tolerance: float, most: int = 15) -> str:
 
 
 def expected(case: Case) -> str:
-    """Return the expected value, as its source writes it if that has few digits."""
+    """Return the expected value as text, as its source writes it if short."""
     said = case.digits or number(case.right.value, case.right.tolerance)
     return f"{RELATIONS[case.relation]}{said}"
 
 
 def verdict(outcome: Outcome) -> str:
-    """Return the verdict on a case in a word or two."""
+    """Return the verdict on a case in one or two words."""
     if outcome.passed:
         return "right" if outcome.judged else "not judged"
     return f"wrong: {outcome.note}" if outcome.note else "wrong"
 
 
 def _value(outcome: Outcome) -> str:
+    """Return the value of an outcome as text."""
     return number(outcome.value, outcome.case.right.tolerance)
 
 
 def _off(outcome: Outcome) -> str:
+    """Return the error of an outcome as text."""
     error = outcome.error
     if math.isnan(error):
         return ""
@@ -54,10 +56,12 @@ def _off(outcome: Outcome) -> str:
 
 
 def _unit(outcome: Outcome) -> str:
+    """Return the unit of an outcome; empty if dimensionless."""
     return "" if outcome.case.unit == "1" else outcome.case.unit
 
 
 def _two_digits(value: float) -> str:
+    """Return a number with two digits; empty for NaN."""
     return "" if math.isnan(value) else f"{value:.2g}"
 
 
@@ -91,16 +95,17 @@ FAMILY_COLUMNS = ("family", "problems", "right", "closest call", "found", "expec
 
 
 def rows(outcomes: Sequence[Outcome], columns: Columns = COLUMNS) -> list[tuple[str, ...]]:
-    """Return a row for each outcome."""
+    """Return a table row for each outcome."""
     return [tuple(cell(outcome) for cell in columns.values()) for outcome in outcomes]
 
 
 def family_rows(families: Sequence[Summary]) -> list[tuple[str, ...]]:
-    """Return a row of `FAMILY_COLUMNS` for each family."""
+    """Return a table row of `FAMILY_COLUMNS` for each family."""
     return [_family_row(summary) for summary in families]
 
 
 def _family_row(summary: Summary) -> tuple[str, ...]:
+    """Return the table row of a family: counts and the worst case."""
     name = f"{summary.family}: {FAMILIES[summary.family]}"
     counts = (name, f"{summary.judged:,}", f"{summary.passed:,}")
     if summary.worst is None:
@@ -111,7 +116,7 @@ def _family_row(summary: Summary) -> tuple[str, ...]:
 
 
 def sentence(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return a sentence with the number of problems that were right."""
+    """Return a sentence with the number of problems solved correctly."""
     judged = [outcome for outcome in outcomes if outcome.judged]
     failures = sum(not outcome.passed for outcome in judged)
     shown = len(outcomes) - len(judged)
@@ -141,6 +146,7 @@ def document(outcomes: Sequence[Outcome], program: str) -> dict[str, Any]:
 
 
 def _outcome(outcome: Outcome) -> Mapping[str, Any]:
+    """Return an outcome as plain values."""
     case = outcome.case
     return {
         "id": case.id, "family": case.family, "title": case.title, "source": case.right.source,
@@ -153,7 +159,7 @@ def _outcome(outcome: Outcome) -> Mapping[str, Any]:
 
 
 def markdown(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return outcomes as a page: families first, then every case."""
+    """Return outcomes as a Markdown page: families, then every case."""
     lines = ["# Validation", "", sentence(outcomes, program), ""]
     lines += [*markdown_table(FAMILY_COLUMNS, family_rows(summaries(outcomes))), ""]
     for family in dict.fromkeys(outcome.case.family for outcome in outcomes):
@@ -173,12 +179,15 @@ def hard_cases_table(outcomes: Sequence[Outcome]) -> Table:
     """Return outcomes of hard cases as variables over the dimension `case`."""
 
     def variable(values: Sequence[Any], kind: type, label: str, **more: Any) -> TableVariable:
+        """Return a variable over cases."""
         return TableVariable(("case",), np.array(values, kind), {"long_name": label, **more})
 
     def text(name: str, label: str) -> TableVariable:
+        """Return a text variable over cases."""
         return variable([getattr(outcome, name) for outcome in outcomes], object, label)
 
     def real(name: str, label: str, unit: str) -> TableVariable:
+        """Return a variable of reals over cases."""
         values = [getattr(outcome, name) for outcome in outcomes]
         return variable(values, np.float64, label, units=unit)
 
@@ -202,7 +211,7 @@ def hard_cases_table(outcomes: Sequence[Outcome]) -> Table:
 
 
 def hard_cases_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
-    """Return outcomes of hard cases as Markdown: the worst of each family first, then all.
+    """Return outcomes of hard cases as Markdown: the worst of each family, then all.
 
     `untried` is how many cases were left when it was stopped.
     """

@@ -25,12 +25,13 @@ Formula = Callable[..., Any]
 
 
 def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
-    """Return a function for the exact value of a formula, with an error of 8 kappa ulp.
+    """Return a function for a formula's exact value, with an error of 8 condition numbers in ulp.
 
     kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
     """
 
     def truth() -> Truth:
+        """Return the exact value with the error by rounding its inputs."""
         with mp.workdps(DIGITS):
             inputs = {name: mpf(value) for name, value in numbers.items()}
             value = formula(**inputs)
@@ -49,13 +50,14 @@ def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
 
 
 def exact_of_floats(formula: Formula, **values: float) -> Callable[[], Truth]:
-    """Return a function for the exact value of a formula, with an error of 8 ulp of the value.
+    """Return a function for a formula's value at exact floats, with an error of 8 ulp.
 
     For formulas whose inputs cancel without a rounding, so that their condition does not count: of
     two floats within a factor of 2 of each other the difference is exact (Sterbenz).
     """
 
     def truth() -> Truth:
+        """Return the value of the formula."""
         with mp.workdps(DIGITS):
             value = float(formula(**{name: mpf(number) for name, number in values.items()}))
         error = BAR * abs(value) * EPSILON + BAR * 5e-324
@@ -65,10 +67,12 @@ def exact_of_floats(formula: Formula, **values: float) -> Callable[[], Truth]:
 
 
 def _radians(degrees: Any) -> Any:
+    """Return an angle in radians."""
     return degrees * mp.pi / 180
 
 
 def _sin_cos(degrees: Any) -> tuple[Any, Any]:
+    """Return sine and cosine of an angle in degrees."""
     angle = _radians(degrees)
     return mp.sin(angle), mp.cos(angle)
 
@@ -158,5 +162,5 @@ def contact_acceleration(
 
 
 def hop_after_hop(*, frequency: Any, beta: Any, gamma: Any, gravity: Any) -> Any:
-    """Return the mean velocity of one hop a period that ends where the next begins, theory 13.8."""
+    """Return the mean velocity if each hop begins where the last one ended, one a period."""
     return gravity * mp.cos(_radians(beta + gamma)) / (2 * frequency * _sin_cos(beta)[0])

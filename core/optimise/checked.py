@@ -40,7 +40,7 @@ def checked(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> dict[str, NDArray[Any]]:
-    """Return every variable of the result, in the units of studies; arrays of shape (cells,)."""
+    """Return every variable of an optimisation's result in the units of studies, shape (cells,)."""
     problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
     cells = optima.status.shape
     lost: NDArray[np.bool_] = np.asarray(np.isnan(optima.x).any(axis=0))

@@ -72,7 +72,7 @@ def with_best_rest(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the answers with the best choice, too, where no choice moves the part forwards.
+    """Return the optima; where no choice moves the part forwards, the best such choice.
 
     Known answers look for forward motion only. Without any, nothing is better than a part that
     rests; where it slides back at every choice, a grid tells which one is the best, or that none

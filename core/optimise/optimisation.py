@@ -145,7 +145,7 @@ class Optimisation(Prepared):
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
-        """The axes along which the study may be carried out in pieces: a front is one whole."""
+        """The axes along which the study can be cut into pieces; a front stays whole."""
         return tuple(self.designs.axes)
 
     def within(self, box: Box) -> Optimisation:

@@ -198,7 +198,7 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
-    """Return the angles that the outputs depend on, as far as a study leaves them open."""
+    """Return the default bounds of angles that the outputs depend on and the study leaves free."""
     needed = behind(outputs, scene.producers(variant).get).keys()
     refused = {
         constraint.parameters[0]

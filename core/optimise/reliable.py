@@ -70,7 +70,7 @@ def _known(chance_error: Array) -> Array:
 
 
 def _best_of_cells(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:
-    """Return the places of the best points, no two in one cell of the grid of niches."""
+    """Return the indices of the best points, at most one in each cell of a coarse grid."""
     order = np.argsort(-value, kind="stable")
     _, first = np.unique(cells[:, order], axis=1, return_index=True)
     return order[np.sort(first)][:FOLLOWED]

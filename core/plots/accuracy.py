@@ -42,6 +42,7 @@ def draw_accuracy(dataset: xarray.Dataset, family: str, style: Style = LIGHT) ->
 
 
 def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
+    """Draw error against time per cell of closed forms, and errors in units of rounding."""
     figure, (left, right) = _sheet(style, 2)
     subjects, settings = _flag(points, "subject"), _flag(points, "setting")
     for number, subject in enumerate(dict.fromkeys(subjects)):
@@ -81,6 +82,7 @@ def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | 
 
 
 def _motion(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
+    """Draw error against time per cell of simulation methods, for sliding and hopping cells."""
     subjects, methods = _flag(points, "subject"), _flag(points, "method")
     panels = [s for s in ("sliding_cells", "hopping_cells") if s in subjects]
     if not panels:
@@ -123,6 +125,7 @@ def _motion(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
 
 
 def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
+    """Draw error of optimisers against time and evaluations."""
     figure, sheets = _sheet(style, 2)
     methods = _flag(points, "method")
     costs = (points["time_per_cell"].values * 1e3, points["evaluations"].values)
@@ -144,6 +147,7 @@ def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | No
 
 
 def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
+    """Draw error of storage formats against file size and writing time."""
     figure, sheets = _sheet(style, 2)
     methods = _flag(points, "method")
     costs = (points["bytes_per_value"].values, points["time_per_cell"].values * 1e9)
@@ -167,6 +171,7 @@ def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
 
 
 def _model(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
+    """Draw outputs of a sweep against the true mean velocity, coloured by regime."""
     if "cell_true_velocity" not in points:
         return None
     true = points["cell_true_velocity"].values
@@ -221,10 +226,12 @@ def _flags_of(variable: xarray.DataArray) -> tuple[NDArray[np.str_], list[str]]:
 
 
 def _flag(dataset: xarray.Dataset, name: str) -> NDArray[np.str_]:
+    """Return the words of a flag variable."""
     return _flags_of(dataset[name])[0]
 
 
 def _sheet(style: Style, panels: int) -> tuple[Figure, Sequence[Any]]:
+    """Return an empty figure with panels side by side."""
     figure = style.sheet(5.0 * max(panels, 1) + 1.0, 5.6)
     sheets = figure.subplots(1, panels, squeeze=False, sharey=False)[0]
     return figure, list(sheets)
@@ -240,7 +247,7 @@ def _line(
     marker: str = "o",
     floor: float = NOTHING,
 ) -> None:
-    """Draw a curve: a mark at each median, a stroke up to each largest error."""
+    """Draw a curve: a mark at each median error, a bar up to each largest error."""
     low = np.clip(np.where(np.isfinite(median), median, NOT_SOLVED), floor, NOT_SOLVED)
     high = np.clip(np.where(np.isfinite(largest), largest, NOT_SOLVED), floor, NOT_SOLVED)
     axes.vlines(cost, low, high, color=colour, lw=1.2)
@@ -258,6 +265,7 @@ def _finish(
     *,
     log_cost: bool = True,
 ) -> Figure:
+    """Add heading, labels and legend to a figure, and return it."""
     for axes in sheets:
         if axes.get_yscale() != "symlog":
             axes.set_yscale("log")
@@ -272,7 +280,7 @@ def _finish(
 
 
 def _tick(value: float, _: object = None) -> str:
-    """Return the label of a tick; the lowest stands for no error."""
+    """Return the label of a tick; the lowest one means no error."""
     if value <= NOTHING * 1.01:
         return "0" if value >= NOTHING * 0.99 else ""
     return f"$10^{{{round(np.log10(value))}}}$"

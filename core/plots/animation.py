@@ -42,7 +42,7 @@ Frame = NDArray[np.uint8]
 
 
 def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -> Iterator[Frame]:
-    """Draw one frame after the other.
+    """Yield the frames of an animation, drawn one after another.
 
     Parameters
     ----------
@@ -78,6 +78,7 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
     )  # fmt: skip
 
     def put(i: int) -> None:
+        """Move all artists to their positions in frame i."""
         time = 1000 * film.times[i]
         moving.put(i)
         clock.set_xdata([time, time])
@@ -90,7 +91,7 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
 def frames_of(
     figure: Figure, count: int, put: Callable[[int], None], artists: Sequence[tuple[Axes, Artist]]
 ) -> Iterator[Frame]:
-    """Yield so many frames: what stands still is drawn once, `put` moves the artists for each."""
+    """Yield frames: static artists are drawn once, `put` moves the others for each frame."""
     canvas: Any = figure.canvas
     canvas.draw()
     empty = canvas.copy_from_bbox(figure.bbox)
@@ -130,7 +131,7 @@ class _Moving:
             axes.add_artist(artist)
 
     def put(self, i: int) -> None:
-        """Put everything where it is in a frame."""
+        """Move the artists to their positions in frame i."""
         film = self._film
         along, up = film.track[:, i]
         left, right = self._ends
@@ -146,7 +147,7 @@ class _Moving:
 
 
 def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, float]:
-    """Set the limits of the view, to scale, and add a bar of a length; return sides and bottom."""
+    """Set the view to scale and add a scale bar; return left, right and bottom."""
     if film.pitch.any():
         reach = above = float(np.hypot(*film.outline).max())
     else:
@@ -176,7 +177,7 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
 
 
 def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
-    """Show what the part does when; return the line of the present time."""
+    """Draw the modes of the part over time; return the line that marks the present time."""
     for mode, start, stop in film.spells:
         axes.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
     first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]
@@ -188,16 +189,17 @@ def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
 
 
 def _colour(mode: str, style: Style) -> RGB | str:
+    """Return the colour of a mode, pale."""
     return mix(COLOURS[mode], style.ground, PALE) if mode in COLOURS else style.ground
 
 
 def _turned(outline: NDArray[np.float64], pitch: float) -> NDArray[np.float64]:
-    """Return an outline turned clockwise by an angle [rad]."""
+    """Return an outline rotated clockwise by an angle [rad]."""
     c, s = np.cos(pitch), np.sin(pitch)
     return np.array([[c, s], [-s, c]]) @ outline
 
 
 def _nice_below(value: float) -> float:
-    """Return the largest of 1, 2 and 5 times a power of ten that is not above a value."""
+    """Return the largest number of the form 1, 2 or 5 times a power of ten below a value."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step * power for step in NICE if step * power <= value * (1 + 1e-9)))

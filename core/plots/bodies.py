@@ -33,19 +33,20 @@ class Outline(NamedTuple):
 
 
 def is_pair(dataset: xarray.Dataset) -> bool:
-    """True of an impact of two bodies."""
+    """True if a dataset is the result of an impact of two bodies."""
     return {f"position_x_{body}" for body in BODIES} <= {str(name) for name in dataset.coords}
 
 
 def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:
-    """Return the axes across and up of each view: from above, and of bodies in space the side."""
+    """Return the axes (across, up) of each view: from above, and for bodies in space the side."""
     return ((0, 2), (0, 1)) if "position_z_1" in dataset.coords else ((0, 1),)
 
 
 def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[Outline, ...]:
-    """Return both bodies [mm, m/s]; `positions` are of ranged parameters, else middles."""
+    """Return both bodies [mm, m/s]; ranged parameters are taken at `positions`."""
 
     def value(name: str, body: int) -> float:
+        """Return a parameter of a body; 0 if it is not set."""
         array = dataset.coords.get(f"{name}_{body}")
         if array is None:
             return 0.0
@@ -55,6 +56,7 @@ def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[
         return float(array.values[positions.get(own, array.size // 2)])
 
     def vector(name: str, body: int) -> Array:
+        """Return a vector of a body from its components."""
         return np.array([value(f"{name}_{axis}", body) for axis in AXES])
 
     bodies = []
@@ -71,14 +73,14 @@ def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[
 
 
 def _rectangle(length: float, width: float, angle: float) -> Array:
-    """Return the corners of a rectangle about its centre, its length turned from x towards y."""
+    """Return the corners of a rectangle about its centre, turned from x towards y."""
     along = np.array([np.cos(angle), np.sin(angle), 0.0]) * length / 2
     across = np.array([-np.sin(angle), np.cos(angle), 0.0]) * width / 2
     return np.array([along + across, across - along, -along - across, along - across])
 
 
 def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) -> Array:
-    """Return points of both rims of a cylinder about its centre."""
+    """Return points on both rims of a cylinder about its centre."""
     axis = np.array(
         [
             np.cos(elevation) * np.cos(azimuth),
@@ -109,6 +111,7 @@ def convex_hull(points: Array) -> Array:
     """
 
     def chain(ordered: Array) -> list[Array]:
+        """Return the lower or upper half of the hull, from sorted points."""
         kept: list[Array] = []
         for point in ordered:
             while len(kept) > 1 and _turn(kept[-2], kept[-1], point) <= 0:
@@ -131,7 +134,7 @@ def _turn(start: Array, corner: Array, end: Array) -> float:
 def draw_bodies(
     axes: Axes, bodies: tuple[Outline, ...], view: tuple[int, int], style: Style
 ) -> None:
-    """Draw the outlines of both bodies, numbered, and arrows of their velocities."""
+    """Draw numbered outlines of both bodies, with arrows for their velocities."""
     seen = [body.points[:, view] for body in bodies]
     every = np.concatenate(seen)
     low, high = every.min(axis=0), every.max(axis=0)
@@ -164,7 +167,7 @@ def draw_bodies(
 
 
 def arrows_in_words(bodies: tuple[Outline, ...]) -> str:
-    """Return the text on the arrows of a sketch."""
+    """Return the explanation of the arrows in a sketch."""
     speeds = [float(np.linalg.norm(body.velocity)) for body in bodies]
     told = " and ".join(f"{number(speed, 3)}\N{NO-BREAK SPACE}m/s" for speed in speeds)
     return f"Arrows: velocities of bodies 1 and 2 before the impact, {told}"

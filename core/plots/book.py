@@ -29,7 +29,7 @@ def write_book(
     slopes: Sequence[float] = SLOPES,
     watch: Watch | None = None,
 ) -> str:
-    """Write the book; return in words how large it is.
+    """Write the book of charts; return its size in words.
 
     Two books of one version are equal to the byte: there is no date in them.
 

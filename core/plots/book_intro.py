@@ -55,13 +55,13 @@ class Example(NamedTuple):
 
     @property
     def throw(self) -> float:
-        """Throw number on a level track."""
+        """The throw number on a level track."""
         acceleration = self.amplitude * (2 * np.pi * self.frequency) ** 2
         return float(acceleration * np.sin(np.deg2rad(self.beta)) / STANDARD_GRAVITY)
 
     @property
     def readings(self) -> tuple[float, float]:
-        """The text on what the two charts show there."""
+        """The text on what both charts show for the example."""
         speed, share, _ = followed(
             self.friction, 0.0, np.array([self.beta]), np.array([self.throw])
         )
@@ -69,7 +69,7 @@ class Example(NamedTuple):
 
 
 def draw_introduction() -> Figure:
-    """Return the page that says how to read the others."""
+    """Return the page that explains how to read the charts."""
     figure = sheet()
     dashes = {
         "stick": "sparse dots", "stick_slip": "dashes", "slip": "dense dots",
@@ -92,6 +92,7 @@ def draw_introduction() -> Figure:
 
 
 def _draw_example(figure: Figure, chart: Chart, example: Example) -> None:
+    """Draw a chart with the lines by which the example is read."""
     speed, share = example.readings
     axes = figure.add_axes((0.62, 0.50, 0.34, 0.36))
     draw_curves(axes, chart, chart.speed)

@@ -81,7 +81,7 @@ class Chart:
 
     @classmethod
     def of(cls, friction: float, slope: float) -> Chart:
-        """Return the chart of a friction and an angle of the track, followed exactly."""
+        """Return the chart of a friction and a climb, computed exactly."""
         throw = np.linspace(0.0, LARGEST, STEPS + 1)[1:]
         aside = 1e-9
         breaks = [HOP, HOP + aside, HOP_AFTER_HOP - aside, HOP_AFTER_HOP + aside]
@@ -148,7 +148,7 @@ def draw_page(chart: Chart) -> Figure:
 
 
 def sheet() -> Figure:
-    """Return an empty sheet."""
+    """Return an empty page."""
     figure = LIGHT.sheet(WIDTH, HEIGHT)
     figure.set_layout_engine(None)
     return figure
@@ -157,7 +157,7 @@ def sheet() -> Figure:
 def draw_curves(
     axes: Axes, chart: Chart, values: Array, ends: tuple[float, float] = (0.0, LARGEST)
 ) -> None:
-    """Draw a curve for each angle of the drive between two throw numbers, in its regimes' lines."""
+    """Draw a curve for each drive angle between two throw numbers, dashed by regime."""
     seen = values[:, (chart.throw >= ends[0]) & (chart.throw <= ends[1])]
     finite = seen[np.isfinite(seen)]
     least, largest = min(0.0, float(finite.min())), max(0.0, float(finite.max()))
@@ -189,7 +189,7 @@ def draw_curves(
 
 
 def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, str]]:
-    """Return start, stop and name of the stretches of one regime; each meets the next one."""
+    """Return start, stop and name of each stretch of one regime; each touches the next."""
     names = {REGIMES[name].value: name for name in LINES}
     ends = [0, *(np.flatnonzero(np.diff(regime)) + 1).tolist(), regime.size]
     stretches = []
@@ -201,14 +201,14 @@ def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, s
 
 
 def _marked(chart: Chart, values: Array, k: int) -> list[int]:
-    """Return the positions of a curve's marks: apart from those of others, where the part moves."""
+    """Return positions for a curve's marks, apart from those of other curves."""
     places = np.arange(0.15 + 0.035 * k, LARGEST, 0.35)
     at = [int(np.argmin(np.abs(chart.throw - place))) for place in places]
     return [one for one in at if np.abs(chart.coefficient[k][one]) > SMALLEST]
 
 
 def name_bands(axes: Axes) -> None:
-    """Write above the axes what the part does between the lines across."""
+    """Write the kinds of motion above the bands of throw numbers."""
     least, largest = axes.get_xlim()
     for start, end, _, name in BANDS:
         if start >= largest or end <= least:
@@ -220,7 +220,7 @@ def name_bands(axes: Axes) -> None:
 
 
 def _legends(figure: Figure, chart: Chart) -> None:
-    """Add what tells the curves and the lines, and what a drive must do to move the part."""
+    """Add the legends of curves and lines, and the conditions for motion."""
     curves: list[Artist] = [
         Line2D([], [], color=colour, marker=marker, markersize=5, label=f"{number(beta)}°",
                markeredgecolor=LIGHT.ground, markeredgewidth=0.5, linewidth=1.2)
@@ -245,7 +245,7 @@ def _legends(figure: Figure, chart: Chart) -> None:
 
 
 def line_entries() -> list[Artist]:
-    """Return the entries that tell which line is which motion."""
+    """Return the legend entries that explain the line styles."""
     return [
         Line2D([], [], color=LIGHT.ink, linestyle=style, linewidth=width, label=label)
         for style, width, label in LINES.values()
@@ -253,7 +253,7 @@ def line_entries() -> list[Artist]:
 
 
 def _facts(chart: Chart) -> list[str]:
-    """Return the throw number at which each curve leaves rest, and the best share of the speed."""
+    """Return the throw number at which each curve leaves rest, and the best speed share."""
     lines = ["   β  moves    best share", "      from Γ   of the drive"]
     for k, beta in enumerate(BETAS):
         share = chart.coefficient[k]

@@ -31,12 +31,12 @@ SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of a calibration, for its posterior."""
+    """True if a dataset is a calibration, which is drawn as its posterior."""
     return options.kind == "posterior" and is_calibration(dataset)
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return a picture of a calibration: posterior, speeds or residuals.
+    """Return the picture of a calibration: posterior, speeds or residuals.
 
     Raises
     ------
@@ -56,6 +56,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def _draw_posterior(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
+    """Draw the posterior: densities of each unknown and of pairs."""
     names = str(dataset.attrs["unknowns"]).split()
     count = len(names)
     figure = style.sheet(*SIDE[count])
@@ -99,6 +100,7 @@ def _draw_posterior(
 def _draw_marginal(
     panel: Axes, dataset: xarray.Dataset, name: str, x: Array, factor: float, style: Style
 ) -> None:
+    """Draw the density of one unknown with its intervals and modes."""
     density = np.asarray(dataset[f"density_{name}"].values, dtype=np.float64)
     panel.plot(x, density, color=style.curve, lw=style.width(1.8))
     for share, depth in zip((95, 68), (PALE, DEEP), strict=True):
@@ -114,7 +116,7 @@ def _draw_marginal(
 
 
 def _draw_pair(panel: Axes, x: Array, y: Array, density: Array, style: Style) -> None:
-    """Fill the areas of highest density that hold 95 and 68 %; rows of density go with y."""
+    """Fill the regions of highest density that hold 95 and 68 % of two unknowns."""
     ordered = np.sort(density.ravel())[::-1]
     below = np.cumsum(ordered) / ordered.sum()
     levels = [float(ordered[min(np.searchsorted(below, s), below.size - 1)]) for s in SHARES]
@@ -133,6 +135,7 @@ def _draw_modes(
     shown: Sequence[object],
     style: Style,
 ) -> None:
+    """Mark the modes of two unknowns."""
     values = [
         np.atleast_1d(dataset[f"mode_{name}"].values) * one.factor  # type: ignore[attr-defined]
         for name, one in zip(names, shown, strict=True)
@@ -141,7 +144,7 @@ def _draw_modes(
 
 
 def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
-    """Return the density of two unknowns, rows along the one that goes upwards."""
+    """Return the density of two unknowns, rows along the vertical one."""
     for name in (f"density_{across}_{below}", f"density_{below}_{across}"):
         if name in dataset:
             return np.asarray(dataset[name].transpose(below, across).values, dtype=np.float64)
@@ -150,6 +153,7 @@ def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
 
 
 def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
+    """Return the 95 % interval of an unknown in words."""
     ends = [dataset[f"{end}_95_{name}"] for end in ("lower", "upper")]
     shown = shown_in(xarray.concat(ends, "end", combine_attrs="override"), units)
     low, high = (number(float(end) * shown.factor, 3) for end in ends)
@@ -160,6 +164,7 @@ def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
 def _draw_speeds(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
+    """Draw predicted against measured values of the runs."""
     measured, factor, unit = _measured(dataset, units)
     figure = style.sheet()
     axes = figure.add_subplot()
@@ -199,6 +204,7 @@ def _draw_speeds(
 def _draw_residuals(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
+    """Draw the residuals of the runs."""
     measured, factor, unit = _measured(dataset, units)
     figure = style.sheet()
     axes = figure.add_subplot()
@@ -237,7 +243,10 @@ def _draw_residuals(
 
 
 def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float, str]:
-    """Return the measured values as a person reads them; `PlotError` if only regimes were seen."""
+    """Return the measured values in shown units.
+
+    Raise `PlotError` if only regimes were observed.
+    """
     array = dataset[str(dataset.attrs["output"])]
     if not np.isfinite(array.values).any():
         fix = "Draw the posterior"
@@ -247,7 +256,7 @@ def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float,
 
 
 def _whole_error(dataset: xarray.Dataset) -> Array:
-    """Return the standard deviation of each run: its error, its spread and the discrepancy."""
+    """Return the standard deviation of each run: error, spread and discrepancy combined."""
     parts = (dataset["error"], dataset["predicted_spread"], dataset["discrepancy"])
     squares = [
         np.square(np.nan_to_num(np.asarray(part.values, dtype=np.float64))) for part in parts
@@ -257,6 +266,7 @@ def _whole_error(dataset: xarray.Dataset) -> Array:
 
 
 def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
+    """Return the rms of the residuals and the discrepancy in words."""
     residual = np.asarray(dataset["residual"].values) * factor
     rms = float(np.sqrt(np.nanmean(np.square(residual))))
     facts = [f"residuals {with_unit(number(rms, 3), unit)} rms"]
@@ -267,6 +277,7 @@ def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
 
 
 def _number(axes: Axes, x: Array, y: Array, known: NDArray[np.bool_], style: Style) -> None:
+    """Write the number of each run beside its point, if they are few."""
     if known.sum() > MAX_NUMBERED:
         return
     for k in np.flatnonzero(known):

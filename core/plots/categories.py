@@ -25,7 +25,7 @@ PALE = "#f2f2f2"
 
 
 def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
-    """Return the words of the numbers that an output has, None if they are values.
+    """Return the names of an output's numbers; None if they are plain values.
 
     What is not finite is `NO_VALUE`.
     """
@@ -54,7 +54,7 @@ def codes_of(values: NDArray[np.generic]) -> NDArray[np.int64]:
 
 
 def looks_of_categories(named: Mapping[int, str], style: Style) -> list[Look]:
-    """Return the looks of categories, ascending; those that have no value are pale."""
+    """Return colours and names of categories, ascending; those without a value are pale."""
     looks = []
     for value, name in named.items():
         paint = PALE if value == NO_VALUE else FILLS[COLOURS[value % len(COLOURS)]]

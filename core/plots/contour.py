@@ -33,7 +33,7 @@ Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 def draw_contour(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the contours; return the axes and the legend's entries."""
+    """Draw an output as contours; return axes and legend entries."""
     axes = figure.add_subplot()
     across, up = selection.axes
     columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
@@ -67,7 +67,7 @@ def draw_contour(
 
 
 def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, style: Style) -> None:
-    """Add contour lines with labels, which give way to whatever stands there."""
+    """Add contour lines with labels that avoid other texts."""
     inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
     if not inner.size:
         return
@@ -85,7 +85,7 @@ def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, sty
 def _mark_level(
     axes: Axes, x: Array, y: Array, values: Masked, selection: Selection, style: Style
 ) -> None:
-    """Draw the line of the value at which something begins, and say what."""
+    """Draw the line of a threshold value, and name it."""
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     if not values.min() < level < values.max():
         return

@@ -31,7 +31,7 @@ def draw(
     dark: bool = False,
     small: bool = False,
 ) -> Figure:
-    """Return the picture of an output with the regime shaded, of the regimes, or of one motion.
+    """Return the picture of an output with regimes shaded, of the regimes, or of one motion.
 
     Parameters
     ----------

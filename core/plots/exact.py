@@ -8,7 +8,7 @@ from core.scenes import EXACT, SCENES
 
 
 def is_exact(dataset: xarray.Dataset, output: str) -> bool:
-    """True if no condition of a scene makes the values of an output doubtful."""
+    """True if no condition of a scene restricts the validity of an output."""
     if output in EXACT:
         return True
     name, variant = str(dataset.attrs.get("scene")), str(dataset.attrs.get("variant"))

@@ -37,7 +37,7 @@ def draw_file(
     slow: float | None = None,
     **look: Any,
 ) -> None:
-    """Draw a NetCDF file that `vibrafeed run` wrote, or several in one picture; see `draw`.
+    """Draw one or several result files of `vibrafeed run` and save the picture.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def _animate_file(
     slow: float | None,
     look: Mapping[str, Any],
 ) -> None:
-    """Write the animation of a file's course."""
+    """Save the animation of a file's trajectory."""
     # Here, since it loads what draws bodies, and the whole of motion.
     from core.plots.movie import animate
 
@@ -106,14 +106,14 @@ def _animate_file(
 
 
 def check_format(target: Path) -> None:
-    """Raise `PlotError` if pictures are not written in the format of a file's name."""
+    """Raise `PlotError` if pictures cannot be saved in the format of a file name."""
     if target.suffix.lower() not in FORMATS:
         message = f"'{target.suffix}': unknown picture format"
         raise PlotError("output", message, "End the name in .png, .svg or .pdf")
 
 
 def save(figure: Figure, target: Path) -> None:
-    """Write a figure as PNG, SVG or PDF, by the suffix of its name; all of it or nothing."""
+    """Save a figure as PNG, SVG or PDF, by the suffix; the file appears only when complete."""
     name = FORMATS[target.suffix.lower()]
     picture = io.BytesIO()
     figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])
@@ -122,7 +122,7 @@ def save(figure: Figure, target: Path) -> None:
 
 
 def read(file: str | PathLike[str]) -> xarray.Dataset:
-    """Return the dataset in a result's file.
+    """Return the dataset in a result file.
 
     Raises
     ------

@@ -84,7 +84,7 @@ class Film:
 
 
 def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = None) -> Film:
-    """Return the frames of the course that a dataset holds.
+    """Return the frames of the trajectory in a dataset.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
 
 
 def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the film of a part on a track, over as many cycles as let it travel."""
+    """Return the frames of a part on a track, over enough cycles for it to travel."""
     known = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
@@ -134,6 +134,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     within += time[0]
 
     def then(values: Array) -> Array:
+        """Return values at the times of the frames, in shown units."""
         return np.asarray(shown.factor * np.interp(within, time, values))
 
     gap, notes = then(height), [f"part not to scale ({_stands_for(dataset, units)})"]
@@ -173,7 +174,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 
 
 def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the film of a part that tumbles, until shortly after it rests."""
+    """Return the frames of a tumbling part, until shortly after it rests."""
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
     along, upward, pitch = (
@@ -198,6 +199,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
 
     def then(values: Array) -> Array:
+        """Return values at the times of the frames."""
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
     corners = np.nan_to_num(values_of(dataset["path_corners"]))
@@ -224,20 +226,20 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 
 
 def _now(time: Array, moments: Array) -> list[int]:
-    """Return the place of the last time that is not after each moment."""
+    """Return the index of the last time that is not after each moment."""
     places = np.searchsorted(time, moments, side="right") - 1
     return [max(0, int(place)) for place in places]
 
 
 def _spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
-    """Return each run of equal modes with its times; borders lie halfway between two times."""
+    """Return the intervals of equal mode, with borders half-way between two times."""
     edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
     starts = [0, *(i for i in range(1, len(modes)) if modes[i] != modes[i - 1]), len(modes)]
     return [(modes[i], float(edges[i]), float(edges[j])) for i, j in pairwise(starts)]
 
 
 def _outline(dataset: xarray.Dataset) -> Array:
-    """Return the outline of a tumbling part, seen from the side [m]."""
+    """Return the outline of a tumbling part seen from the side [m]."""
     size = {
         name: float(dataset[name]) for name in ("length", "height", "diameter") if name in dataset
     }
@@ -253,12 +255,13 @@ def _outline(dataset: xarray.Dataset) -> Array:
 
 
 def _box(half_length: float, half_height: float) -> Array:
+    """Return the corners of a box."""
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
     return corners.T * np.array([[half_length], [half_height]])
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return the number of times that a trajectory is shown; 1 if it does not repeat."""
+    """Return how often a trajectory is repeated; 1 if the motion does not repeat."""
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
     closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
     closed = all(
@@ -272,7 +275,7 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
 
 
 def frames_in(seconds: float) -> int:
-    """Return the number of frames in a time."""
+    """Return the number of frames in a time [s]."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
         message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
@@ -281,19 +284,19 @@ def frames_in(seconds: float) -> int:
 
 
 def _exaggeration(gap: float, height: float) -> float:
-    """Return by how much a gap is drawn larger so that it is seen beside the part's height."""
+    """Return the factor by which a gap is enlarged to be visible beside the part's height."""
     return nice(GAP_SEEN * height / gap) if 0 < gap < GAP_SEEN * height else 1.0
 
 
 def nice(value: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, next to a value by its ratio."""
+    """Return the number of the form 1, 2 or 5 times a power of ten nearest to a value."""
     power = 10.0 ** np.floor(np.log10(value))
     choices = [step * power for step in (*NICE, 10.0)]
     return float(min(choices, key=lambda choice: abs(np.log(choice / value))))
 
 
 def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
-    """Return the text on the shape that stands for the part."""
+    """Return the explanation of the drawn shape of the part."""
     if "length" not in dataset or dataset["length"].ndim:
         return "no size in the model"
     shown: Shown = shown_in(dataset["length"], units)

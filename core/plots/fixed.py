@@ -15,7 +15,7 @@ from core.suggestions import suggestion
 
 
 def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
-    """Return a user's numbers, or texts with units, each in its quantity's unit.
+    """Return numbers, or texts with units, in the units of their quantities.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def fixed_positions(
     *,
     nearest: bool = False,
 ) -> dict[str, int]:
-    """Return the position of each loose dimension: as asked in `at`, else in the middle.
+    """Return the index of each remaining dimension: as asked in `at`, else the middle.
 
     A value that the dataset does not have stands for the `nearest` one where that is asked for.
 
@@ -66,6 +66,7 @@ def fixed_positions(
 
 
 def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> int:
+    """Return the index of a value on a coordinate; raise `PlotError` if it is not there."""
     values = np.atleast_1d(np.asarray(coordinate.values, dtype=np.float64))
     if nearest and np.isfinite(value):
         return int(np.abs(values - value).argmin())
@@ -76,4 +77,5 @@ def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> i
 
 
 def _axis_name(name: object) -> str:
+    """Return the path of a value in `at`."""
     return f"at.{name}"

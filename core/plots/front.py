@@ -20,12 +20,12 @@ from core.study.shown import ShownUnits
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of a dataset that holds a front, if no axes of it are asked for."""
+    """True if a dataset holds a trade-off front and no axes are named."""
     return not options.axes and "knee" in dataset
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a trade-off: both outputs along the front, with its knee.
+    """Return the picture of a trade-off front: both outputs, with the knee.
 
     Of a dataset with several designs up to seven fronts are drawn, evenly taken.
 
@@ -83,6 +83,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def _value(array: xarray.DataArray, units: ShownUnits) -> str:
+    """Return name and value of a variable with its unit."""
     shown = shown_in(array, units)
     value = number(float(scaled(array, shown.factor)), 4)
     return f"{name_in_words(str(array.name))} {with_unit(value, shown.unit)}"

@@ -33,7 +33,7 @@ def finish(
     entries: Sequence[Artist] = (),
     note: str = "",
 ) -> Figure:
-    """Add name, facts in a line, their source in another, and the legend; return the figure.
+    """Add title, facts, source and legend to a figure, and return it.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def finish(
 
 
 def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
-    """Return the source of values: the title of their study, and its scene.
+    """Return the source of the values: title and scene of their study.
 
     What is `shown` already, such as a criterion, is left out of the title.
     """
@@ -88,7 +88,7 @@ def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -
 
 
 def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> str:
-    """Return the facts that find room in a line, and how many more there are."""
+    """Return as many facts as fit a line, and the number of the others."""
     for count in range(len(facts), 0, -1):
         left = len(facts) - count
         more = [f"{left}\N{NO-BREAK SPACE}more"] if left else []
@@ -99,7 +99,7 @@ def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> 
 
 
 def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "normal") -> str:
-    """Return a text, without its last words where it is too wide."""
+    """Return a text shortened to a width by leaving out its last words."""
     parts = text.split(" ")
     for count in range(len(parts), 0, -1):
         shown = " ".join(parts[:count])
@@ -110,7 +110,7 @@ def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "no
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> None:
-    """Add the name of the picture, in two lines where one is too short."""
+    """Add the title of the picture, in two lines if one is too short."""
     size, width = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
@@ -124,6 +124,7 @@ def _add_name(figure: Figure, name: str, style: Style) -> None:
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
+    """Add the legend below the axes."""
     if not entries:
         return
     size = style.text(LEGEND)

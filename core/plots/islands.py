@@ -11,7 +11,7 @@ SPECK = 0.005  # of the plane: where there are more, the border of a smaller one
 
 
 def without_specks(regimes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return regimes with specks, if there are many islands, given to the nearest larger island.
+    """Return regimes with tiny islands, if there are many, merged into larger neighbours.
 
     For borders and labels only: fills and shares show every cell.
     """

@@ -76,7 +76,7 @@ class Landscape(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of one design whose study has a variable or two, if no output of it is asked for."""
+    """True if a dataset is one optimised design with one or two variables."""
     asked = (options.variable, options.axes) != (None, None)
     if asked or not is_optimum(dataset) or dataset["optimum_status"].size > 1:
         return False
@@ -84,7 +84,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of the objective over one variable or two, with optimum and limits.
+    """Return the picture of the objective over one or two variables, with optimum and limits.
 
     Ranged parameters are held at `options.at`, at their middle values if left out.
 
@@ -116,7 +116,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def design_positions(
     dataset: xarray.Dataset, prepared: Optimisation, options: Options
 ) -> dict[str, int]:
-    """Return the position at which each ranged parameter is held.
+    """Return the index at which each ranged parameter is fixed.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def design_positions(
 def held_of(
     dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[str]:
-    """Return the criterion, and the values that are held."""
+    """Return the criterion and the fixed values in words."""
     held = [held_at(dataset[name], units, position) for name, position in positions.items()]
     return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
 
@@ -146,7 +146,7 @@ def name_of(problem: OptimisationProblem) -> str:
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:
-    """Return a constraint in words: of an output and its bound, or the name of a contact."""
+    """Return a constraint in words: output and bound, or the name of a contact."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
     shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))
@@ -161,7 +161,7 @@ def _computed(
     positions: Mapping[str, int],
     units: ShownUnits,
 ) -> Landscape:
-    """Return the objective of the design at a place, on a grid of the variables.
+    """Return the objective of the design on a grid of its variables.
 
     Under uncertain parameters it is the worst case, mean or quantile that the optimiser looked at.
     """
@@ -173,7 +173,7 @@ def _computed(
 def curves_of(
     dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[Landscape]:
-    """Return the objective along each variable, the others held at the optimum.
+    """Return the objective along each variable, the others fixed at the optimum.
 
     Where there is none, or a front of them, they are held in the middle of their bounds.
     """
@@ -192,6 +192,7 @@ def curves_of(
 
 
 def _sides(problem: OptimisationProblem, count: int) -> list[Array]:
+    """Return evenly spaced values between the bounds of each variable."""
     return [
         np.linspace(low, high, count)
         for low, high in zip(problem.lower, problem.upper, strict=True)
@@ -206,13 +207,14 @@ def _over(
     names: tuple[str, ...],
     grid: Array,
 ) -> Landscape:
-    """Return the objective at the points of a grid of all variables, over those that are named."""
+    """Return the objective on a grid of all variables, over the named ones."""
     problem = prepared.problem
     flat = np.ravel_multi_index(tuple(positions.values()), tuple(prepared.designs.shape.values()))
     cell = int(flat) if positions else 0
     design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
 
     def over(values: Array) -> Array:
+        """Return values in the shape of the grid."""
         return np.array(np.broadcast_to(values, grid.shape[1:]))
 
     best = dataset.isel({str(name): position for name, position in positions.items()})
@@ -244,13 +246,13 @@ def _over(
 
 
 def _excluding(margin: Array) -> Array:
-    """A margin that excludes the points without a value, as the search does."""
+    """Return a margin that is negative at points without a value."""
     finite = margin[np.isfinite(margin)]
     return np.nan_to_num(margin, nan=min(float(finite.min(initial=0.0)), -np.finfo(float).eps))
 
 
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw the objective over two variables; return the legend's entries."""
+    """Draw the objective over two variables; return the legend entries."""
     (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
     # The scale is that of what may be chosen: what is excluded may be far larger.
     allowed = np.ones(shown.value.shape, dtype=bool)
@@ -299,7 +301,7 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw the objective over one variable; return the legend's entries."""
+    """Draw the objective over one variable; return the legend entries."""
     (x,), value = shown.variables, shown.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
     entries: list[Artist] = []
@@ -327,7 +329,7 @@ def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> list[Artist]:
-    """Veil what constraints exclude, and draw the edge of each; `face` is a colour beneath."""
+    """Shade what constraints exclude, and draw the border of each."""
     (y, x), entries = shown.variables, list[Artist]()
     colours = (style.series[1], style.series[2], style.series[3], style.series[5])
     excluded = False
@@ -349,13 +351,13 @@ def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> lis
 
 
 def _star(axes: Axes, x: Array, y: Array, style: Style) -> Artist:
-    """Mark the optimum; return its entry in the legend."""
+    """Mark the optimum; return its legend entry."""
     look = {"marker": "*", "color": style.accent, "mec": style.ground, "ls": ""}
     axes.plot(x, y, ms=style.width(17), clip_on=False, zorder=6, **look)  # type: ignore[arg-type]
     return Line2D([], [], ms=style.width(12), label="optimum", **look)  # type: ignore[arg-type]
 
 
 def _array(name: str, values: Array) -> xarray.DataArray:
-    """Return values of a quantity with its attributes."""
+    """Return values of a quantity as an array with attributes."""
     dims = [f"axis_{k}" for k in range(values.ndim)]
     return xarray.DataArray(values, dims=dims, name=name, attrs=quantity_attributes(name))

@@ -29,7 +29,7 @@ def draw_lane(
     dataset: xarray.Dataset, units: ShownUnits, style: Style, dots: int, *,
     slow: float | None = None, title: str | None = None,
 ) -> Iterator[Frame]:  # fmt: skip
-    """Draw one frame of a row after the other; parts that touch are filled.
+    """Yield the frames of a row of parts; touching parts are filled.
 
     Raises
     ------
@@ -91,6 +91,7 @@ def draw_lane(
     )  # fmt: skip
 
     def put(i: int) -> None:
+        """Move the parts and the track to their positions in frame i."""
         x = np.stack([marks + swing[i]] * 2 + [np.full(MARKS, np.nan)], axis=1).ravel()
         track.set_data(x, np.tile([0.0, 1.0, np.nan], MARKS))
         closed = row.closed[:, nearest[i]]

@@ -37,7 +37,7 @@ FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 def draw_levels(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the lines; return the axes and the legend's entries.
+    """Draw level lines of an output; return axes and legend entries.
 
     Values above zero have solid lines, those below dashed ones in another colour: a part that
     travels backwards is told from one that travels forwards without colours too.
@@ -78,7 +78,7 @@ def _hatch_below(
     values: NDArray[np.float64],
     style: Style,
 ) -> bool:
-    """Hatch what lies below zero; return whether something does."""
+    """Hatch the area below zero; return True if there is any."""
     negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
     if not negative.any():
         return False
@@ -93,6 +93,7 @@ def _hatch_below(
 
 
 def _below_entry(label: str, style: Style) -> Artist:
+    """Return the legend entry of the hatched area."""
     entry = Patch(facecolor="none", edgecolor=style.accent, hatch=HATCH, label=label)
     entry.set_hatch_linewidth(HATCH_WIDTH)
     return entry
@@ -105,7 +106,7 @@ def _add_lines(
     values: NDArray[np.float64],
     style: Style,
 ) -> set[int]:
-    """Add the lines with their numbers; return the signs that occur."""
+    """Add level lines with numbers; return the signs that occur."""
     ends = value_range(values)
     if ends is None:
         return set()
@@ -137,7 +138,7 @@ def _add_lines(
 
 
 def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
-    """Return the entries of the legend for the lines."""
+    """Return the legend entries of the level lines."""
     said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
         1: (what, style.ink, FORWARD, "solid"),
         0: ("zero", style.ink, ZERO, "solid"),

@@ -38,7 +38,7 @@ Colour = tuple[float, float, float] | str
 def draw_line(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the lines; return the axes and the legend's entries for the regimes."""
+    """Draw curves of an output; return axes and the legend entries of regimes."""
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, MAX_CURVES) if len(selection.axes) > 1 else [0]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
@@ -78,7 +78,7 @@ def _draw_regimes(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
-    """Draw what tells the regimes; return axes, legend, and whether curves need not tell them.
+    """Draw the regimes of curves; return axes, legend, and whether curves need not show them.
 
     Curves of the same regimes stand on coloured grounds. Where the strokes of a curve cannot tell
     all regimes apart, a strip below the curves does.
@@ -112,7 +112,7 @@ def _draw_categories(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output that has words as a strip, or as one for each value of the second axis."""
+    """Draw an output with named values as a strip, one for each value of the second axis."""
     axes = figure.add_subplot()
     across = selection.axes[0]
     if across.is_log:
@@ -130,12 +130,13 @@ def _draw_categories(
 
 
 def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> list[str]:
+    """Return the values of the second axis with units."""
     second = selection.axes[1]
     return [with_unit(number(value, 4), second.unit) for value in second.values[chosen]]
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
-    """Draw the value at which something begins, and say what, where it is in sight."""
+    """Draw a threshold value with its meaning, if it is in the visible range."""
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
@@ -156,7 +157,7 @@ def _add_bands(
     colours: list[Colour],
     style: Style,
 ) -> Artist:
-    """Add a light band about each curve; return the legend's entry."""
+    """Add a light band around each curve; return its legend entry."""
     for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
         if width.any():
             axes.fill_between(
@@ -173,7 +174,7 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
-    """Show the regimes, or the categories, of each curve in a strip."""
+    """Draw the regimes, or categories, of each curve as strips."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     for row, states in enumerate(regimes.T):
@@ -192,13 +193,13 @@ def _add_strips(
 
 
 def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
-    """Return value, first position and end of each run of equal states."""
+    """Return value, first index and end of each run of equal values."""
     changes = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), states.size]
     return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
 
 
 def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple[float, ...]]:
-    """Return width and dashes of a curve in a regime; backgrounds, if any, name the regime."""
+    """Return width and dashes of a curve in a regime."""
     if look.valid:
         return PLAIN[-1] if alike else look.width, ()
     rank = 0 if alike else [other for other in looks if not other.valid].index(look)
@@ -206,10 +207,12 @@ def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple
 
 
 def _draw_style(dashes: tuple[float, ...]) -> Dashes:
+    """Return the line style of dashes."""
     return (0.0, dashes) if dashes else "solid"
 
 
 def _handle(look: Look, looks: Sequence[Look], style: Style) -> Line2D:
+    """Return the legend entry of a regime."""
     width, dashes = _style(look, looks, alike=False)
     return Line2D(
         [], [], color=style.ink, linewidth=width, linestyle=_draw_style(dashes), label=look.label
@@ -225,7 +228,7 @@ def _part(
     style: tuple[float, tuple[float, ...]],
     colour: Colour,
 ) -> None:
-    """Draw a curve where it is in one regime, up to the first point of the next."""
+    """Draw a curve where it is in one regime, up to the next regime's first point."""
     here = states == look.value
     if not here.any():
         return
@@ -251,7 +254,7 @@ def _mark_edges(
     looks: Sequence[Look],
     style: Style,
 ) -> None:
-    """Put a dot where a curve leaves what the closed forms describe."""
+    """Mark the points where a curve leaves the validity of closed forms."""
     valid = np.isin(states, [look.value for look in looks if look.valid])
     last = np.flatnonzero(valid[:-1] != valid[1:])
     last = np.where(valid[last], last, last + 1)
@@ -261,7 +264,7 @@ def _mark_edges(
 def _spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
-    """Colour the background by regime; borders lie halfway between two points."""
+    """Colour the background by regime, with borders half-way between two points."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     runs = _runs(states)
@@ -283,6 +286,7 @@ def _spans(
 def _name_curves(
     figure: FigureBase, selection: Selection, values: NDArray[np.float64], colours: list[Colour]
 ) -> None:
+    """Add the legend of curves by the value of the second axis."""
     second = selection.axes[1]
     handles = [
         Line2D([], [], color=colour, linewidth=1.8, label=with_unit(number(value, 4), second.unit))
@@ -299,6 +303,7 @@ def _name_curves(
 
 
 def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Style) -> None:
+    """Set the limits of both axes, and draw a line at zero."""
     axes.set_xlim(across.values[0], across.values[-1])
     ends = value_range(values)
     if ends is None:

@@ -9,11 +9,11 @@ from matplotlib.text import Text
 
 
 def heading_of(figure: Figure) -> Text | None:
-    """Return the heading above all axes, which `Figure.suptitle` writes; None without one."""
+    """Return the title of a figure; None if it has none."""
     heading: Text | None = figure._suptitle  # type: ignore[attr-defined]
     return heading
 
 
 def colour_grid(axis: Any, colour: tuple[float, float, float] | str) -> None:
-    """Give the grid behind an axis of a picture in space a colour."""
+    """Set the colour of the grid behind an axis of a 3D picture."""
     axis._axinfo["grid"]["color"] = colour

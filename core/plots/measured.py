@@ -22,7 +22,7 @@ MICRO = 1e6
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
-    """Return the picture of a fit, a figure with a canvas of its own.
+    """Return the picture of a fit of a measured drive.
 
     Left the samples of one period with the fitted drive, an axis below the other, and what is left
     over; right the spectrum, in which dots mark what has been fitted, and the path of the track.
@@ -46,7 +46,7 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
-    """Return the facts of the fit, and its residual."""
+    """Return the facts of a fit: frequency, periods, residual."""
     frequency = f"{fit.frequency:.8g} Hz"
     if fit.frequency_error > EXACT * fit.frequency:
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
@@ -62,11 +62,12 @@ def _facts(fit: Fit) -> tuple[list[str], str]:
 
 
 def _percent(shares: Array) -> str:
+    """Return the root of summed squares of shares, in per cent."""
     return f"{100 * np.linalg.norm(shares):.2g} %"
 
 
 def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
-    """Draw the samples of each axis over one period, the fit, and the residual below."""
+    """Draw samples and fit over one period, with the residual below."""
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
@@ -97,7 +98,7 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw amplitudes of acceleration over frequency, and what has been fitted."""
+    """Draw the spectrum of the acceleration, and the fitted harmonics."""
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
@@ -135,7 +136,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the path of the track seen from its side; displacements over time without two axes."""
+    """Draw the path of the track from the side; displacements over time if two axes are missing."""
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
     moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:

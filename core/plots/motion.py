@@ -20,13 +20,13 @@ TIMES = 400
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of one simulated part, and of a motion over a cycle, if no output is asked for."""
+    """True if a dataset is one simulated part, or a motion over a cycle."""
     asked = (options.variable, options.axes) != (None, None)
     return not asked and (TIME in dataset.dims or followed(dataset) is not None)
 
 
 def followed(dataset: xarray.Dataset) -> Prepared | None:
-    """Return the simulation of the one part of a dataset, with its motion over a cycle.
+    """Return the simulation of a dataset's part with its trajectory over a cycle.
 
     None where there are several parts, or where the method does not follow it.
     """
@@ -43,7 +43,7 @@ def followed(dataset: xarray.Dataset) -> Prepared | None:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of the one motion that a dataset holds.
+    """Return the picture of a dataset's single motion.
 
     Raises
     ------

@@ -31,7 +31,7 @@ QUALITY = 7.0
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """False: it is a file, and no figure."""
+    """Return False: animations are not figures, and are only drawn on request."""
     return False
 
 
@@ -51,7 +51,7 @@ def animate(
     dark: bool = False,
     small: bool = False,
 ) -> None:
-    """Write the course of a part or a row as an animation, GIF or MP4 by the suffix of the name.
+    """Save the trajectory of a part or row as an animation, GIF or MP4 by the suffix.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def animate(
 
 
 def _write_gif(frames: Iterable[Frame], target: Path) -> None:
-    """Write a GIF that runs for ever; all frames share their colours, so that nothing flickers."""
+    """Write an endless GIF whose frames share one palette, so that nothing flickers."""
     pictures = [Image.fromarray(frame) for frame in frames]
     some = pictures[:: max(1, len(pictures) // SAMPLED)]
     sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in some]))
@@ -103,7 +103,7 @@ def _write_gif(frames: Iterable[Frame], target: Path) -> None:
 
 
 def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
-    """Write an MP4 that every browser plays."""
+    """Write an MP4 that all browsers can play."""
     imageio_ffmpeg = _ffmpeg()
     shown = iter(frames)
     first = next(shown)
@@ -122,7 +122,7 @@ def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
 
 
 def _ffmpeg() -> ModuleType:
-    """Return the writer of MP4."""
+    """Return the writer of MP4; raise `PlotError` if ffmpeg is missing."""
     try:
         import imageio_ffmpeg
     except ModuleNotFoundError:

@@ -32,12 +32,12 @@ AIR = 2.0  # dots between texts
 
 
 def gives_way(text: Text) -> None:
-    """Mark a text that is left out where it would meet another one or leave its axes."""
+    """Mark a text to be hidden if it would touch others or leave its axes."""
     text.set_gid(GIVES_WAY)
 
 
 def leave_out_what_meets(figure: Figure) -> None:
-    """Hide the texts that give way where they meet others or leave their axes.
+    """Hide the marked texts that touch others or leave their axes.
 
     Those that lie higher stay. The figure has been laid out.
     """
@@ -55,11 +55,12 @@ def leave_out_what_meets(figure: Figure) -> None:
 
 
 def _lies_within(box: BboxBase, frame: BboxBase) -> bool:
+    """True if a box lies within a frame."""
     return bool(frame.x0 < box.x0 and frame.y0 < box.y0 and box.x1 < frame.x1 and box.y1 < frame.y1)
 
 
 def _cells_at(axis: PlotAxis, edges: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """Return the cells at points spread evenly over the axis as it is drawn."""
+    """Return the cells at points spread evenly over an axis as drawn."""
     drawn = np.log(edges) if axis.is_log else edges
     points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
     return np.searchsorted(drawn[1:-1], points)
@@ -75,7 +76,7 @@ def add_names(
     *,
     on_fill: bool = False,
 ) -> None:
-    """Write the name of each regime where there is most room for it, if there is any.
+    """Write the name of each regime where it has most room, if it has any.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def add_names(
 
 
 def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
-    """Return the place for a text of a size in points, in shares of the frame; None if none is."""
+    """Return the centre for a text of a size, in shares of the frame; None if it does not fit."""
     columns = math.ceil(width * RASTER[0] / BOX[0] * CLEARANCE)
     rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)
     framed = np.pad(inside, 1)  # the frame is a border too

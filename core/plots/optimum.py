@@ -14,12 +14,12 @@ from core.study import OptimiseStudy
 
 
 def is_optimum(dataset: xarray.Dataset) -> bool:
-    """True of the result of an optimisation."""
+    """True if a dataset is the result of an optimisation."""
     return "optimum_status" in dataset
 
 
 def prepared_of(dataset: xarray.Dataset) -> Optimisation:
-    """Return the optimisation of which a dataset is the result.
+    """Return the optimisation whose result a dataset is.
 
     Raises
     ------

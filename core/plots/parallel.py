@@ -58,7 +58,7 @@ class ParallelColumn:
     spread: float = 0.0
 
     def shares(self, values: Array) -> Array:
-        """Return the heights of values between 0 and 1."""
+        """Return values as heights between 0 and 1 on the axis."""
         return (values - self.low) / (self.high - self.low)
 
 
@@ -73,12 +73,12 @@ class Designs:
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """False: it is drawn where it is asked for."""
+    """Return False: this picture is drawn on request only."""
     return False
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of all designs of a dataset.
+    """Return the picture of all designs of a dataset, with parallel axes.
 
     Columns are the axes of the dataset, what was optimised, further outputs that the study asks
     for, and last the output by which lines are coloured. Of more than 1,000 designs as many are
@@ -125,7 +125,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | None) -> Designs:
-    """Return the designs of a dataset, and which one is best."""
+    """Return the designs of a dataset, and the best one."""
     study = _study(dataset)
     criterion = study.get("criterion") or {}
     output = _output(dataset, study, variable)
@@ -134,6 +134,7 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
     names = _names(dataset, study, axes, output)
 
     def at_all(name: str) -> NDArray[Any]:
+        """Return the values of a variable for all designs."""
         return _at_all(dataset[name], dims, tuple(dataset.sizes[dim] for dim in dims))
 
     values = np.asarray(at_all(output), dtype=float)
@@ -166,7 +167,7 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
 def _best(
     values: Array, designs: NDArray[np.intp], knees: NDArray[np.intp], name: str, least: bool
 ) -> tuple[int, str]:
-    """Return the place of the best design, of the knees if there are any, and what it is."""
+    """Return index and description of the best design, or of knees."""
     choice = knees if knees.size else designs
     best = int(choice[(np.argmin if least else np.argmax)(values[choice])])
     if knees.size == 1:
@@ -176,7 +177,7 @@ def _best(
 
 
 def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | None) -> str:
-    """Return the output by which designs are judged: the one asked for, or that of the study."""
+    """Return the output that ranks the designs: the asked one, or that of the study."""
     outputs = _outputs(dataset)
     if variable is not None and variable not in outputs:
         raise PlotError("variable", f"'{variable[:40]}' is unknown", suggestion(variable, outputs))
@@ -189,7 +190,7 @@ def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | N
 def _names(
     dataset: xarray.Dataset, study: Mapping[str, Any], axes: list[str], output: str
 ) -> list[str]:
-    """Return the names of a design's columns beside the output: axes, choices, other outputs."""
+    """Return the names of the columns besides the output: axes, variables, other outputs."""
     outputs = _outputs(dataset)
     chosen = [name for name in outputs if name.startswith("best_")]
     further = [(study.get("criterion") or {}).get("against"), *(study.get("outputs") or ())]
@@ -202,11 +203,12 @@ def _names(
 
 
 def _outputs(dataset: xarray.Dataset) -> list[str]:
+    """Return the names of the outputs."""
     return [str(name) for name in dataset.data_vars if name != "regime"]
 
 
 def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return the values of all designs in one row, of further dimensions the middle one."""
+    """Return the values of all designs in one row, middle values of other dimensions."""
     middles = {d: array.sizes[d] // 2 for d in array.dims if d not in dims}
     array = array.isel(middles)
     wide = [size if d in array.dims else 1 for d, size in zip(dims, shape, strict=True)]
@@ -217,6 +219,7 @@ def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) ->
 def _column(
     array: xarray.DataArray, values: Array, units: ShownUnits, gridded: bool
 ) -> ParallelColumn:
+    """Return a column in shown units, with equal values spread apart."""
     shown = shown_in(array, units)
     values = scaled(xarray.DataArray(values), shown.factor)
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -230,7 +233,7 @@ def _column(
 
 
 def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
-    """Draw a line each, the better ones above, and the best one above all."""
+    """Draw a line for each design, better ones above."""
     random = np.random.default_rng(1)
     heights = []
     for column in designs.columns:
@@ -262,7 +265,7 @@ def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
 
 
 def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
-    """Draw the axes with their numbers and names, and the numbers of the best design."""
+    """Draw the axes with numbers and names, and the best design's values."""
     width = max(9, LETTERS // len(designs.columns))
     halo = [withStroke(linewidth=2.5, foreground=style.ground)]
     size = style.text(8.0)
@@ -292,10 +295,12 @@ def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
 
 
 def _wrapped(name: str, width: int) -> list[str]:
+    """Return a name in lines of a width."""
     return textwrap.wrap(name, width, break_long_words=False)
 
 
 def _ticks(column: ParallelColumn) -> Sequence[float]:
+    """Return the ticks of a column."""
     values = np.unique(column.values)
     if column.spread and values.size <= TICKS:
         return [float(value) for value in values]
@@ -306,13 +311,13 @@ def _ticks(column: ParallelColumn) -> Sequence[float]:
 
 
 def _name(array: xarray.DataArray) -> str:
-    """Return the name of a quantity as it stands within a sentence."""
+    """Return the name of a quantity for use in a sentence."""
     name = long_name(array)
     return name[:1].lower() + name[1:]
 
 
 def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
-    """Return a mask of designs that describe a real part, by their regime."""
+    """Return a mask of the designs that describe a real part."""
     meanings = str(dataset["regime"].attrs.get("flag_meanings", "")).split()
     numbers = np.atleast_1d(dataset["regime"].attrs.get("flag_values", [])).tolist()
     bad = [
@@ -323,7 +328,7 @@ def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
 
 
 def _study(dataset: xarray.Dataset) -> dict[str, Any]:
-    """Return the study that a dataset carries; empty without one."""
+    """Return the study stored in a dataset; empty without one."""
     try:
         study = json.loads(str(dataset.attrs.get("study", "{}")))
     except ValueError:

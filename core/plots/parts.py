@@ -21,12 +21,12 @@ DECADE = 10.0
 
 
 def plain(value: float, _: object = None) -> str:
-    """Return a tick's number."""
+    """Return the number of a tick."""
     return number(value)
 
 
 def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
-    """Space an axis by factors, with plain numbers at the ticks."""
+    """Make an axis logarithmic, with plain numbers at the ticks."""
     if spine.axis_name == "x":  # type: ignore[attr-defined]
         spine.axes.set_xscale("log")
     else:
@@ -58,7 +58,7 @@ def add_colour_bar(
     style: Style,
     **layout: Any,
 ) -> None:
-    """Add a colour bar with a tick at each level, at every other one of a small picture."""
+    """Add a colour bar with ticks at the levels."""
     ticks = scale.levels[:: 2 if style.small else 1]
     bar = figure.colorbar(colours, ax=axes, ticks=ticks.tolist(), **layout)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
@@ -66,13 +66,13 @@ def add_colour_bar(
 
 
 def padded(low: float, high: float) -> tuple[float, float]:
-    """Return limits of an axis that leave some room about two values."""
+    """Return axis limits with some room around two values."""
     room = 0.06 * (high - low) or 0.05 * abs(low) or 1.0
     return low - room, high + room
 
 
 def say_nothing_is_finite(axes: Axes, selection: Selection, style: Style) -> None:
-    """Write into empty axes that there is no value to draw."""
+    """Write into empty axes that no value is finite."""
     name = long_name(selection.variable)
     axes.annotate(
         f"{name}:\nno value here is finite.", (0.5, 0.5), xycoords="axes fraction", ha="center",

@@ -11,6 +11,7 @@ class NotebookFigure(Figure):
     """A figure that a notebook shows by itself: matplotlib teaches it that with pyplot only."""
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as PNG, for notebooks."""
         buffer = BytesIO()
         self.savefig(buffer, format="png")
         return buffer.getvalue()

@@ -21,41 +21,47 @@ if TYPE_CHECKING:
 
 
 def is_calibration(dataset: xarray.Dataset) -> bool:
-    """True of the result of a calibration."""
+    """True if a dataset is a calibration."""
     return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 
 def _has_uncertain_parameters(dataset: xarray.Dataset) -> bool:
+    """True if a dataset is a sensitivity study."""
     return "uncertain_parameters" in dataset.attrs
 
 
 def _is_front(dataset: xarray.Dataset) -> bool:
+    """True if a dataset holds a trade-off front."""
     return "knee" in dataset
 
 
 def _is_row(dataset: xarray.Dataset) -> bool:
+    """True if a dataset is of a row of parts."""
     return dataset.attrs.get("scene") == "row-on-plane"
 
 
 def _is_motion(dataset: xarray.Dataset) -> bool:
-    """True of a motion over a cycle, and of one part in time, which may be followed over one."""
+    """True if a dataset holds a motion over a cycle, or one part that can be simulated over one."""
     return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
 
 
 def _is_optimum(dataset: xarray.Dataset) -> bool:
+    """True if a dataset is the result of an optimisation."""
     return "optimum_status" in dataset
 
 
 def _is_single(dataset: xarray.Dataset) -> bool:
+    """True if a dataset has one cell."""
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
 def _any(dataset: xarray.Dataset) -> bool:
+    """Return True."""
     return True
 
 
 def _none(dataset: xarray.Dataset) -> bool:
-    """False: it is drawn where it is asked for."""
+    """Return False: this picture is drawn on request only."""
     return False
 
 
@@ -81,13 +87,13 @@ class Picture:
     may_fit: Callable[[xarray.Dataset], bool] = _any
 
     def fits(self, dataset: xarray.Dataset, options: Options) -> bool:
-        """True where this is what the dataset is drawn as, if nothing is named."""
+        """True if this picture is the default for a dataset."""
         return self.may_fit(dataset) and bool(
             import_module(f"{__package__}.{self.home}").fits(dataset, options)
         )
 
     def draw(self, dataset: xarray.Dataset, options: Options) -> Figure:
-        """Return the picture; raise `PlotError` if the dataset does not hold what it needs."""
+        """Return the picture; raise `PlotError` if the dataset lacks what it needs."""
         figure: Figure = import_module(f"{__package__}.{self.home}").draw(dataset, options)
         return figure
 

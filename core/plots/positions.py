@@ -57,7 +57,7 @@ class RowPositions(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of one row of parts, if no output is asked for."""
+    """True if a dataset is a single row of parts."""
     asked = (options.variable, options.axes) != (None, None)
     if asked or dataset.attrs.get("scene") != ROW:
         return False
@@ -65,7 +65,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
-    """Return the parts of the row that a dataset holds.
+    """Return the row of parts in a dataset.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the places of all parts over time, shaded between those that touch.
+    """Return the positions of all parts over time, shaded between touching ones.
 
     Raises
     ------

@@ -17,13 +17,13 @@ HEIGHT = 2.6  # inches of a row
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of one design with more variables than a landscape shows."""
+    """True if a dataset is one design with more than two variables."""
     asked = (options.variable, options.axes) != (None, None)
     return not asked and is_optimum(dataset) and dataset["optimum_status"].size == 1
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the objective along each variable through the optimum, with what limits exclude.
+    """Return the objective along each variable through the optimum, excluded ranges shaded.
 
     Where there is no optimum the others are held in the middle of their bounds. Ranged parameters
     are held at `options.at`, at their middle values if left out.

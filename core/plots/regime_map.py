@@ -28,7 +28,7 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 def draw_map(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the map; return the axes and the legend's entries, each with its share of the cells."""
+    """Draw the map of regimes; return axes and legend entries with shares."""
     axes = figure.add_subplot()
     across, up = selection.axes
     columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
@@ -56,7 +56,7 @@ def fill_cells(
     looks: Sequence[Look],
     fills: Sequence[RGB],
 ) -> None:
-    """Fill every cell with the colour of its regime, and hatch what is not valid."""
+    """Fill every cell with its regime's colour, hatched where results are not valid."""
     x, y = cell_edges(across), cell_edges(up)
     values = [look.value for look in looks]  # ascending
     colours = ListedColormap(list(fills))
@@ -83,7 +83,7 @@ def add_borders(
     looks: Sequence[Look],
     colour: str | RGB = BORDER,
 ) -> NDArray[np.int64]:
-    """Draw a line between cells of different regimes; return them without specks."""
+    """Draw borders between regimes; return the regimes without tiny islands."""
     x, y = cell_edges(across), cell_edges(up)
     plain = without_specks(regimes)
     for look in looks:
@@ -97,7 +97,7 @@ def add_borders(
 def _as_corners(
     x: NDArray[np.float64], y: NDArray[np.float64], inside: NDArray[np.bool_]
 ) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
-    """Return each cell as its four corners: a contour follows the cells' sides, not the middles."""
+    """Return each cell as four corners, so that contours follow the sides of cells."""
     corners = np.repeat(x, 2)[1:-1], np.repeat(y, 2)[1:-1]
     return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
 
@@ -105,7 +105,7 @@ def _as_corners(
 def share_entries(
     regimes: NDArray[np.int64], looks: Sequence[Look], fills: Sequence[RGB]
 ) -> list[Artist]:
-    """Return the legend's entries, each with the share of the cells that have its value.
+    """Return the legend entries, each with its share of the cells.
 
     The values are those of regimes, or of whatever else the picture has in their place.
     """
@@ -116,6 +116,7 @@ def share_entries(
 
 
 def _entry(look: Look, fill: RGB, share: float) -> Artist:
+    """Return the legend entry of a regime with its share."""
     ink = to_rgb(BORDER) if look.valid else look.hatch_ink
     entry = swatch(look, fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")

@@ -125,30 +125,30 @@ class Look:
 
     @property
     def label(self) -> str:
-        """Its name in words, and what is missing there, if anything."""
+        """The name in words, with what is missing there."""
         note = NOTES.get(self.name)
         return words(self.name) if self.valid or not note else f"{words(self.name)} ({note})"
 
     @property
     def beyond(self) -> bool:
-        """True if closed forms do not describe a part there."""
+        """True if closed forms do not describe a part in this regime."""
         return not self.valid and self.name not in NOTES
 
     @property
     def fill(self) -> RGB:
-        """Its colour on a map."""
+        """The fill colour on a map."""
         return to_rgb(self.paint) if self.paint else self.tint
 
     @property
     def tint(self) -> RGB:
-        """A pale form of its colour, for backgrounds."""
+        """A pale tint for backgrounds."""
         if self.paint:
             return mix(self.paint, self.style.ground, TINT_VEIL)
         return mix(self.colour, self.style.ground, 0.88)
 
     @property
     def hatch_ink(self) -> RGB:
-        """The colour of its hatch on a map."""
+        """The colour of the hatching on a map."""
         return mix(self.colour, self.style.ink if self.style.dark else self.style.ground, 0.35)
 
 
@@ -159,7 +159,7 @@ def looks_of(
     *,
     exact: bool = False,
 ) -> list[Look]:
-    """Return the looks of the regimes that occur, by the flags of the variable `regime`.
+    """Return the colours and names of the regimes that occur.
 
     What is `exact` in every regime is hatched in none.
 
@@ -194,7 +194,7 @@ def shade(
     faces: Mapping[Look, RGB],
     style: Style,
 ) -> None:
-    """Veil and hatch the regimes of a plane, arrays (y, x), and draw their borders.
+    """Shade and hatch the regimes of a plane, arrays (y, x), and draw their borders.
 
     `faces` are the colours that lie below.
     """
@@ -228,7 +228,7 @@ def shade(
 
 
 def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
-    """Return the legend entry of a regime; `face` is the colour in which it is seen."""
+    """Return the legend entry of a regime on a face colour."""
     patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
     patch.set_linewidth(0.8)
     if hatched:
@@ -238,19 +238,19 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
 
 
 def veiled_swatch(look: Look, face: RGB) -> Patch:
-    """Return the legend entry of a regime over a colour, as `shade` draws it."""
+    """Return the legend entry of a regime over a colour."""
     ground = look.style.ground
     seen = face if look.valid else mix(face, ground, VEIL_STRENGTH)
     return swatch(look, seen, mix(seen, _ink(look, face), 0.6))
 
 
 def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the luminance of colours, 0 to 1, shape (n,) for (n, 3)."""
+    """Return the luminance of colours, 0 to 1, shape (n,)."""
     return colours @ np.array([0.299, 0.587, 0.114])
 
 
 def _ink(look: Look, face: RGB) -> RGB:
-    """Return the colour of a hatch: the regime's on a veil, else what stands out."""
+    """Return the hatching colour of a regime that is visible on a face colour."""
     if not look.valid:
         return look.hatch_ink if look.style.dark else to_rgb(look.colour)
     return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")

@@ -30,7 +30,7 @@ class Scale:
     extend: Literal["neither", "min", "max", "both"]
 
     def typical(self, values: NDArray[np.float64]) -> RGB:
-        """Return a strong colour out of those of some values; white if none is finite."""
+        """Return a strong colour for some values; white if none is finite."""
         finite = values[np.isfinite(values)]
         if not finite.size:
             return 1.0, 1.0, 1.0
@@ -43,7 +43,7 @@ class Scale:
 
 
 def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
-    """Return the least and largest value to show; None if nothing is finite.
+    """Return the smallest and largest value to show; None if nothing is finite.
 
     A pole would leave one colour to the rest of the picture, so what sticks out far is cut.
     """
@@ -61,7 +61,7 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
 
 
 def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
-    """Return the scale for values; None if nothing is finite."""
+    """Return the colour scale for values; None if nothing is finite."""
     ends = value_range(values)
     if ends is None:
         return None

@@ -49,7 +49,7 @@ class PlotAxis:
 
     @property
     def is_log(self) -> bool:
-        """True if the values are spaced by a factor."""
+        """True if the values are geometrically spaced."""
         if self.values.size < 3 or self.values[0] <= 0:
             return False
         steps = np.diff(np.log(self.values))
@@ -99,7 +99,7 @@ class Selection:
 def natural(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None
 ) -> tuple[str, str, tuple[str, ...]]:
-    """Return kind, output and axes of the picture that an output has if no kind is named.
+    """Return kind, output and axes of the default picture of an output.
 
     Lines over one axis, and where an axis has a few values only; a map of what has names in place
     of heights; lines of equal speed over the regimes; else contours.
@@ -132,7 +132,7 @@ def select(
     *,
     nearest: bool = False,
 ) -> Selection:
-    """Return the slice that is asked for, at the `nearest` values where there are no equal ones.
+    """Return the slice of a dataset to draw.
 
     Raises
     ------
@@ -149,6 +149,7 @@ def select(
     fixed += held_fixed(dataset, units)
 
     def part(array: xarray.DataArray) -> xarray.DataArray:
+        """Return the slice of an array with ascending axes."""
         return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
 
     slice_ = part(whole).assign_attrs(long_name=_name(dataset, whole, units))
@@ -178,7 +179,7 @@ def select(
 def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
-    """Return the array that a kind draws, its axes, and its categories if it has names."""
+    """Return the array to draw, its axes, and its categories if it has any."""
     if kind == "map" and "regime" not in dataset:
         fix = "Ask for another kind, or leave it out"
         raise PlotError("kind", "the dataset has no regimes", fix)
@@ -199,7 +200,7 @@ def _selected(
 
 
 def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return name, value and unit of every parameter with one value; settings are left out.
+    """Return name, value and unit of every parameter with a single value.
 
     What the study says comes before what it leaves to defaults.
     """
@@ -217,25 +218,26 @@ def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
 
 
 def thin(size: int, most: int) -> NDArray[np.int64]:
-    """Return at most `most` positions out of `size`, both ends included."""
+    """Return at most `most` indices out of `size`, both ends included."""
     return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.int64))
 
 
 def _name(dataset: xarray.Dataset, variable: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the name of what is drawn, bounds of demands in the units in which they are read."""
+    """Return the name of the drawn output, with bounds of demands in shown units."""
     if variable.name == "objective" and "criterion" in dataset.attrs:
         return f"Objective: {words(str(dataset.attrs['criterion']))}"
     return demand_in_words(variable, units) or long_name(variable)
 
 
 def _regime(dataset: xarray.Dataset) -> xarray.DataArray:
-    """Return the regimes; of answers without them, such as reductions, one for all."""
+    """Return the regimes of the cells; a single one for results without regimes."""
     if "regime" in dataset:
         return dataset["regime"]
     return xarray.DataArray(np.int8(ANY_REGIME), name="regime")
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
+    """Return the output to draw; raise `PlotError` if there is none such."""
     outputs = [str(key) for key in dataset.data_vars if key != "regime"]
     if not outputs:
         raise PlotError("dataset", "it holds no output", "Draw a file that `vibrafeed run` wrote")
@@ -253,10 +255,12 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
 
 
 def _ranged(whole: xarray.DataArray) -> list[str]:
+    """Return the dimensions with more than one value."""
     return [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
 
 
 def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
+    """Return the axes to draw; raise `PlotError` for invalid ones."""
     ranged = _ranged(whole)
     if not ranged:
         fix = "Choose an output that depends on a ranged parameter"
@@ -276,13 +280,14 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
 
 
 def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
+    """Return an axis in shown units."""
     shown = shown_in(coordinate, units)
     label = axis_label(coordinate, shown.unit)
     return PlotAxis(str(coordinate.name), label, shown.unit, scaled(coordinate, shown.factor))
 
 
 def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:
-    """Return name, value and unit of a parameter, in one piece."""
+    """Return name, value and unit of a parameter as one text."""
     name = name_in_words(str(coordinate.name))
     if position is None and "reduced_range" in coordinate.attrs:  # its value is only nominal
         ends = coordinate.copy(data=np.float64(np.max(np.abs(coordinate.attrs["reduced_range"]))))

@@ -31,7 +31,7 @@ SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvatur
 
 
 def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None = None) -> None:
-    """Write the page of a file of `vibrafeed run` as PDF, PNG or SVG.
+    """Write a one-page summary of a result file as PDF, PNG or SVG.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None 
 
 
 def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = None) -> Figure:
-    """Return the page of a result.
+    """Return the one-page summary of a result.
 
     Parameters
     ----------
@@ -66,6 +66,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     at = TOP
 
     def write(text: str, x: float = LEFT, *, size: float = 9, **look: Any) -> None:
+        """Write a line of text at the current height."""
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
 
     write(title or str(dataset.attrs.get("title", "")), size=15, weight="bold")
@@ -113,7 +114,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
 
 
 def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return the parameters: label, and value or range; settings of the method left out."""
+    """Return label and value (or range) of each parameter, without settings."""
     rows = []
     for name, array in dataset.coords.items():
         if name not in QUANTITIES or name in SETTINGS:
@@ -123,7 +124,7 @@ def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, s
 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return the outputs: label, and value or range."""
+    """Return label and value (or range) of each output."""
     return [
         (long_name(array), _values(array, units))
         for name, array in dataset.data_vars.items()
@@ -133,6 +134,7 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
 
 
 def _values(array: xarray.DataArray, units: ShownUnits) -> str:
+    """Return the value or the range of an array with its unit."""
     shown = shown_in(array, units)
     values = np.asarray(array.values, dtype=float) * shown.factor
     values = values[np.isfinite(values)]
@@ -144,7 +146,7 @@ def _values(array: xarray.DataArray, units: ShownUnits) -> str:
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
-    """Return in words which regimes there are, and that of one cell."""
+    """Return the regimes that occur in words."""
     if "regime" not in dataset:
         return ""
     values, counts = np.unique(dataset["regime"].values, return_counts=True)

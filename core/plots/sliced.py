@@ -33,7 +33,7 @@ Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, l
 
 
 def _said(look: Look, dataset: xarray.Dataset) -> Look:
-    """Return a look that says why a cell has no regime, where the dataset tells."""
+    """Return a regime's look with the reason why a cell has none, if known."""
     if look.name != "not_assessed":
         return look
     nowhere = dataset["regime"] == look.value
@@ -49,7 +49,7 @@ def _said(look: Look, dataset: xarray.Dataset) -> Look:
 
 
 def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> None:
-    """Draw two bodies that hit each other, of the parameters at which they are held."""
+    """Draw two colliding bodies with the fixed parameters."""
     positions = {
         str(name): int(np.abs(dataset[name].values - value).argmin())
         for name, value in options.at.items()
@@ -74,6 +74,7 @@ def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
     """Return the test of whether a dataset is drawn as this kind by default."""
 
     def fits(dataset: xarray.Dataset, options: Options) -> bool:
+        """True if a dataset is drawn as this kind by default."""
         check_result(dataset)
         return natural(dataset, options.variable, options.axes)[0] == kind
 
@@ -83,9 +84,10 @@ def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
 def renderer_of(
     painter: Painter, kind: str, beyond: str
 ) -> Callable[[xarray.Dataset, Options], Figure]:
-    """Return the function that draws by a painter; `beyond` is the look of invalid values."""
+    """Return the function that draws a slice by a painter."""
 
     def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+        """Return the picture of a slice."""
         check_result(dataset)
         style = options.style
         figure = style.sheet()

@@ -42,42 +42,42 @@ class Style:
 
     @property
     def ground(self) -> str:
-        """The colour of the background."""
+        """The background colour."""
         return "#15181d" if self.dark else "#ffffff"
 
     @property
     def ink(self) -> str:
-        """Text, frames, borders."""
+        """The colour of text, frames and borders."""
         return "#eceef1" if self.dark else "#16181c"
 
     @property
     def quiet(self) -> str:
-        """The colour of what matters less, and is still read."""
+        """The colour of secondary but readable elements."""
         return "#b4b9c2" if self.dark else "#4a4d55"
 
     @property
     def grid(self) -> RGB:
-        """Lines behind the values."""
+        """The colour of grid lines."""
         return mix(self.ground, self.ink, 0.13)
 
     @property
     def curve(self) -> str:
-        """The one curve of a picture."""
+        """The colour of a picture's main curve."""
         return "#8fb8ff" if self.dark else "#1f3b73"
 
     @property
     def other(self) -> str:
-        """A second curve beside it."""
+        """The colour of a second curve."""
         return "#d9b27c" if self.dark else "#8a6a3a"
 
     @property
     def accent(self) -> str:
-        """The colour of what a picture is about: the best, a limit."""
+        """The accent colour: optima and limits."""
         return "#ff7aa8" if self.dark else "#b3124f"
 
     @property
     def series(self) -> tuple[str, ...]:
-        """Colours of things without an order."""
+        """The colours of unordered series."""
         if self.dark:
             return (
                 "#6fb1e8", "#f0925f", "#7cc576", "#b99be0", "#d9b44a", "#f07fb0", "#5fd0d0",
@@ -90,30 +90,30 @@ class Style:
 
     @property
     def single_sign(self) -> Colormap:
-        """Colours of a scale: nothing is as pale, or as dark, as the ground."""
+        """The colour map for values of one sign."""
         colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, DARKEST, 256))
         return ListedColormap(colours[::-1] if self.dark else colours, "one sign")
 
     @property
     def two_signs(self) -> Colormap:
-        """Colours of a scale with zero in the middle."""
+        """The colour map for values of both signs, with zero in the middle."""
         return matplotlib.colormaps["berlin" if self.dark else "RdYlBu_r"]
 
     def on(self, colour: RGB) -> str:
-        """Return the colour of text on a colour: light or dark."""
+        """Return a readable text colour on a colour: light or dark."""
         red, green, blue = colour
         return "#16181c" if 0.299 * red + 0.587 * green + 0.114 * blue > HALF else "#eceef1"
 
     def text(self, size: float) -> float:
-        """Return the size of a text that is `size` points large in a normal picture."""
+        """Return the size of a text of `size` points in a picture of normal size."""
         return size * (SMALL if self.small else 1.0)
 
     def width(self, size: float) -> float:
-        """Return the width of a line or mark that is `size` points in a normal picture."""
+        """Return the width of a line of `size` points in a picture of normal size."""
         return size * (SMALL if self.small else 1.0)
 
     def sheet(self, width: float = 8.0, height: float = 6.4) -> Figure:
-        """Return an empty figure with a canvas of its own, of a normal picture's size in inches."""
+        """Return an empty figure of the size of a normal picture [inch]."""
         if self.small:
             width, height = NARROW * width, LOW * height
         figure = NotebookFigure(
@@ -123,13 +123,13 @@ class Style:
         return figure
 
     def series_over(self, count: int) -> list[RGB]:
-        """Return the colours of curves over a quantity, in its order."""
+        """Return the colours of curves ordered by a quantity."""
         ends = (0.32, 1.0) if self.dark else (0.0, 0.78)
         shades = matplotlib.colormaps["viridis"](linspace(*ends, count))
         return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
 
     def dress(self, figure: Figure) -> None:
-        """Give all axes and legends of a figure their colours and sizes of text."""
+        """Apply colours and text sizes to all axes and legends of a figure."""
         for axes in figure.findobj(Axes):
             self._dress_axes(axes)
         for legend in figure.findobj(Legend):
@@ -141,6 +141,7 @@ class Style:
             heading.set_color(self.ink)
 
     def _dress_axes(self, axes: Axes) -> None:
+        """Apply colours and text sizes to axes."""
         axes.set_facecolor(self.ground)
         for spine in axes.spines.values():
             spine.set_edgecolor(mix(self.ground, self.ink, 0.75))
@@ -163,13 +164,13 @@ class Style:
             side.get_offset_text().set_fontsize(self.text(8.5))
 
     def add_grid(self, axes: Axes) -> None:
-        """Draw lines behind the values."""
+        """Draw grid lines behind the values."""
         axes.grid(visible=True, color=self.grid, linewidth=0.6)
         axes.set_axisbelow(True)
 
 
 def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
-    """Return a colour with a share of another."""
+    """Return a mixture of two colours."""
     red, green, blue = (
         (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
     )

@@ -38,7 +38,7 @@ AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be
 def draw_surface(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the surface; return the axes and the legend's entries."""
+    """Draw an output as a surface; return axes and legend entries."""
     first, second = selection.axes
     rows, columns = thin(first.values.size, MAX_POINTS), thin(second.values.size, MAX_POINTS)
     part = np.ix_(rows, columns)
@@ -89,7 +89,7 @@ def _add_faces(
     *,
     by_regime: bool,
 ) -> None:
-    """Add one face for each cell with four corners in sight, coloured by its mean or its regime."""
+    """Add a face for each visible cell, coloured by value or regime."""
     corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
     faces = np.stack(corners, axis=-2).reshape(-1, 4, 3)
     states = regimes[:-1, :-1].ravel()
@@ -111,7 +111,7 @@ def _add_faces(
 
 
 def _light(faces: NDArray[np.float64], scale: Scale) -> NDArray[np.float64]:
-    """Return the brightness of faces, shape (n,): those that rise to the left lie in the light."""
+    """Return the brightness of faces, shape (n,); those rising to the left are lit."""
     ends = faces.reshape(-1, 3)
     across, up = np.ptp(ends[:, 0]) or 1.0, np.ptp(ends[:, 1]) or 1.0
     size = np.array([across, up, (scale.levels[-1] - scale.levels[0]) * RELIEF])
@@ -130,7 +130,7 @@ def _add_borders(
     scale: Scale,
     style: Style,
 ) -> None:
-    """Add the edges between faces of different regimes, heavy where validity ends."""
+    """Add borders between regimes, heavier where validity ends."""
     valid = np.isin(regimes, [look.value for look in looks if look.valid])
     for states, width in ((regimes, 0.8), (valid, 2.0)):
         across = states[1:-1, :-1] != states[:-2, :-1]
@@ -149,16 +149,18 @@ def _add_borders(
 
 
 def _shown(z: NDArray[np.float64], scale: Scale) -> NDArray[np.bool_]:
+    """Return a mask of values within the scale."""
     return np.isfinite(z) & (z >= scale.levels[0]) & (z <= scale.levels[-1])
 
 
 def _entry(look: Look, face: RGB) -> Artist:
+    """Return the legend entry of a regime."""
     red, green, blue = _greyed(np.array([face]), look)[0].tolist()
     return swatch(look, (red, green, blue), hatched=False)
 
 
 def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
-    """Return colours as they are seen in a regime, shape (n, 3)."""
+    """Return colours greyed as in a regime, shape (n, 3)."""
     if look.valid:
         return colours
     grey = 0.6 + 0.36 * (luminance(colours))[:, np.newaxis]
@@ -168,7 +170,7 @@ def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
 
 
 def _azimuth(z: NDArray[np.float64]) -> float:
-    """Return the view that has the lowest corner in front, so that the surface hides nothing."""
+    """Return the azimuth that puts the lowest corner in front."""
     rows, columns = z.shape[0] // 2, z.shape[1] // 2
     filled = np.nan_to_num(z, nan=float(np.nanmean(z)) if np.isfinite(z).any() else 0.0)
     near = {

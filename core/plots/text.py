@@ -23,24 +23,24 @@ SUBSCRIPTS = {"inf": r"\infty"}
 
 
 def words(name: str) -> str:
-    """Return a name of the code in words."""
+    """Return an identifier as words."""
     return name.replace("_", " ")
 
 
 def name_in_words(name: str) -> str:
-    """Return a name of the code in words, its numbers below the line: they are no values."""
+    """Return an identifier as words, with its numbers as subscripts."""
     return re.sub(r" (\d+)\b", lambda found: found[1].translate(LOWERED), words(name))
 
 
 def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
-    """Return the unit in which a person reads the values of an array."""
+    """Return the unit in which an array's values are shown."""
     values = np.abs(np.asarray(array.values, dtype=np.float64))
     largest = float(values[np.isfinite(values)].max(initial=0.0))
     return units.of(str(array.attrs.get("units", "1")), largest)
 
 
 def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
-    """Return the units that are asked for, else those that the study of a dataset asks for.
+    """Return the asked units, else those of the dataset's study.
 
     Raises
     ------
@@ -61,12 +61,12 @@ def number(value: float, digits: int = 6) -> str:
 
 
 def with_unit(text: str, unit: str) -> str:
-    """Return a number and its unit, which a line break does not part."""
+    """Return a number with its unit, separated by a non-breaking space."""
     return text + unit if unit in ("", "°") else f"{text}\N{NO-BREAK SPACE}{unit}"
 
 
 def math_symbol(symbol: str) -> str:
-    """Return a symbol as mathematical text; empty if it is an expression or unknown."""
+    """Return a symbol as mathematical text; empty if unknown or an expression."""
     match = re.fullmatch("(" + "|".join(GREEK) + r"|[A-Za-z])_?(\d|[a-z]+)?", symbol)
     if not match:
         return ""
@@ -77,7 +77,7 @@ def math_symbol(symbol: str) -> str:
 
 
 def long_name(array: xarray.DataArray) -> str:
-    """Return the long name of a variable, or its name in words."""
+    """Return the long name of a variable, or its identifier as words."""
     return str(array.attrs.get("long_name", words(str(array.name))))
 
 
@@ -88,7 +88,7 @@ def axis_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def short_label(array: xarray.DataArray, unit: str) -> str:
-    """Return symbol and unit, where the long name stands elsewhere; without a symbol that name."""
+    """Return symbol and unit, or the long name without a symbol."""
     symbol = math_symbol(str(array.attrs.get("symbol", "")))
     return (
         " ".join(part for part in (symbol, in_brackets(unit)) if part)
@@ -98,7 +98,7 @@ def short_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the demand of a probability, bounds in units of `units`; empty of anything else."""
+    """Return the demand of a probability in shown units; empty for other variables."""
     name, attributes = str(array.name), array.attrs
     if not name.startswith("probability_") or "output" not in attributes:
         return ""
@@ -119,5 +119,5 @@ def in_brackets(unit: str) -> str:
 
 
 def scaled(array: xarray.DataArray, factor: float) -> NDArray[np.float64]:
-    """Return values times the factor of `shown_in`."""
+    """Return values multiplied by a unit's factor."""
     return np.asarray(array.values, dtype=np.float64) * factor

@@ -57,7 +57,7 @@ class Threshold:
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """False: it is drawn where it is asked for."""
+    """Return False: this picture is drawn on request only."""
     return False
 
 
@@ -121,7 +121,7 @@ def find_thresholds(
     multiples: NDArray[np.float64] | None,
     unit: str,
 ) -> tuple[list[Threshold], int]:
-    """Return the first threshold of each kind along an axis, and the number of those left out.
+    """Return the first threshold of each kind along an axis, and the number of others.
 
     Parameters
     ----------
@@ -175,15 +175,17 @@ def _change(before: str, after: str) -> str:
 
 
 def _multiple(value: float) -> int:
+    """Return a period multiple as an integer, 0 for NaN."""
     return int(value) if np.isfinite(value) else 0
 
 
 def _repeats(multiple: int) -> str:
+    """Return the period multiple in words."""
     return f"repeats after {multiple} periods" if multiple else "stops repeating"
 
 
 def _turn(axis: NDArray[np.float64], values: NDArray[np.float64], limit: float) -> Threshold | None:
-    """Return the first threshold at which parts travel the other way."""
+    """Return the first threshold at which parts reverse their direction."""
     moving = np.flatnonzero(np.abs(np.nan_to_num(values)) > limit)
     for before, after in pairwise(moving):
         if values[before] * values[after] < 0:
@@ -200,7 +202,7 @@ def _mark(
     selection: Selection,
     style: Style,
 ) -> None:
-    """Draw a line at each threshold, up to its label in rows above the curve."""
+    """Draw a line with a label at each threshold."""
     size = style.text(TEXT)
     low, high = axes.get_ylim()
     figure.draw_without_rendering()
@@ -255,7 +257,7 @@ class _Label(NamedTuple):
 
 
 def _rows(labels: Sequence[_Label], left: float, right: float) -> list[tuple[_Label, int, bool]]:
-    """Return for each label, places ascending, its row, and whether it is left of its line.
+    """Return the row of each label above the curve, and if it is left of its line.
 
     No line runs through a label: of those to the right of their lines the ones further to the left
     lie higher, of those to the left, which find no room to the right, the ones further to the
@@ -281,10 +283,12 @@ def _rows(labels: Sequence[_Label], left: float, right: float) -> list[tuple[_La
 
 
 def _span(label: _Label, leftward: bool) -> tuple[float, float]:
+    """Return left and right end of a label [dots]."""
     return (label.x - label.width, label.x) if leftward else (label.x, label.x + label.width)
 
 
 def _label(threshold: Threshold, selection: Selection) -> str:
+    """Return the text of a threshold's label."""
     axis = selection.axes[0]
     step = float(np.diff(axis.values).max())
     digits = 3
@@ -298,5 +302,6 @@ def _label(threshold: Threshold, selection: Selection) -> str:
 
 
 def _step(selection: Selection) -> str:
+    """Return the largest step of the axis with its unit."""
     axis = selection.axes[0]
     return with_unit(number(float(np.diff(axis.values).max()), 2), axis.unit)

@@ -83,12 +83,13 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
 def _selections(
     datasets: Sequence[xarray.Dataset], options: Options
 ) -> tuple[list[Selection], ShownUnits]:
-    """Return the line of each dataset, all in one unit, and the units."""
+    """Return the curve of each dataset in common units, and the units."""
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
     held = _held(datasets, options.at, axis)
 
     def selected(units: ShownUnits) -> list[Selection]:
+        """Return the curve of each dataset in some units."""
         return [
             select(dataset, output, (axis,), kept, "line", units, nearest=options.nearest)
             for dataset, kept in zip(datasets, held, strict=True)
@@ -110,7 +111,7 @@ def _add_lines(
     selections: Sequence[Selection],
     style: Style,
 ) -> bool:
-    """Draw a line each, pale where its values do not hold; return whether some do not."""
+    """Draw the curves, pale where not valid; return True if some are not."""
     beyond = False
     rows = zip(datasets, selections, style.series, DASHES, strict=False)
     for dataset, selection, colour, dashes in rows:
@@ -168,7 +169,7 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...
 def _held(
     datasets: Sequence[xarray.Dataset], at: Mapping[str, float], axis: str
 ) -> list[dict[str, float]]:
-    """Return for each dataset the values that are asked for and that it has as an axis."""
+    """Return the fixed values that apply to each dataset."""
     known = {str(name) for dataset in datasets for name in dataset.dims}
     unknown = {name for name in at if name not in known or name == axis}
     return [
@@ -180,7 +181,7 @@ def _held(
 def _labels(
     datasets: Sequence[xarray.Dataset], selections: Sequence[Selection], units: ShownUnits
 ) -> tuple[list[str], list[str]]:
-    """Return the labels that tell datasets apart, and the facts that they have in common."""
+    """Return labels that distinguish the datasets, and their common facts."""
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
     labels = [[fact for fact in own if fact not in common] for own in facts]
@@ -194,7 +195,7 @@ def _labels(
 
 
 def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
-    """Return labels with names of files, or numbers, where they do not tell datasets apart."""
+    """Return labels with file names or numbers where they would be equal."""
     if len(set(labels)) < len(labels) or not all(labels):
         names = [_name(dataset) for dataset in datasets]
         labels = [": ".join(filter(None, pair)) for pair in zip(names, labels, strict=True)]
@@ -204,22 +205,24 @@ def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str
 
 
 def _source(datasets: Sequence[xarray.Dataset]) -> str:
+    """Return the titles of the datasets."""
     titles = dict.fromkeys(str(dataset.attrs.get("title", "")) for dataset in datasets)
     return "; ".join(title for title in titles if title)
 
 
 def _name(dataset: xarray.Dataset) -> str:
-    """Return the name of the file that a dataset was read from, else its title."""
+    """Return the name of a dataset: its file, else its title."""
     source = dataset.encoding.get("source")
     return Path(source).name if source else str(dataset.attrs.get("title", "dataset"))
 
 
 def _outputs(dataset: xarray.Dataset) -> list[str]:
+    """Return the names of the outputs."""
     return [str(name) for name in dataset.data_vars if name != "regime"]
 
 
 def _shared(datasets: Sequence[xarray.Dataset]) -> list[str]:
-    """Return the outputs that all datasets have and that are ranged in all of them."""
+    """Return the outputs that are ranged in all datasets."""
     return [
         name
         for name in _outputs(datasets[0])
@@ -228,4 +231,5 @@ def _shared(datasets: Sequence[xarray.Dataset]) -> list[str]:
 
 
 def _listed(names: Sequence[str]) -> str:
+    """Return names separated by commas, or `nothing`."""
     return ", ".join(names) if names else "nothing"

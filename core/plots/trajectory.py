@@ -108,7 +108,7 @@ def check_trajectory(
     axes: tuple[str, ...] | None,
     at: Mapping[str, float],
 ) -> None:
-    """Raise `PlotError` if there is no motion, or something is asked for that it cannot show."""
+    """Raise `PlotError` if there is no motion, or options do not apply to one."""
     if TIME not in dataset.dims:
         fix = "Set trajectory = 400 in a study of one point, and run it"
         raise PlotError("kind", f"the dataset holds no motion over a cycle: no {TIME}", fix)
@@ -123,7 +123,7 @@ def check_trajectory(
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
-    """Return the motion of the one part that the dataset shows.
+    """Return the motion of a dataset's part, in shown units.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
 
 
 def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
-    """Draw the motion; return the upper axes and the legend's entries."""
+    """Draw the motion of a part; return the upper axes and legend entries."""
     walled = shown.wall is not None
     ratios = (*PANELS, WALL_PANEL) if walled else PANELS
     if walled:
@@ -230,7 +230,7 @@ def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Ax
 
 
 def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style) -> None:
-    """Draw how far the part is from the wall, which lies below the line at 0."""
+    """Draw the distance of the part from the wall."""
     low, high = _limits(np.append(distance, 0.0))
     body = mix(style.other, style.ground, 0.5)
     axes.axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
@@ -242,12 +242,12 @@ def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], sty
 
 
 def _under(style: Style) -> str:
-    """Return the separator of a label and its unit: panels of a small picture are low."""
+    """Return the separator between label and unit, shorter in small pictures."""
     return "\n" if style.small else " "
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return mean velocity and regime, and what is held fixed."""
+    """Return mean velocity, regime, and fixed values in words."""
     facts = []
     mean = dataset.get("conveying_velocity")
     if mean is not None and not mean.ndim and np.isfinite(mean):
@@ -267,6 +267,7 @@ def values_of(array: xarray.DataArray) -> NDArray[np.float64]:
 
 
 def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the limits of an axis for curves."""
     values = np.concatenate(curves)
     finite = values[np.isfinite(values)]
     return padded(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
@@ -275,7 +276,7 @@ def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
 def _swing(
     seconds: NDArray[np.float64], period: float, track: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the velocity of a track that moves as a sine, however few times are shown."""
+    """Return the velocity of a track that moves as a sine, at any times."""
     rate = 2 * np.pi / period
     sine = np.sin(rate * seconds)
     weight = float(sine @ sine)
@@ -284,7 +285,7 @@ def _swing(
 
 
 def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
-    """Return the drive that the dataset's parameters tell."""
+    """Return the drive defined by a dataset's parameters."""
     given = {name: values_of(dataset[name]) for name in shape.inputs}
     return shape.wave(
         **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
@@ -292,7 +293,7 @@ def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
 
 
 def _orbit(wave: Wave) -> NDArray[np.float64] | None:
-    """Return the orbit of the track along and normal over a period, None if that is a line."""
+    """Return the orbit of the track over a period; None if it is a line."""
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)
@@ -300,7 +301,7 @@ def _orbit(wave: Wave) -> NDArray[np.float64] | None:
 
 
 def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
-    """Draw the orbit of the track, from a dot at the start of a period, with an arrow its way."""
+    """Draw the orbit of the track with start and direction."""
     inset = axes.inset_axes(ORBIT_AXES, facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
@@ -314,6 +315,7 @@ def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
 
 
 def _flag(array: xarray.DataArray, value: int) -> str:
+    """Return the name of a flag's value; raise `PlotError` for an unknown one."""
     numbers = np.atleast_1d(array.attrs.get("flag_values", [])).tolist()
     names = str(array.attrs.get("flag_meanings", "")).split()
     try:
@@ -325,11 +327,12 @@ def _flag(array: xarray.DataArray, value: int) -> str:
 
 
 def _modes(array: xarray.DataArray) -> list[str]:
+    """Return the names of the modes."""
     return [_flag(array, value) for value in array.values.astype(np.int64).tolist()]
 
 
 def _look(mode: str, style: Style) -> tuple[str, RGB]:
-    """Return hatch and colour of the background in a mode."""
+    """Return hatch and background colour of a mode."""
     if mode == "flight":
         return "", mix(style.ground, style.ground, 0.0)
     hatch, colour = MODES.get(mode, UNKNOWN)
@@ -337,7 +340,7 @@ def _look(mode: str, style: Style) -> tuple[str, RGB]:
 
 
 def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
-    """Colour the background by mode; borders lie halfway between two times."""
+    """Colour the background by mode, with borders half-way between two times."""
     time = shown.time
     edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
     changes = [i for i in range(1, len(shown.modes)) if shown.modes[i] != shown.modes[i - 1]]
@@ -350,7 +353,7 @@ def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
 
 
 def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
-    """Draw a line where a period of the drive begins."""
+    """Draw a line at the start of each period of the drive."""
     first, last = np.ceil(shown.time[0] / shown.period), np.floor(shown.time[-1] / shown.period)
     if last - first > MAX_PERIODS:
         return
@@ -361,6 +364,7 @@ def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
 
 
 def _lines(style: Style) -> list[Artist]:
+    """Return the legend entries of part and track."""
     return [
         Line2D([], [], color=style.curve, linewidth=style.width(2.0), label="part"),
         Line2D([], [], color=style.other, linewidth=style.width(1.4), label="track"),
@@ -368,6 +372,7 @@ def _lines(style: Style) -> list[Artist]:
 
 
 def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
+    """Return the legend entries of the modes that occur."""
     entries: list[Artist] = []
     for name in dict.fromkeys((*MODES, "flight", *modes)):
         if name in modes:

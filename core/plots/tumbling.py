@@ -66,7 +66,7 @@ class TumblingTrajectory(NamedTuple):
 
 
 def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTrajectory:
-    """Return the course of the one part that the dataset shows.
+    """Return the trajectory of a dataset's tumbling part, in shown units.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTraject
 def draw_tumbling(
     figure: Figure, shown: TumblingTrajectory, style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the course; return the upper axes and the legend's entries."""
+    """Draw the trajectory of a tumbling part; return the upper axes and legend entries."""
     side, gaps, pitches = figure.subplots(3, 1, height_ratios=PANELS)
     gaps.sharex(pitches)
     gaps.tick_params(labelbottom=False)
@@ -142,7 +142,7 @@ def draw_tumbling(
 
 
 def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
-    """Draw the part as it is seen from the side, at times that are far enough apart."""
+    """Draw the part from the side at several times."""
     moved = np.abs(np.diff(shown.outlines, axis=0)).sum(axis=(1, 2))
     passed = np.concatenate([[0.0], np.cumsum(moved)])
     chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], OUTLINES)))
@@ -176,7 +176,7 @@ def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
 
 
 def _end(outlines: Array, pitch: Array, size: float) -> int:
-    """Return the number of times that are shown: up to a little after the part has come to rest."""
+    """Return the number of times to show: until shortly after the part rests."""
     still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
     still &= np.abs(pitch - pitch[-1]) < STILL * 360
     moving = np.flatnonzero(~still)
@@ -185,7 +185,7 @@ def _end(outlines: Array, pitch: Array, size: float) -> int:
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return the final state of the part, and the values that are held fixed."""
+    """Return the final state of the part, and fixed values, in words."""
     facts = []
     side, settled = dataset.get("resting_side"), dataset.get("settling_time")
     if side is not None and not side.ndim and np.isfinite(side):
@@ -199,6 +199,7 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
 
 
 def _entries(style: Style) -> list[Artist]:
+    """Return the legend entries of the drawing."""
     patch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.curve, style.ground, 0.55))
     patch.set(edgecolor=style.curve, label="the part, drawn strongest at the end")
     touch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.other, style.ground, 0.75))

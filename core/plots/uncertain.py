@@ -77,7 +77,7 @@ class UncertainOutput:
 
     @property
     def names(self) -> list[str]:
-        """The uncertain parameters."""
+        """The names of the uncertain parameters."""
         return str(self.design[UNCERTAIN].attrs["flag_meanings"]).split()
 
     @property
@@ -87,23 +87,23 @@ class UncertainOutput:
 
     @property
     def axis(self) -> str:
-        """The label of an axis of its values."""
+        """The label of an axis of the output."""
         return " ".join(filter(None, (self.label, in_brackets(self.shown.unit))))
 
     def values(self, part: str) -> NDArray[np.float64]:
-        """Return the values under a name, in the unit in which the output is read."""
+        """Return the values of a statistic, in shown units."""
         return np.asarray(self.shown.factor * self.shares(part))
 
     def shares(self, part: str) -> NDArray[np.float64]:
-        """Return the same of a number without a unit."""
+        """Return the values of a dimensionless statistic."""
         return np.asarray(self.design[f"{self.output}_{part}"].values, dtype=np.float64)
 
     def has(self, part: str) -> bool:
-        """True if something is told under a name."""
+        """True if the result has a statistic."""
         return f"{self.output}_{part}" in self.design
 
     def end_in_words(self, name: str, end: str) -> str:
-        """Return the lower or upper end of the tolerance of a parameter, with its unit."""
+        """Return the lower or upper end of a parameter's tolerance, with its unit."""
         known = json.loads(str(self.design.attrs["uncertain_parameters"]))
         quantity = QUANTITIES[name]
         lower, upper = tolerance(name, read_distribution(name, known[name], quantity))
@@ -111,12 +111,12 @@ class UncertainOutput:
         return with_unit(number(shown.factor * (lower if end == "lower" else upper), 4), shown.unit)
 
     def read(self, value: float) -> str:
-        """Return a value as a person reads it."""
+        """Return a value of the output as text."""
         return with_unit(number(value, 4), self.shown.unit)
 
 
 def kind_of(dataset: xarray.Dataset) -> str | None:
-    """Return the kind of picture of a study of uncertain parameters; None of any other result."""
+    """Return the kind of picture for a sensitivity study; None for other results."""
     if "uncertain_parameters" not in dataset.attrs:
         return None
     names = [str(name) for name in dataset.data_vars]
@@ -127,7 +127,7 @@ def kind_of(dataset: xarray.Dataset) -> str | None:
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of the first kind of picture that a study of uncertain parameters has numbers for."""
+    """True for the first kind of picture for which a sensitivity study has values."""
     asked = (options.variable, options.axes) != (None, None)
     if asked or options.kind != kind_of(dataset):
         return False
@@ -141,7 +141,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return one of the pictures of a study of uncertain parameters, of one design.
+    """Return a picture of a sensitivity study at one design.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def _result(
     *,
     nearest: bool,
 ) -> UncertainOutput:
-    """Return the output that a kind draws, at the design that is asked for."""
+    """Return the output of a kind of picture, at the chosen design."""
     output = _output(kind, dataset, variable)
     loose = [str(d) for d in dataset.dims if d not in (UNCERTAIN, QUANTILE, LEVEL)]
     positions = fixed_positions(dataset, at, loose, (), nearest=nearest)
@@ -194,7 +194,7 @@ def _result(
 
 
 def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
-    """Return the output to draw; raise if the dataset does not have what the kind needs of it."""
+    """Return the output to draw; raise `PlotError` if values for the kind are missing."""
     names = [str(name) for name in dataset.data_vars]
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
@@ -217,7 +217,7 @@ Drawing = tuple[str, Sequence[Artist], str]
 
 
 def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw how the values spread, with quantiles, and the bounds of demands."""
+    """Draw the distribution of an output with quantiles and bounds of demands."""
     levels = np.asarray(result.design[LEVEL].values, dtype=np.float64)
     values = result.values("distribution")
     low, high = float(values[0]), float(values[-1])
@@ -271,7 +271,7 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
 def _share_below(
     values: NDArray[np.float64], levels: NDArray[np.float64], edges: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the share below each edge: a monotone curve without kinks through the quantiles.
+    """Return the share below each edge, by a smooth monotone curve through the quantiles.
 
     Straight lines between them would make the tails stairs of bars of equal height.
     """
@@ -283,13 +283,13 @@ def _share_below(
 def _rising(
     values: NDArray[np.float64], levels: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return each value once, with the largest level that it has."""
+    """Return distinct values, each with its largest level."""
     last = np.append(np.diff(values) > 0, True)
     return values[last], levels[last]
 
 
 def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw first and total indices as bars with their intervals, the largest on top."""
+    """Draw first-order and total Sobol indices as bars with intervals."""
     total = result.shares("total")
     order = np.argsort(total)
     names = [result.names[k] for k in order]
@@ -311,7 +311,7 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw Morris's plane: how much a parameter does, and how much that varies."""
+    """Draw Morris's plane: mean effect of each parameter against its variation."""
     size, deviation = result.values("effect"), result.values("effect_deviation")
     most = float(np.nanmax(size)) * (1 + 2 * PADDING)
     high = float(np.nanmax(deviation)) * (1 + 3 * PADDING)
@@ -337,7 +337,7 @@ def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw what each tolerance does by itself, the widest on top, and the worst cases of all."""
+    """Draw the tornado diagram: effect of each tolerance and of the worst cases."""
     lower, upper = result.values("at_lower"), result.values("at_upper")
     middle = float(result.values("nominal"))
     reach = np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle)))
@@ -375,6 +375,7 @@ def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
+    """Set the names of rows on the vertical axis."""
     axes.set_yticks(range(len(names)), [_name(name) for name in names])
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
@@ -383,14 +384,17 @@ def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
 
 
 def _name(parameter: str) -> str:
+    """Return the name of a parameter in words."""
     return words(parameter)
 
 
 def _lower(label: str) -> str:
+    """Return a label that begins with a small letter."""
     return label[:1].lower() + label[1:]
 
 
 def _percent(share: float) -> str:
+    """Return a share in per cent."""
     return with_unit(number(100 * share, 3), "%")
 
 

@@ -30,13 +30,13 @@ Row = tuple[str, str]
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of one design, if no axes of it are asked for."""
+    """True if a dataset has one design and no axes are named."""
     check_result(dataset)
     return not options.axes and all(one.size == 1 for one in dataset.data_vars.values())
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the values of one design; ranged parameters are held at `at`, else in their middle.
+    """Return the table of a design's values; ranged parameters are fixed at `at`.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def rows_of(design: xarray.Dataset, units: ShownUnits, variable: str | None = None) -> list[Row]:
-    """Return name and value of each output of one design, in words where it has words.
+    """Return name and value of each output of one design.
 
     Raises
     ------
@@ -96,6 +96,7 @@ def rows_of(design: xarray.Dataset, units: ShownUnits, variable: str | None = No
 
 
 def _row(array: xarray.DataArray, units: ShownUnits) -> Row:
+    """Return name and value of an output in shown units."""
     categories = categories_of(array)
     label = axis_label(array, "")
     if categories:

@@ -17,7 +17,7 @@ LEAST_SECONDS = 2e-3  # of one repeat: the clock and the start of a call do not 
 def random_cells(
     grid: Grid, count: int, names: Iterable[str], seed: int = SEED
 ) -> dict[str, Array]:
-    """Return parameters of random cells of a grid, all different; the same each time.
+    """Return the parameters of random distinct cells of a grid; equal seeds give equal cells.
 
     SI units, shape (`sample_size`,).
     """
@@ -25,14 +25,14 @@ def random_cells(
 
 
 def sample_size(grid: Grid, count: int) -> int:
-    """Return the number of different cells that are taken of a grid, at most `count`."""
+    """Return the number of distinct cells to sample from a grid, at most `count`."""
     return min(count, grid.cells)
 
 
 def median_seconds(
     run: Callable[[], object], repeats: int = REPEATS, least: float = LEAST_SECONDS
 ) -> float:
-    """Return the median wall time of a call, after one that warms up.
+    """Return the median wall time of a call, after a warm-up call [s].
 
     A repeat is as many calls as take `least` seconds.
     """
@@ -45,6 +45,7 @@ def median_seconds(
     calls = max(1, int(least / max(second, 1e-7)))
 
     def repeat() -> float:
+        """Return the mean time of some calls [s]."""
         started = time.perf_counter()
         for _ in range(calls):
             run()

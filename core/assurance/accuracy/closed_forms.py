@@ -25,7 +25,7 @@ TYPES: dict[str, Any] = {"float32": np.float32, "float64": np.float64}
 
 
 def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return error and time of every output of a sweep, in each type of float.
+    """Return error and time of every output of a sweep in each floating-point type.
 
     Cells are added, some at a time, until there are so many or the watch stops it.
     """
@@ -89,7 +89,7 @@ class _Known:
 
 
 def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
-    """Return the outputs at cells to 50 digits, with the effect of rounding the parameters."""
+    """Return the outputs at cells to 50 digits, and the effect of rounding the parameters."""
     count = max((values.size for values in cells.values()), default=1)
     share = watch.part(count / (len(TYPES) + 1))
     exact = {
@@ -111,7 +111,7 @@ def _joined(pieces: Sequence[_Known], name: str) -> _Known:
 
 
 def _curve(plan: Plan, name: str, sample: Mapping[str, Array], known: _Known) -> Curve:
-    """Return the errors and times of one output; without points where it has no value."""
+    """Return errors and times of one output; without points where it has no value."""
     plan = plan.only(name)
     sample = {key: sample[key] for key in plan.parameters}
     points = []
@@ -144,6 +144,7 @@ def _curve(plan: Plan, name: str, sample: Mapping[str, Array], known: _Known) ->
 def _point(
     title: str, dtype: Any, errors: Errors, judged: NDArray[np.bool_], seconds: float
 ) -> Point:
+    """Return a measured point: median and largest error with the time."""
     return Point(
         title,
         float(np.finfo(dtype).bits),
@@ -161,13 +162,13 @@ def _point(
 
 
 def _held(cells: Mapping[str, Array], dtype: Any) -> dict[str, NDArray[Any]]:
-    """Return parameters as a type of float holds them."""
+    """Return parameters rounded to a floating-point type."""
     with np.errstate(over="ignore"):  # `_fits` tells
         return {name: values.astype(dtype) for name, values in cells.items()}
 
 
 def _fits(cells: Mapping[str, Array], dtype: Any) -> NDArray[np.bool_]:
-    """True where a type of float holds every parameter: none overflows, none becomes 0."""
+    """True where a floating-point type represents every parameter without overflow or underflow."""
     fits = np.ones(max((values.size for values in cells.values()), default=1), dtype=np.bool_)
     for name, held in _held(cells, dtype).items():
         fits &= np.isfinite(held) & ((held != 0) | (cells[name] == 0))
@@ -175,12 +176,12 @@ def _fits(cells: Mapping[str, Array], dtype: Any) -> NDArray[np.bool_]:
 
 
 def _with_defaults(plan: Plan, dtype: Any) -> Plan:
-    """Return the plan with its defaults as a type of float holds them."""
+    """Return the plan with its default values rounded to a floating-point type."""
     return replace(plan, defaults={name: float(dtype(v)) for name, v in plan.defaults.items()})
 
 
 def _evaluate(plan: Plan, cells: Mapping[str, Any], dtype: Any) -> dict[str, Any]:
-    """Return every quantity at cells in floats of a type."""
+    """Return every quantity at cells, computed in a floating-point type."""
     defaults = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
     size = max((values.size for values in cells.values()), default=1)
     with np.errstate(all="ignore"):  # what overflows in a short float is told as an error

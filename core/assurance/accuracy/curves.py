@@ -98,20 +98,20 @@ class Curve:
 
     @property
     def slope(self) -> float:
-        """Slope of the logarithms of error over cost; NaN from fewer than two points."""
+        """The slope of the logarithm of error over that of cost; NaN for fewer than two points."""
         pairs = [(numbers_of(p, self.cost), numbers_of(p, self.of)) for p in self.points]
         return fitted_slope(pairs, self.floor)
 
 
 def numbers_of(point: Point, name: str) -> float:
-    """Return one of the numbers of a point by its name; NaN if it has none of that name."""
+    """Return a number of a point by its name; NaN if the point lacks it."""
     if name in point.more:
         return float(point.more[name])
     return float(getattr(point, name, math.nan))
 
 
 def fitted_slope(pairs: Sequence[tuple[float, float]], floor: float = 0.0) -> float:
-    """Return the slope of log error over log cost by least squares.
+    """Return the slope of log error over log cost, by least squares.
 
     `STEEP` where the error falls at what is one cost but for noise; NaN from fewer than two points
     above the floor, or where neither changes.
@@ -194,7 +194,7 @@ CURVE_NUMBERS = {
 
 
 def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str]) -> Table:
-    """Return the dataset of curves: one dimension, ``point``, labelled by flags.
+    """Return the dataset of curves with one dimension, ``point``, labelled by flags.
 
     Words stand as CF flags (`flag_values` and `flag_meanings`), so that any client reads them.
     """
@@ -229,7 +229,7 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
 def _columns(
     rows: Sequence[Any], names: Mapping[str, tuple[str, str, str]]
 ) -> dict[str, TableVariable]:
-    """Return the numbers that points, or their curves, have as attributes."""
+    """Return the values of points or curves as columns by name."""
     return {
         name: _floats([getattr(row, attribute) for row in rows], label, unit)
         for name, (attribute, label, unit) in names.items()
@@ -247,22 +247,24 @@ def _further(points: Sequence[Point]) -> dict[str, TableVariable]:
 
 
 def single(values: Array | NDArray[np.int8], label: str, unit: str, **extra: Any) -> TableVariable:
-    """Return values of single cells, labelled."""
+    """Return a variable of values for single cells."""
     return TableVariable(("cell",), values, {"long_name": label, "units": unit, **extra})
 
 
 def _numbers(values: NDArray[Any], label: str, unit: str) -> TableVariable:
+    """Return a variable over points."""
     return TableVariable(("point",), values, {"long_name": label, "units": unit})
 
 
 def _floats(values: Sequence[float], label: str, unit: str) -> TableVariable:
+    """Return a variable of reals over points."""
     return _numbers(np.array(values, dtype=np.float64), label, unit)
 
 
 def _flags(
     words: Sequence[str], label: str, known: Mapping[str, str] | None = None
 ) -> TableVariable:
-    """Return words as numbers, with their meanings; a meaning has no blanks."""
+    """Return words as a flag variable over points."""
     plain = [_joined(word) for word in words]
     meanings = list(known or dict.fromkeys(plain))
     attributes = {
@@ -277,4 +279,5 @@ def _flags(
 
 
 def _joined(words: str) -> str:
+    """Return words joined by underscores, as a flag meaning."""
     return "_".join(words.replace(",", "").split())

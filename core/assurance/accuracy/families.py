@@ -14,7 +14,7 @@ SECONDS = 60.0
 
 
 def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
-    """Return the families that a study has, in order.
+    """Return the families of measurements that apply to a study, in order.
 
     Raises
     ------

@@ -19,7 +19,7 @@ OF = ":"  # between a variable and its attribute that is an array
 
 
 def keep(measured: Measured | None, machine: Mapping[str, str]) -> Computed:
-    """Return the measurements, and their machine, as arrays and notes."""
+    """Return measurements and machine as arrays and attributes for a file."""
     arrays: dict[str, NDArray[Any]] = {}
     content = None
     if measured is not None:
@@ -44,7 +44,7 @@ def keep(measured: Measured | None, machine: Mapping[str, str]) -> Computed:
 
 
 def kept(computed: Computed) -> tuple[Measured | None, dict[str, str]]:
-    """Return the measurements that `keep` was given."""
+    """Return the measurements from the arrays that `keep` made."""
     content = json.loads(computed.notes[MEASURED])
     machine: dict[str, str] = json.loads(computed.notes[MACHINE])
     if content is None:

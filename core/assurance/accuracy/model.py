@@ -49,7 +49,7 @@ OUTPUTS = (
 
 
 def motion_of_sweep(sweep: Sweep) -> Simulation | None:
-    """Return the motion that belongs to scene and parameters of a sweep, None if there is none."""
+    """Return the motion that corresponds to a sweep's scene and parameters; None without one."""
     content = sweep.study.content()
     scene = SYSTEMS.get(sweep.plan.scene.name)
     if scene is None or not is_point_part(scene):
@@ -66,7 +66,7 @@ def motion_of_sweep(sweep: Sweep) -> Simulation | None:
 
 
 def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return the distance of a sweep's outputs from the true mean velocity, by regime."""
+    """Return the deviation of a sweep's outputs from the true mean velocity, by regime."""
     names = {*sweep.plan.parameters, *motion.grid.axes, *motion.grid.fixed}
     cells = sample_size(sweep.grid, cells)
     sample = random_cells(sweep.grid, cells, names)
@@ -75,6 +75,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     known = run_equations(plan, {n: sample[n] for n in plan.parameters}, watch)
 
     def spread(values: Any) -> NDArray[Any]:
+        """Return values broadcast to the cells."""
         return np.broadcast_to(values, cells)
 
     true = spread(known["conveying_velocity"])
@@ -126,7 +127,7 @@ def _curve(
     moves: NDArray[np.bool_],
     kind: NDArray[np.int8],
 ) -> Curve:
-    """Return the errors of one output, over all cells and in each regime of the motion."""
+    """Return the deviations of one output, over all cells and in each regime."""
     points = []
     is_velocity = output in VELOCITIES
     groups = {"all that travel": moves}
@@ -154,7 +155,7 @@ def _curve(
 
 
 def rank_correlation(first: Array, second: Array) -> float:
-    """Return the correlation of the ranks of two rows of values; NaN where one does not vary."""
+    """Return the rank correlation of two rows of values; NaN where one is constant."""
     ranks = [_ranks(values) for values in (first, second)]
     if min(np.ptp(values) for values in ranks) == 0:
         return float("nan")
@@ -162,7 +163,7 @@ def rank_correlation(first: Array, second: Array) -> float:
 
 
 def _ranks(values: Array) -> Array:
-    """Return ranks, the mean one where values are equal."""
+    """Return ranks, equal values sharing their mean rank."""
     _, where, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     ranks = np.asarray((2 * last - counts - 1) / 2)
@@ -170,12 +171,15 @@ def _ranks(values: Array) -> Array:
 
 
 def _chosen(values: Any, where: NDArray[np.bool_], cells: int) -> Array:
+    """Return the values of the chosen cells."""
     return np.asarray(np.broadcast_to(values, cells)[where], dtype=np.float64)
 
 
 def _most(values: Array) -> float:
+    """Return the largest value; NaN without values."""
     return float(values.max()) if values.size else float("nan")
 
 
 def _median(values: Array) -> float:
+    """Return the median; NaN without values."""
     return float(np.median(values)) if values.size else float("nan")

@@ -66,7 +66,7 @@ class Means:
 
 
 def is_point_part(scene: Scene) -> bool:
-    """True if a system has a mean velocity; a tumbling part has none."""
+    """True if a system has a mean velocity; tumbling parts have none."""
     return "conveying_velocity" in scene.outputs(scene.default_variant)
 
 
@@ -77,7 +77,7 @@ def run_method(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Return the values of a method at cells of shape (n,), SI units, with its settings."""
+    """Return the results of a method with settings at cells of shape (n,), SI units."""
     plan = plan_scene(scene, method, OUTPUTS, tuple(cells))
     plan = replace(plan, defaults={**plan.defaults, **settings})
     inputs = {name: cells[name] for name in plan.parameters}
@@ -107,13 +107,14 @@ def _parts(scene: Scene) -> float:
 
 
 def _nothing_moves(count: int, watch: Watch) -> str:
+    """Return the note for a study without measurable motions."""
     if watch.stopped():
         return "The time given ran out before a cell was found whose motion repeats."
     return f"No cell of {count} random ones moves and repeats its motion: nothing is measured."
 
 
 def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return error and time of all methods that follow the motion of a study."""
+    """Return errors and times of all methods that simulate a study's motion."""
     scene, grid = simulation.plan.scene, simulation.grid
     settings = {
         name: value for name, value in simulation.study.settings().items() if name == "max_periods"
@@ -183,11 +184,12 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
 
 
 def _is_used(scene: Scene, name: str) -> bool:
+    """True if a parameter is used by any method of a scene."""
     return any(name in scene_parameters(scene, method) for method in scene.variants)
 
 
 def _first_of_its_kind(cells: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """True where a cell has not come before: a small grid has fewer than were drawn."""
+    """True where a cell occurs for the first time, as small grids repeat cells."""
     rows = np.stack(list(cells.values()), axis=-1)
     first = np.zeros(len(rows), dtype=np.bool_)
     first[np.unique(rows, axis=0, return_index=True)[1]] = True
@@ -195,7 +197,7 @@ def _first_of_its_kind(cells: Mapping[str, Array]) -> NDArray[np.bool_]:
 
 
 def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
-    """Return the first cells, half of which hop, if there are as many."""
+    """Return the first cells, half of them hopping if there are enough."""
     air, floor = chosen[hops[chosen]], chosen[~hops[chosen]]
     half = count // 2
     more = max(0, half - floor.size), max(0, half - air.size)
@@ -209,7 +211,7 @@ def _warm(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Run a method once on one cell, which loads and compiles it, then on all."""
+    """Run a method on one cell, to load and compile it, then on all."""
     cell = {name: values[:1] for name, values in cells.items()}
     run_method(scene, method, cell, settings, Watch(stop=watch.stop))
     return run_method(scene, method, cells, settings, watch)
@@ -222,7 +224,7 @@ def _repeated(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Run a method three times after a warm-up, or once if it takes long; the median time."""
+    """Return the results and median time of three runs, or one run if it is slow."""
     first = _warm(scene, method, cells, settings, watch)
     times = [first.seconds]
     while len(times) < 3 and times[0] * first.velocity.size < 0.5 and not watch.stopped():
@@ -233,7 +235,7 @@ def _repeated(
 def _groups(
     cells: Mapping[str, Array], truth: Array, hops: NDArray[np.bool_]
 ) -> Iterator[tuple[str, dict[str, Array], Array]]:
-    """Yield the cells that slide and those that hop, with the true velocities."""
+    """Yield the sliding and the hopping cells, with their true velocities."""
     for name, where in (("sliding", ~hops), ("hopping", hops)):
         if where.any():
             yield name, {key: values[where] for key, values in cells.items()}, truth[where]
@@ -242,7 +244,7 @@ def _groups(
 def point_of(
     setting: str, value: float, run: Means, truth: Array, floor: float = ROUNDING
 ) -> Point | None:
-    """Return the point of a run; None if a cell is missing: fewer are not to be compared."""
+    """Return the measured point of a run; None if a cell has no value."""
     error = np.abs(run.velocity - truth)
     if np.isnan(error).any():
         return None
@@ -257,6 +259,7 @@ def point_of(
 def _curve(
     method: str, group: str, points: Sequence[Point | None], says: str, slope: float, floor: float
 ) -> Curve:
+    """Return a curve of the measured points."""
     kept = tuple(point for point in points if point)
     return Curve("motion", f"{group} cells", method, kept, says, slope, floor, of="largest")
 
@@ -264,7 +267,7 @@ def _curve(
 def _by_steps(
     method: str, group: str, points: Sequence[Point | None], says: str, slope: float, floor: float
 ) -> Curve:
-    """Return a curve whose slope is over steps: what a call takes besides would bend it in time."""
+    """Return a curve whose slope is over the number of steps, not over time."""
     kept = [replace(p, more={**p.more, "steps": p.value}) for p in points if p]
     return replace(_curve(method, group, kept, says, slope, floor), cost="steps")
 
@@ -277,7 +280,7 @@ def _events(
     floor: float,
     watch: Watch,
 ) -> Iterator[Curve]:
-    """Yield the motion from event to event by its tolerance."""
+    """Yield the curves of event-driven simulation over its tolerance."""
     each = watch.part(1 / (len(TOLERANCES) * len(set(hops.tolist()))))
     for group, here, true in _groups(cells, truth, hops):
         points = [
@@ -301,7 +304,7 @@ def _stepping(
     floor: float,
     watch: Watch,
 ) -> Iterator[Curve]:
-    """Yield time stepping by its steps, and what two of its runs extrapolate to."""
+    """Yield the curves of time stepping over its steps, with extrapolation."""
     each = watch.part(1 / (len(STEPS) * len(set(hops.tolist()))))
     is_planar = "alpha" not in cells or not np.any(cells["alpha"])
     is_planar &= "radius" not in cells and "delta" not in cells
@@ -325,7 +328,7 @@ def _stepping(
 
 
 def _extrapolated(coarse: Means, fine: Means, steps: int, order: int) -> Means:
-    """Return the value at step 0 by two runs, if the error is a power of the step."""
+    """Return two runs extrapolated to step 0, for an error that is a power of the step."""
     # A run with n steps tells what its finer part gave, with 2n + 1.
     factor = ((2 * steps + 1) / (steps + 1)) ** order - 1
     return replace(
@@ -343,7 +346,7 @@ def _regularised(
     hops: NDArray[np.bool_],
     watch: Watch,
 ) -> Iterator[Curve]:
-    """Yield the stiff integrators by slip speed, the stiffness its square's inverse."""
+    """Yield the curves of stiff integrators over slip speed, with matching stiffness."""
     first = representatives(hops)
     each = watch.part(1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}
@@ -361,13 +364,13 @@ def _regularised(
 
 
 def representatives(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Return the places of a cell that hops and of one that slides, for what takes long."""
+    """Return the indices of one hopping and one sliding cell, for slow methods."""
     return np.sort(
         np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
     )
 
 
 def kinds_of(hops: NDArray[np.bool_]) -> str:
-    """Return the kinds of motion of cells; those of `representatives` have the same ones."""
+    """Return the kind of motion of each cell, hopping or sliding."""
     names = [name for name, there in (("sliding", ~hops), ("hopping", hops)) if there.any()]
     return " and ".join(names)

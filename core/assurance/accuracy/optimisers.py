@@ -66,7 +66,7 @@ def run_optimiser(
     watch: Watch,
     seconds: float = math.inf,
 ) -> OptimiserResult:
-    """Return the result of a method within some seconds, after a first design that compiles it.
+    """Return the result of a method within some seconds, after one design for compiling.
 
     scipy's methods, which take long for each design, have nothing to compile.
     """
@@ -98,7 +98,7 @@ def run_optimiser(
 def measure(
     optimisation: Optimisation, watch: Watch, seconds: float, methods: Collection[str] = METHODS
 ) -> Measured:
-    """Return gap, error of the variables and time of methods for the study's problem.
+    """Return gap, errors of the variables and time of each method for a study's problem.
 
     They share the seconds.
     """
@@ -161,7 +161,7 @@ def _results_of(
     watch: Watch,
     seconds: float,
 ) -> tuple[dict[str, OptimiserResult], list[str]]:
-    """Return the results of methods, and those that were not done; they share the seconds."""
+    """Return the results of methods, and those that were left out for lack of time."""
     results: dict[str, OptimiserResult] = {}
     ends = time.monotonic() + seconds
     for position, name in enumerate(names):
@@ -178,7 +178,7 @@ def _results_of(
 def _reference(
     results: Mapping[str, OptimiserResult], problem: OptimisationProblem
 ) -> tuple[Array, Array, str]:
-    """Return the best objective that is known of each design, the variables there, and of whom."""
+    """Return the best known objective of each design with its variables and its method."""
     values = np.stack([result.value for result in results.values()])
     winner = np.asarray(values.argmax(axis=0))
     best = values.max(axis=0)
@@ -203,7 +203,7 @@ def _point(
     apart: Array,
     used: NDArray[np.bool_],
 ) -> Point:
-    """Return gap, error of the variables and time of a method, over the designs that it reached."""
+    """Return gap, errors and time of a method, over the designs that it solved."""
     lost = ~np.isfinite(result.value[used])
     value = np.where(lost, best[used], result.value[used])
     gap = np.where(lost, np.inf, np.abs(best[used] - value) / size[used])
@@ -218,6 +218,7 @@ def _point(
 
 
 def _kind(name: str, problem: OptimisationProblem) -> str:
+    """Return the description of a reference method for a problem."""
     tests: dict[str, tuple[Callable[[OptimisationProblem], bool], str]] = {
         "exact": (is_closed, "the closed form (method exact)"),
         "newton": (is_compiled, "the batch solver (method newton), at its own tolerance of 1e-10"),

@@ -36,7 +36,7 @@ class PageSection:
 
 
 def write_page(title: str, head: Sequence[str], sections: Sequence[PageSection]) -> str:
-    """Return the page: the head's paragraphs, then the sections."""
+    """Return the page in Markdown: head, then sections."""
     parts = [f"# {title}", *head]
     for section in sections:
         parts += [f"## {section.title}", section.body]
@@ -44,7 +44,7 @@ def write_page(title: str, head: Sequence[str], sections: Sequence[PageSection])
 
 
 def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
-    """Return the first paragraphs: what the page is, and what its numbers depend on."""
+    """Return the first paragraphs: the page's purpose, and the conditions of measurement."""
     return [
         "Error against run time, measured by the program itself. The whole page is made by the "
         "command",
@@ -61,7 +61,7 @@ def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
 def sections_of(
     part: ReportPart, pictures: Mapping[str, str], seconds: float = SECONDS
 ) -> Iterator[PageSection]:
-    """Yield a section for each family of a study, each of which had so many seconds.
+    """Yield the section of each family of a study.
 
     `pictures` holds the file of each family's picture, relative to the page.
     """
@@ -72,12 +72,13 @@ def sections_of(
 
 
 def command_of(name: str, family: str, seconds: float = SECONDS) -> str:
-    """Return the command that measures one family of one study, in so many seconds."""
+    """Return the command that repeats the measurement of one family."""
     words = ["vibrafeed", "report", name, "--only", family]
     return shlex.join(words + ([] if seconds == SECONDS else ["--seconds", f"{seconds:g}"]))
 
 
 def _body(part: ReportPart, measured: Measured, command: str, picture: str | None) -> str:
+    """Return the text of a family's section: notes, table, slopes, picture."""
     family = measured.family
     lines = [
         f"*{part.title}* ({part.scene}). Compared: {FAMILIES[family]}.",
@@ -97,6 +98,7 @@ def _body(part: ReportPart, measured: Measured, command: str, picture: str | Non
 
 
 def _table(columns: Sequence[Column], rows: Iterable[tuple[Curve, Point]]) -> str:
+    """Return a Markdown table of curves and points."""
     cells = [[cell(curve, point) for _, cell in columns] for curve, point in rows]
     return "\n".join(markdown_table([name for name, _ in columns], cells))
 
@@ -113,10 +115,12 @@ def _number(value: float) -> str:
 
 
 def _gap(value: float) -> str:
+    """Return a gap as text."""
     return "none found" if math.isinf(value) else _number(value)
 
 
 def _time(seconds: float) -> str:
+    """Return a time with its unit."""
     if math.isnan(seconds):
         return NO_NUMBER
     for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
@@ -126,22 +130,26 @@ def _time(seconds: float) -> str:
 
 
 def _share(value: float) -> str:
+    """Return a share in per cent."""
     return NO_NUMBER if math.isnan(value) else f"{value:.0%}".replace("%", " %")
 
 
 def _slope(value: float) -> str:
+    """Return a slope as text."""
     if value == STEEP:
         return "steep: less error at the same cost"
     return NO_NUMBER if math.isnan(value) else f"{round(value, 2) + 0.0:.2f}"
 
 
 def _fitted(curve: Curve, _: Point) -> str:
+    """Return the fitted slope of a curve as text."""
     if all(numbers_of(point, curve.of) <= curve.floor for point in curve.points):
         return "all at the reference's error"
     return _slope(curve.slope)
 
 
 def _more(name: str, show: Callable[[float], str] = _number) -> Callable[[Curve, Point], str]:
+    """Return the function that shows a further measurement in a table cell."""
     return lambda _, point: show(numbers_of(point, name))
 
 

@@ -62,7 +62,7 @@ def measure_study(
     seconds: float = SECONDS,
     only: Collection[str] = (),
 ) -> ReportPart:
-    """Return the measurements of a study.
+    """Return the accuracy measurements of a study.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def measure_study(
 def measure_family(
     prepared: Prepared, family: str, watch: Watch, seconds: float = SECONDS
 ) -> Measured | None:
-    """Return the measurements of one family for a study; None if it has none.
+    """Return the measurements of one family for a study; None if it does not apply.
 
     After so many seconds it starts nothing new.
     """
@@ -109,7 +109,7 @@ def measure_family(
 def part_of(
     prepared: Prepared, name: str, measured: Sequence[Measured], facts: Mapping[str, str]
 ) -> ReportPart:
-    """Return the measurements of a study together; `facts` is what `machine` told."""
+    """Return measurements of a study with the facts about machine and versions."""
     plan = prepared.plan
     return ReportPart(
         name,
@@ -121,7 +121,7 @@ def part_of(
 
 
 def machine() -> dict[str, str]:
-    """Return the facts that the numbers depend on besides the program: machine, date, versions."""
+    """Return the facts that measurements depend on: machine, date, versions."""
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}{_load()}",
@@ -132,7 +132,7 @@ def machine() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """Return the name of the processor as the system has it."""
+    """Return the name of the processor."""
     try:
         for line in Path("/proc/cpuinfo").read_text().splitlines():
             if line.startswith("model name"):
@@ -143,13 +143,14 @@ def _processor() -> str:
 
 
 def _load() -> str:
-    """Return the number of other processes that compete for the cores, where the system tells."""
+    """Return the number of other busy processes, if the system tells it."""
     if not hasattr(os, "getloadavg"):
         return ""
     return f", load {os.getloadavg()[0]:.1f} over the last minute"
 
 
 def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measured | None:
+    """Return the measurements of a family."""
     measures: dict[str, Callable[[], Measured | None]] = {
         "closed_forms": lambda: closed_forms.measure(prepared, watch),
         "model": lambda: _model(prepared, watch),
@@ -161,6 +162,7 @@ def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measur
 
 
 def _model(prepared: Sweep, watch: Watch) -> Measured | None:
+    """Return the deviations of closed forms from the motion; a note if there is no motion."""
     moving = model.motion_of_sweep(prepared)
     if moving is None:
         note = "Scene and parameters of this sweep do not define a motion in time."
@@ -169,6 +171,7 @@ def _model(prepared: Sweep, watch: Watch) -> Measured | None:
 
 
 def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
+    """Return the measurements of simulation methods; a note for tumbling parts."""
     moving: Any = prepared
     if prepared.plan.scene.choice == "method":  # it is a motion itself
         if not motion.is_point_part(prepared.plan.scene):
@@ -180,6 +183,7 @@ def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
 
 
 def _storage(prepared: Prepared, watch: Watch) -> Measured:
+    """Return the measurements of storage formats for a study's result."""
     is_fast = prepared.not_lazy is None or prepared.plan.variant == "events"
     most = MAX_CELLS if is_fast else MAX_CELLS_MOTION
     half = watch.part(0.5)
@@ -203,7 +207,7 @@ def _storage(prepared: Prepared, watch: Watch) -> Measured:
 
 
 def thinned(grid: Grid, most: int) -> Grid:
-    """Return a grid of at most so many cells: fewer values of the longest axes, evenly chosen."""
+    """Return a grid of at most `most` cells, with fewer values on its longest axes."""
     sizes = dict(grid.shape)
     while math.prod(sizes.values()) > most:
         longest = max(sizes, key=lambda name: sizes[name])

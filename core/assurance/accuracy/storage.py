@@ -45,7 +45,7 @@ class StorageFormat:
 
     @property
     def half_quantum(self) -> float:
-        """Largest error of a normal number as a share of it; 0 if nothing is cut off.
+        """The largest relative rounding error of a normal number; 0 for exact formats.
 
         A float32 of fewer bits is rounded twice.
         """
@@ -68,7 +68,7 @@ SERIES: dict[str, tuple[StorageFormat, ...]] = {
 
 
 def measure(table: Table, watch: Watch) -> Measured:
-    """Return error, size and time of the formats for a result."""
+    """Return error, size and writing time of each storage format for a result."""
     values = {n: v.values for n, v in table.variables.items() if v.values.dtype.kind == "f"}
     count = sum(variable.values.size for variable in table.variables.values())
     everything = sum(len(formats) for formats in SERIES.values())
@@ -105,7 +105,7 @@ def measure(table: Table, watch: Watch) -> Measured:
 
 
 def write_as(table: Table, path: Path, storage_format: StorageFormat) -> None:
-    """Write a table in a format."""
+    """Write a table in a storage format."""
     if storage_format.dtype == "float32":
         # Coordinates stay as they are: a cell is to be found again.
         table = replace(
@@ -125,12 +125,13 @@ def write_as(table: Table, path: Path, storage_format: StorageFormat) -> None:
 
 
 def _short(values: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return values in 32 bits."""
     with np.errstate(over="ignore"):  # an infinite error tells
         return values.astype(np.float32)
 
 
 def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np.float64]:
-    """Return the error of each finite value of a file that is not 0, as a share of it."""
+    """Return the relative error of each finite, nonzero value in a file."""
     errors = []
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
@@ -148,6 +149,7 @@ def _point(
     path: Path,
     count: int,
 ) -> Point:
+    """Return a measured point of a storage format: error, size, time."""
     write: Callable[[], None] = lambda: write_as(table, path, storage_format)  # noqa: E731
     seconds = median_seconds(write, REPEATS, least=0.0) / count
     errors = errors_of_file(path, values)

@@ -65,16 +65,16 @@ class Form:
 
     @property
     def letter(self) -> str:
-        """The letter of its family."""
+        """The letter of the form's family."""
         return self.name.partition("-")[0]
 
     @property
     def formula(self) -> Formula:
-        """The formula behind it."""
+        """The formula of the form."""
         return FORMULAS[self.name]
 
     def cases(self) -> Iterator[Case]:
-        """Yield the listed cases."""
+        """Yield the listed cases of the form."""
         for number, row in enumerate(self.listed, 1):
             digits = row["expected"]
             yield Case(
@@ -96,7 +96,7 @@ class Form:
             )
 
     def random(self, count: int, seed: int) -> Iterator[Case]:
-        """Yield cases with random inputs; the first ones do not depend on how many."""
+        """Yield random cases of the form; the first ones do not depend on the count."""
         draw = np.random.default_rng([seed, zlib.crc32(self.name.encode())])
         for number in range(1, count + 1):
             inputs = self.formula.random(draw)
@@ -118,7 +118,7 @@ class Form:
 
 @cache
 def forms() -> Mapping[str, Form]:
-    """Return all forms, by name, in the order of the files."""
+    """Return all forms by name, in file order."""
     names = sorted(
         file.name.removesuffix(".toml")
         for file in files(__name__).iterdir()
@@ -128,6 +128,7 @@ def forms() -> Mapping[str, Form]:
 
 
 def _form(name: str) -> Form:
+    """Return the form in a TOML file."""
     content = tomllib.loads((files(__name__) / f"{name}.toml").read_text(encoding="utf-8"))
     relative = "relative" in content
     same = ("family", "title", "source", "truth", "relation", "unit", "why", "inputs")

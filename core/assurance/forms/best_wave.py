@@ -29,7 +29,7 @@ def value(inputs: Inputs) -> float:
 
 
 def wave(inputs: Inputs) -> dict[str, float]:
-    """Return the drive in its three phases: carry, away, catch.
+    """Return the fastest drive in its three phases: carry, away, catch.
 
     It carries the part for `EDGE` longer, less a tenth of that in strength, so that the part is
     caught just after the track has turned.
@@ -55,7 +55,7 @@ def reached_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def stated_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the fastest velocity that the program states for that acceleration."""
+    """Return the terms of the largest velocity that the program states for the acceleration."""
     drive = {
         **{name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")},
         "acceleration_along_1": inputs["most"] * GRAVITY,
@@ -65,7 +65,7 @@ def stated_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def random_limits(random: Generator) -> dict[str, float]:
-    """Return inputs with a largest acceleration that frees the part."""
+    """Return random inputs whose largest acceleration makes the part slip."""
     kinetic = float(random.uniform(0.05, 0.6))
     static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.6)]))
     return {
@@ -77,7 +77,7 @@ def random_limits(random: Generator) -> dict[str, float]:
 
 
 def random_steps(random: Generator) -> dict[str, float]:
-    """Return inputs with a wave of two to six steps, the largest of which is the limit."""
+    """Return random inputs of a wave with two to six steps; the largest is the limit."""
     inputs = random_limits(random)
     count = int(random.integers(2, 7))
     levels = random.uniform(-1, 1, count)
@@ -91,7 +91,7 @@ def random_steps(random: Generator) -> dict[str, float]:
 
 
 def steps_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity under a wave of steps."""
+    """Return the terms of the mean velocity under a wave of steps."""
     drive = {name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")}
     count = sum(name.startswith("level_") for name in inputs)
     for number in range(1, count + 1):

@@ -26,7 +26,7 @@ def _along(inputs: Inputs) -> float:
 
 
 def _share(inputs: Inputs, drive: dict[str, float]) -> tuple[Term, ...]:
-    """Return the mean velocity over the largest speed of the track along itself."""
+    """Return the terms of the mean velocity over the largest speed of the track."""
     drive |= {"frequency": FREQUENCY, "friction": inputs["friction"]}
     return speed(drive, times=1 / (_along(inputs) * CIRCULAR))
 
@@ -35,7 +35,7 @@ def _share(inputs: Inputs, drive: dict[str, float]) -> tuple[Term, ...]:
 
 
 def ellipse_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity under an ellipse, over A_x w."""
+    """Return the terms of the mean velocity under an elliptic drive, over A_x w."""
     normal = inputs["throw"] * GRAVITY * sine_cosine(inputs["gamma"])[1] / CIRCULAR**2
     return _share(
         inputs,
@@ -67,7 +67,7 @@ def ellipse(inputs: Inputs) -> float:
 
 
 def random_ellipse(random: Generator) -> dict[str, float]:
-    """Return inputs on slopes that are less steep than the steepest climb."""
+    """Return random inputs on slopes less steep than the steepest climb."""
     throw, phase = float(random.uniform(0.1, 1)), float(random.uniform(-180, 180))
     friction = float(random.uniform(0.1, 0.9))
     steepest = climb({"throw": throw, "phase": phase, "friction": friction})
@@ -82,19 +82,19 @@ def climb(inputs: Inputs) -> float:
 
 
 def climb_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity on the steepest climb, over A_x w."""
+    """Return the terms of the mean velocity on the steepest climb, over A_x w."""
     return ellipse_terms({**inputs, "gamma": climb(inputs)})
 
 
 def random_climb(random: Generator) -> dict[str, float]:
-    """Return inputs whose ellipse conveys upwards."""
+    """Return random inputs of an ellipse that conveys upwards."""
     inputs = random_ellipse(random)
     del inputs["gamma"]
     return inputs | {"phase": float(random.uniform(-170, -10))}
 
 
 def at_rest(inputs: Inputs) -> float:
-    """Return 0: the part neither climbs nor falls back."""
+    """Return 0: on the steepest climb the part neither climbs nor falls back."""
     return 0.0
 
 
@@ -102,7 +102,7 @@ def at_rest(inputs: Inputs) -> float:
 
 
 def line_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity under a drive along a line, over Gamma mu g/w."""
+    """Return the terms of the mean velocity under a straight drive, over Gamma mu g/w."""
     drive = {
         "frequency": FREQUENCY,
         "friction": inputs["friction"],
@@ -131,7 +131,7 @@ def random_line(random: Generator) -> dict[str, float]:
 
 
 def second_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity under a track whose speed is cos(t) + e cos(2 t), over A w."""
+    """Return the terms of the mean velocity under track speed cos(t) + e cos(2 t), over A w."""
     along = _along(inputs)
     return _share(
         inputs,

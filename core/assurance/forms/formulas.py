@@ -50,13 +50,13 @@ def simulation(output: str, parameters: Mapping[str, Any], **more: Any) -> Conte
 
 
 def speed(parameters: Mapping[str, Any], times: float = MM, minus: float = 0.0) -> tuple[Term, ...]:
-    """Return the mean velocity of a part on a plane as the one term of an answer."""
+    """Return the mean velocity of a part on a plane as the only term of a result."""
     output = "conveying_velocity"
     return (Term(simulation(output, parameters), output, times=times, minus=minus),)
 
 
 def sine_cosine(degrees: float) -> tuple[float, float]:
-    """Return sine and cosine of an angle."""
+    """Return sine and cosine of an angle in degrees."""
     angle = math.radians(degrees)
     return math.sin(angle), math.cos(angle)
 
@@ -65,7 +65,7 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
 
 
 def two_level_drive(inputs: Inputs) -> dict[str, float]:
-    """Return the drive that pulls gently around a sharp piece the other way."""
+    """Return the drive with a long gentle and a short sharp level of acceleration."""
     slow, fast = inputs["gentle"], inputs["sharp"]
     first = fast / (2 * (slow + fast))
     return {
@@ -80,7 +80,7 @@ def two_level_drive(inputs: Inputs) -> dict[str, float]:
 
 
 def two_levels_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity under two levels of acceleration."""
+    """Return the terms of the mean velocity under two levels of acceleration."""
     drive = two_level_drive(inputs)
     drive |= {name: inputs[name] for name in ("friction_static", "friction_kinetic")}
     drive |= {"gamma": inputs["gamma"]} if inputs.get("gamma") else {}
@@ -101,7 +101,7 @@ def two_levels(inputs: Inputs) -> float:
 
 
 def random_two_levels(random: Generator) -> dict[str, float]:
-    """Return inputs with a part that sticks at the gentle level and slips at the sharp one.
+    """Return random inputs of a part that sticks at the gentle level and slips at the sharp one.
 
     A third on the level, a third on a slope, a third held down on a slope or an upright rail.
     """
@@ -130,7 +130,7 @@ def random_two_levels(random: Generator) -> dict[str, float]:
 
 
 def winkler_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the mean velocity under Winkler's wave."""
+    """Return the terms of the mean velocity under Winkler's wave."""
     along, normal = inputs["along"] * GRAVITY, inputs["normal"] * GRAVITY
     return speed(
         {
@@ -154,7 +154,7 @@ def winkler(inputs: Inputs) -> float:
 
 
 def random_winkler(random: Generator) -> dict[str, float]:
-    """Return inputs with mu_s (g - q) < u <= mu_s (g + q), q < g."""
+    """Return random inputs with mu_s (g - q) < u <= mu_s (g + q), q < g."""
     kinetic = float(random.uniform(0.05, 0.8))
     static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.3)]))
     q = float(random.uniform(0.15, 0.95))

@@ -26,7 +26,7 @@ LATER = 0.1
 
 
 def random_harmonics(random: Generator) -> dict[str, float]:
-    """Return a part that stays on the floor, under up to three harmonics on each axis.
+    """Return random inputs of a part in contact, under up to three harmonics on each axis.
 
     One coefficient of friction: then all starts lead to one motion.
     """
@@ -47,7 +47,7 @@ def random_harmonics(random: Generator) -> dict[str, float]:
 
 
 def _pace(inputs: Inputs) -> float:
-    """Return a bound of the speed of the track along itself [m s-1]."""
+    """Return an upper bound of the track's speed along itself [m s-1]."""
     w = 2 * math.pi * inputs["frequency"]
     amplitudes = [
         int(name[-1]) * w * value
@@ -58,18 +58,18 @@ def _pace(inputs: Inputs) -> float:
 
 
 def _compared(inputs: Inputs, other: Mapping[str, Any], sign: float) -> tuple[Term, ...]:
-    """Return the speed under one drive, plus that under another times a sign."""
+    """Return the terms of the speed under one drive, plus `sign` times that under another."""
     scale = 1 / _pace(inputs)
     return (*speed(inputs, times=scale), *speed(other, times=sign * scale))
 
 
 def nothing(inputs: Inputs) -> float:
-    """Return 0."""
+    """Return 0, the value of all differences of equal speeds."""
     return 0.0
 
 
 def shifted_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the speed under a drive, less that under the same drive later."""
+    """Return the terms of the speed under a drive less that under the time-shifted drive."""
     later = {
         name: value + math.degrees(int(name[-1]) * SHIFT) if name.startswith("phase_") else value
         for name, value in inputs.items()
@@ -78,7 +78,7 @@ def shifted_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def mirrored_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the speed under a drive, plus that of its mirror image on the mirrored slope."""
+    """Return the terms of the speed plus that of the mirror image on the mirrored slope."""
     image = {
         name: value + 180.0 if name.startswith("phase_along_") else value
         for name, value in inputs.items()
@@ -87,14 +87,14 @@ def mirrored_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def reversed_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the speed under a drive, plus that with its second harmonic turned by half a turn."""
+    """Return the terms of the speed plus that with the second harmonic shifted by half a turn."""
     return _compared(
         inputs, _turned({**inputs, "phase_along_2": inputs["phase_along_2"] + 180}), 1.0
     )
 
 
 def random_reversed(random: Generator) -> dict[str, float]:
-    """Return inputs of two harmonics along a level track, and a constant load."""
+    """Return random inputs of two harmonics along a level track with constant load."""
     inputs = random_harmonics(random)
     first, second = sorted(random.uniform(0.5, 3, 2), reverse=True)
     unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
@@ -108,12 +108,12 @@ def random_reversed(random: Generator) -> dict[str, float]:
 
 
 def doubled_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the speed where the track moves along at w and normal at 2 w."""
+    """Return the terms of the speed for a track that moves along at w and normal at 2 w."""
     return speed(inputs, times=1 / _pace(inputs))
 
 
 def random_doubled(random: Generator) -> dict[str, float]:
-    """Return inputs of a part that stays on a level floor."""
+    """Return random inputs of a part in contact with a level floor."""
     inputs = random_harmonics(random)
     unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
@@ -126,7 +126,7 @@ def random_doubled(random: Generator) -> dict[str, float]:
 
 
 def _turned(inputs: Mapping[str, float]) -> dict[str, float]:
-    """Return a drive with its phases from -180 to 180 degrees, as studies take them."""
+    """Return a drive with phases reduced to -180 to 180 degrees."""
     return {
         name: math.remainder(value, 360.0) if name.startswith("phase_") else value
         for name, value in inputs.items()
@@ -137,7 +137,7 @@ def _turned(inputs: Mapping[str, float]) -> dict[str, float]:
 
 
 def work_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the work of the track, less heat, impacts and lift, over g times the drive's pace."""
+    """Return the terms of the energy balance: work of the track less heat, impacts and lift."""
     scale = 1 / (GRAVITY * _pace(inputs))
     lift = GRAVITY * sine_cosine(inputs["gamma"])[0]
     signs = {"drive_power": 1.0, "friction_power": -1.0, "impact_power": -1.0}
@@ -149,7 +149,7 @@ def work_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def random_hopping(random: Generator) -> dict[str, float]:
-    """Return a part that slides or hops without rebound, under a drive along a line."""
+    """Return random inputs of a sliding or hopping part without rebound, under a straight drive."""
     inputs = random_harmonics(random)
     unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
@@ -163,7 +163,7 @@ def random_hopping(random: Generator) -> dict[str, float]:
 
 
 def velocity_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the part's distance, after a cycle, from where it was."""
+    """Return the terms of the part's displacement over a cycle."""
     output, scale = "relative_velocity_along", 1 / _pace(inputs)
     study = simulation("conveying_velocity", inputs, trajectory=2)
     return (
@@ -181,17 +181,17 @@ def threshold(inputs: Inputs) -> float:
 
 
 def stick_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the share of the period in which friction holds the part."""
+    """Return the terms of the share of the period in which the part sticks."""
     return (Term(simulation("stick_fraction", _sine(inputs)), "stick_fraction"),)
 
 
 def turning_phase(inputs: Inputs) -> float:
-    """Return the phase at which the slip turns, cos(theta) = pi mu g/(2 A w^2)."""
+    """Return the phase at which the slip reverses, cos(theta) = pi mu g/(2 A w^2)."""
     return math.acos(math.pi * inputs["friction_kinetic"] / 2 / inputs["push"])
 
 
 def turn_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the velocity of slip a little later than it turns, over A w."""
+    """Return the terms of the slip velocity shortly after it reverses, over A w."""
     w = 2 * math.pi * inputs["frequency"]
     later = (turning_phase(inputs) + LATER) / w
     study = simulation("conveying_velocity", _sine(inputs), trajectory=[later])
@@ -200,25 +200,26 @@ def turn_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def turned(inputs: Inputs) -> float:
-    """Return that velocity: the part is braked by mu g from the speed of the track at the turn."""
+    """Return the slip velocity shortly after reversal: braked by mu g from the track's speed."""
     theta = turning_phase(inputs)
     braked = math.cos(theta) - inputs["friction_kinetic"] / inputs["push"] * LATER
     return braked - math.cos(theta + LATER)
 
 
 def _sine(inputs: Inputs) -> dict[str, float]:
+    """Return the parameters of a sine drive along the track."""
     frictions = {name: inputs[name] for name in ("friction_static", "friction_kinetic")}
     amplitude = inputs["push"] * GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {"frequency": inputs["frequency"], "amplitude": amplitude, "beta": 0.0, **frictions}
 
 
 def sticks(inputs: Inputs) -> float:
-    """Return a share of the period that is no rounding."""
+    """Return the least share of sticking that is more than rounding."""
     return 1e-8
 
 
 def random_above(random: Generator, times: float = 1 + 1e-6) -> dict[str, float]:
-    """Return inputs whose largest acceleration is the threshold times a factor."""
+    """Return random inputs whose largest acceleration is `times` the threshold."""
     kinetic = float(random.uniform(0.05, 0.8))
     inputs = {
         "frequency": float(random.uniform(10, 120)),
@@ -229,12 +230,12 @@ def random_above(random: Generator, times: float = 1 + 1e-6) -> dict[str, float]
 
 
 def random_below(random: Generator) -> dict[str, float]:
-    """Return inputs just below the threshold."""
+    """Return random inputs just below the threshold."""
     return random_above(random, 1 - 1e-6)
 
 
 def random_far_above(random: Generator) -> dict[str, float]:
-    """Return inputs of a part that never sticks."""
+    """Return random inputs of a part that never sticks."""
     return random_above(random, float(random.uniform(1.01, 4)))
 
 

@@ -14,12 +14,13 @@ WIDE = 1e12
 
 
 def _share(scene: str, output: str, **sizes: float) -> tuple[Term, ...]:
+    """Return the terms of a resting share."""
     study = {"kind": "sweep", "scene": scene, "outputs": [output], "parameters": sizes}
     return (Term(study, output),)
 
 
 def box_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the share that rests flat, the face being length by width."""
+    """Return the terms of the share that rests flat, for a face of length by width."""
     sizes = {"length": inputs["a"], "width": inputs["b"], "height": inputs["c"]}
     return _share("rectangle-isolated", "resting_share_flat", **sizes)
 
@@ -31,12 +32,12 @@ def box(inputs: Inputs) -> float:
 
 
 def random_box(random: Generator) -> dict[str, float]:
-    """Return sizes within two orders of magnitude."""
+    """Return random sizes within two orders of magnitude."""
     return {name: 10.0 ** float(random.uniform(-3, -1)) for name in "abc"}
 
 
 def cylinder_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the share that rests on the round side."""
+    """Return the terms of the share that rests on the round side."""
     return _share("cylinder-isolated", "resting_share_on_side", **inputs)
 
 
@@ -46,12 +47,12 @@ def cylinder(inputs: Inputs) -> float:
 
 
 def random_cylinder(random: Generator) -> dict[str, float]:
-    """Return sizes within two orders of magnitude."""
+    """Return random sizes within two orders of magnitude."""
     return {name: 10.0 ** float(random.uniform(-3, -1)) for name in ("length", "diameter")}
 
 
 def rectangle_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the share that rests flat of a box so wide that no other face counts."""
+    """Return the terms of the share that rests flat, for a box too wide for its other faces."""
     sizes = {"length": inputs["long"], "width": WIDE * inputs["long"], "height": inputs["short"]}
     return _share("rectangle-isolated", "resting_share_flat", **sizes)
 
@@ -62,7 +63,7 @@ def rectangle(inputs: Inputs) -> float:
 
 
 def random_rectangle(random: Generator) -> dict[str, float]:
-    """Return a short and a long side."""
+    """Return a random short and a random long side."""
     short = 10.0 ** float(random.uniform(-3, -1))
     return {"long": short * float(random.uniform(1, 20)), "short": short}
 

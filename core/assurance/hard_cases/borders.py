@@ -21,7 +21,7 @@ from core.assurance.textbook import exact
 
 
 def regime_borders() -> list[Case]:
-    """Return cases at throw number 1, where hop follows hop, and where periods double."""
+    """Return hard cases at regime borders: throw number 1, hop after hop, period doubling."""
     family = "throw number 1, and regime borders"
     cases = []
     upright = {"frequency": 50.0, "amplitude": 1e-4, "beta": 90.0}
@@ -65,7 +65,7 @@ def regime_borders() -> list[Case]:
 
 
 def painleve() -> list[Case]:
-    """Return cases of a corner whose response to a force vanishes."""
+    """Return hard cases of a corner whose response to a force vanishes (Painleve)."""
     family = "m tau to 0 (Painleve)"
     s = math.atan2(0.03, 0.02) + math.radians(5.0)
     limit = (4 + math.tan(s) ** 2) / (3 * math.tan(s))

@@ -24,7 +24,7 @@ from core.assurance.textbook import EPSILON
 
 
 def slow_and_fast_drives() -> list[Case]:
-    """Return cases of frequencies from 1e-9 to 1e12 Hz."""
+    """Return hard cases with frequencies from 1e-9 to 1e12 Hz."""
     family = "frequencies of 1e-3 and 1e5 Hz"
     cases = []
     for frequency in (1e-9, 1e-3, 1e5, 1e12):
@@ -56,7 +56,7 @@ def slow_and_fast_drives() -> list[Case]:
 
 
 def subnormal_amplitudes() -> list[Case]:
-    """Return cases of amplitudes that are no normal floats."""
+    """Return hard cases with subnormal amplitudes."""
     family = "subnormal amplitudes"
     cases = []
     for amplitude in (5e-324, 1e-310, 2.3e-308):
@@ -113,7 +113,7 @@ def subnormal_amplitudes() -> list[Case]:
 
 
 def angles() -> list[Case]:
-    """Return cases of angles at their limits, and an ulp beyond."""
+    """Return hard cases with angles at their limits and one rounding beyond."""
     family = "angles at and beyond their limits"
     P = 4e-4 * W * W
     cases = []

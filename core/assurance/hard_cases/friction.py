@@ -27,7 +27,7 @@ from core.motion.methods.regularised.laws import Cell, laws
 
 
 def little_and_much_friction() -> list[Case]:
-    """Return cases without friction, and with friction far above 1."""
+    """Return hard cases without friction and with friction far above 1."""
     family = "friction from 0 to far above 1"
     cases = [
         hard_case(
@@ -87,7 +87,7 @@ def little_and_much_friction() -> list[Case]:
 
 
 def _sliding_on_both_sides(mu: float) -> Truth:
-    """Return the mean velocity of a part that never sticks, for mu -> 0.
+    """Return the mean velocity of a part that never sticks, in the limit mu -> 0.
 
     At the mean velocity 0 it slides forward as long as backward, -cos(tau) being positive, and the
     normal force is even about pi/2, as friction's sign is odd: friction has no mean there.
@@ -99,7 +99,7 @@ def _sliding_on_both_sides(mu: float) -> Truth:
 
 
 def met_thresholds() -> list[Case]:
-    """Return cases where friction is just as large as what it has to hold."""
+    """Return hard cases in which friction is exactly as large as the force it holds."""
     family = "stick thresholds met with equality"
     P = 1e-4 * W * W
     level = {"frequency": 50.0, "amplitude": 1e-4, "beta": 0.0}
@@ -151,7 +151,7 @@ def met_thresholds() -> list[Case]:
 
 
 def stiff_friction() -> list[Case]:
-    """Return cases of regularised friction, down to a slip speed of 1e-12."""
+    """Return hard cases of regularised friction, with slip speeds down to 1e-12."""
     family = "regularised friction down to 1e-12"
     slides = {"frequency": 60.0, "amplitude": 24e-6, "beta": 20.0, "gravity": 9.8,
               "friction_static": 0.35, "friction_kinetic": 0.25}  # fmt: skip
@@ -188,7 +188,7 @@ def stiff_friction() -> list[Case]:
 
 
 def _explicit_crawls() -> CaseValues:
-    """Return the number of evaluations of RK45 in a period for each one of Radau."""
+    """Return the evaluations per period of RK45 for each one of Radau."""
     slip, span = 1e-9, 1e-5
     drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8
     angle = math.radians(20)

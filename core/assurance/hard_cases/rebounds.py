@@ -22,12 +22,13 @@ from core.assurance.textbook import EPSILON
 
 
 def full_rebound() -> list[Case]:
-    """Return cases of impacts that take next to no energy."""
+    """Return hard cases of impacts that lose almost no energy."""
     family = "restitution 0.999 and 1"
     drop = {"length": 0.02, "height": 0.01, "friction": 0.3, "gravity": G, "drop_height": 1e-3}
     first = math.sqrt(2 * 1e-3 / G)
 
     def falls(restitution: float, output: str, **more: float) -> Content:
+        """Return the study of a falling part."""
         return {"kind": "simulate", "scene": "rectangle-isolated", "method": "events",
                 "outputs": [output],
                 "parameters": {**drop, "restitution": restitution, **more}}  # fmt: skip
@@ -89,13 +90,14 @@ def full_rebound() -> list[Case]:
 
 
 def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
-    """Return a function for the largest landing speed, by the height of the fall.
+    """Return a function for the largest landing speed, from the height of the highest hop.
 
     The floor moves by +-a, so the apex of that hop is within H +- 2a of where the part lands, and
     the floor comes to meet it or flees at up to a w; no other hop falls further than H + 2a.
     """
 
     def truth() -> Truth:
+        """Return the largest landing speed with its uncertainty by the phase."""
         table = results_of(motion("events", "hop_height", **parameters)).variables
         height = float(table["hop_height"].values)
         a = parameters["amplitude"] * math.sin(math.radians(parameters["beta"]))
@@ -110,9 +112,10 @@ def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
 
 
 def _other_phase(parameters: Content) -> Callable[[], Truth]:
-    """Return a function for the mean by time stepping, with its own spread."""
+    """Return a function for the mean velocity by time stepping, with its own error."""
 
     def truth() -> Truth:
+        """Return the mean velocity by time stepping."""
         content = motion("time-stepping", **parameters, steps_per_period=500)
         table = results_of(content).variables
         value, error = (
@@ -124,7 +127,7 @@ def _other_phase(parameters: Content) -> Callable[[], Truth]:
 
 
 def chatter() -> list[Case]:
-    """Return cases whose impacts come ever faster."""
+    """Return hard cases in which impacts follow each other ever faster."""
     family = "chatter"
     cases = []
     for restitution in (0.5, 0.9, 0.99, 0.999):
@@ -165,7 +168,7 @@ def chatter() -> list[Case]:
 
 
 def stiff_floor() -> list[Case]:
-    """Return cases of a regularised floor, up to a stiffness of 1e14."""
+    """Return hard cases of a sprung floor, with stiffness up to 1e14."""
     family = "contact stiffness to 1e14"
     hop = {"frequency": 60.0, "amplitude": 4e-4, "beta": 25.0, "gravity": 9.8, "friction": 0.4}
     cases = [

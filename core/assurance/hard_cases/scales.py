@@ -24,7 +24,7 @@ from core.assurance.textbook import EPSILON, exact
 
 
 def masses_and_sizes() -> list[Case]:
-    """Return cases of masses and lengths over twelve decades."""
+    """Return hard cases with masses and lengths over twelve decades."""
     family = "masses and sizes over twelve decades"
     cases = []
     for mass in (1e-9, 1e-3, 1e3):
@@ -61,6 +61,7 @@ def masses_and_sizes() -> list[Case]:
     }  # fmt: skip
 
     def scaled(size: float, mass: float) -> Content:
+        """Return the study of an impact of scaled bodies."""
         turn = math.radians(20.0)
         rise = size * (math.sin(turn) + 0.5 * math.cos(turn)) + 0.5 * size
         lengths = {"position_x_1": 0.1 * size, "position_y_1": rise, "length_1": 2 * size,
@@ -80,6 +81,7 @@ def masses_and_sizes() -> list[Case]:
     for size in (1e-6, 1e6):
         # Times grow as the root of the size.
         def falls(size: float) -> Content:
+            """Return the study of a falling part of a size."""
             return {"kind": "simulate", "scene": "rectangle-isolated", "method": "events",
                     "outputs": ["settling_time"],
                     "parameters": {"length": 2 * size, "height": size, "friction": 0.4,
@@ -97,13 +99,14 @@ def masses_and_sizes() -> list[Case]:
 
 
 def grids() -> list[Case]:
-    """Return cases of axes with one value, very many, or the same twice."""
+    """Return hard cases with one value on an axis, very many, or the same twice."""
     family = "grids: one point, 10^7 on an axis, repeated values"
     parameters = {**DRIVE, "amplitude": 5e-5, "gravity": G}
     axes = {name: [value] for name, value in parameters.items()}
     long_axis = {"start": 1.0, "stop": 100.0, "num": 10_000_000}
 
     def throws() -> Truth:
+        """Return the exact throw numbers on ten million cells."""
         frequencies = np.linspace(1.0, 100.0, 10_000_000)
         scale = 5e-5 * 4 * math.pi**2 * math.sin(math.radians(20)) / G
         values = scale * frequencies**2
@@ -112,6 +115,7 @@ def grids() -> list[Case]:
     quarters = hopping(0.88)
 
     def equal() -> Truth:
+        """Return the exact velocities of cells that pairwise share a motion."""
         # A0 w^2 is that of (50 Hz, A0) and (100 Hz, A0/4): one motion, at half the speed.
         once = by_reference(quarters)()
         hops = exact(textbook.hop_after_hop, frequency=100.0, beta=30.0, gamma=0.0, gravity=G)()

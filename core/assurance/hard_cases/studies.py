@@ -33,7 +33,7 @@ def hard_case(
     status: tuple[str, ...] = (),
     **more: Any,
 ) -> Case:
-    """Return a study at the edge of what numbers or methods bear, judged by one output.
+    """Return a hard case: a study at the limits of numbers or methods, judged by one output.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def sweep(scene: str, output: str, **parameters: Any) -> Content:
 
 
 def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
-    """Return study, output and truth of a velocity law on the track."""
+    """Return study, output and truth of a velocity formula on the track."""
     parameters = {**TRACK, **changes}
     if "time" in parameters:
         del parameters["distance"]
@@ -67,7 +67,7 @@ def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str,
 def plane(
     output: str, formula: textbook.Formula | None = None, **parameters: float
 ) -> dict[str, Any]:
-    """Return study, output and truth on the plane, of a formula of all that is given."""
+    """Return study, output and truth on the plane, by a formula of all parameters."""
     content = sweep("rectangle-on-plane", output, **parameters)
     return {
         "content": content,
@@ -91,7 +91,7 @@ def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str
 def motion(
     method: str = "events", output: str = "conveying_velocity", /, **parameters: Any
 ) -> Content:
-    """Return a simulation of a block on a plane; settings stand among the parameters."""
+    """Return a simulation of a block on a plane, settings among the parameters."""
     settings: Content = {
         name: parameters.pop(name)
         for name in ("slip_speed", "contact_stiffness", "tolerance", "max_periods",
@@ -106,7 +106,7 @@ def motion(
 
 
 def hopping(throw: float, **changes: Any) -> dict[str, Any]:
-    """Return parameters of a drive of 50 Hz at 30 degrees with the given throw number."""
+    """Return the parameters of a 50 Hz drive at 30 degrees with a throw number."""
     parameters = {"frequency": 50.0, "beta": 30.0, "gravity": G, "friction": 0.5} | changes
     w, beta = 2 * math.pi * parameters["frequency"], math.radians(parameters["beta"])
     gamma = math.radians(parameters.get("gamma", 0.0))
@@ -117,9 +117,10 @@ def hopping(throw: float, **changes: Any) -> dict[str, Any]:
 def from_study(
     content: Content, output: str, relative: float, source: str, factor: float = 1.0
 ) -> Callable[[], Truth]:
-    """Return a function for the output of another study, times a factor, with a relative error."""
+    """Return a function for another study's output times a factor, with a relative error."""
 
     def truth() -> Truth:
+        """Return the other study's output times the factor."""
         value = factor * float(results_of(content).variables[output].values)
         return Truth(value, relative * abs(value), source)
 
@@ -127,9 +128,10 @@ def from_study(
 
 
 def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
-    """Return the same value with a larger error: a limit, not reached."""
+    """Return a function for a limiting value, which is approached within a relative error."""
 
     def near() -> Truth:
+        """Return the limiting value with its relative error."""
         value = truth().value
         return Truth(value, relative * abs(value), "closed form of the limit that it is near")
 
@@ -137,12 +139,13 @@ def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
 
 
 def by_reference(parameters: Content) -> Callable[[], Truth]:
-    """Return a function for the mean without rebound, integrated at high order.
+    """Return a function for the mean velocity without rebound, by the reference method.
 
     Hops that die out while the part slides leave the mean as it is (theory 13.5).
     """
 
     def truth() -> Truth:
+        """Return the mean velocity by the reference method."""
         table = results_of(motion("reference", **parameters)).variables
         value = float(table["conveying_velocity"].values)
         return Truth(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")

@@ -25,7 +25,7 @@ from core.assurance.textbook import EPSILON, exact, exact_of_floats
 
 
 def large_and_small_bowls() -> list[Case]:
-    """Return cases whose radius goes to infinity, or to half the part's length."""
+    """Return hard cases with bowl radii up to infinity and down to half the part's length."""
     family = "radius to infinity, and just above h/2"
     h = 0.05
     cases = [
@@ -79,6 +79,7 @@ def _corner_force(parameters: Mapping[str, float]) -> Callable[[], Truth]:
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
     def force(*, mass: Any, length: Any, width: Any, radius: Any, friction: Any, **p: Any) -> Any:
+        """Return the force at the corner [N]."""
         rad = {name: p[name] * mp.pi / 180 for name in ("alpha", "beta", "gamma", "delta")}
         P = textbook.drive(frequency=p["frequency"], amplitude=p["amplitude"])
         across = p["gravity"] * mp.cos(rad["gamma"]) * mp.sin(rad["delta"])
@@ -91,7 +92,7 @@ def _corner_force(parameters: Mapping[str, float]) -> Callable[[], Truth]:
 
 
 def start_within_ulps() -> list[Case]:
-    """Return cases whose starting acceleration is a rounding away from 0."""
+    """Return hard cases whose starting acceleration is one rounding away from 0."""
     family = "K within ulps of 0"
     amplitude = 1e-4
     P = amplitude * W * W
@@ -151,7 +152,7 @@ def start_within_ulps() -> list[Case]:
 
 
 def long_and_short_ways() -> list[Case]:
-    """Return cases of distances and times from 1e-30 to 1e9."""
+    """Return hard cases with distances and times from 1e-30 to 1e9."""
     family = "distance and time from 1e-30 to 1e9"
     lengths = [
         hard_case(

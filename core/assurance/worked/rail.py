@@ -39,14 +39,14 @@ INPUTS = {
 
 @cache
 def runs() -> tuple[Mapping[str, float], ...]:
-    """Return the measured runs: frequency, a_s, a_m, force and speed of each."""
+    """Return the measured runs: frequency, both accelerations, force and speed of each."""
     with FILE.open(encoding="utf-8", newline="") as lines:
         rows = csv.DictReader(line for line in lines if not line.startswith("#"))
         return tuple({name: float(value) for name, value in row.items()} for row in rows)
 
 
 def cases() -> Iterator[Case]:
-    """Yield each run, and the scatter of those that the formula is for."""
+    """Yield a case for each run, and one for the scatter of all."""
     judged = []
     for number, run in enumerate(runs(), 1):
         (term,) = two_levels_terms(_inputs_of(run))
@@ -82,12 +82,13 @@ def cases() -> Iterator[Case]:
 
 
 def _title(run: Mapping[str, float]) -> str:
+    """Return the title of a run."""
     levels = f"{run['a_s']:g} g and {run['a_m']:g} g"
     return f"{run['frequency']:g} Hz, {levels}, {run['force']:g} N"
 
 
 def _inputs_of(run: Mapping[str, float]) -> dict[str, float]:
-    """Return the inputs of the formula for a part of 1 kg."""
+    """Return the formula's inputs for a run with a part of 1 kg."""
     return {
         "frequency": run["frequency"],
         "gentle": run["a_s"],

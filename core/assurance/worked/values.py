@@ -31,6 +31,7 @@ def worked_values() -> Mapping[str, Any]:
 
 
 def _motion(output: str, parameters: Mapping[str, Any]) -> Term:
+    """Return a term with the output of a simulation."""
     study = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": [output],
              "parameters": parameters}  # fmt: skip
     return Term(study, output)
@@ -38,6 +39,7 @@ def _motion(output: str, parameters: Mapping[str, Any]) -> Term:
 
 def _sweep(scene: str, output: str, parameters: Mapping[str, Any], pick: str = "value",
            variant: str = "derived") -> Term:  # fmt: skip
+    """Return a term with the output of a sweep."""
     study = {"kind": "sweep", "scene": scene, "variant": variant, "outputs": [output],
              "parameters": parameters}  # fmt: skip
     return Term(study, output, pick)
@@ -54,7 +56,7 @@ def _case(
     why: str = "13 digits: rounding of both",
     **more: Any,
 ) -> Case:
-    """Return a case of one number; its tolerance is 13 digits unless it says otherwise."""
+    """Return a case of one number, by default with a tolerance of 13 digits."""
     allowed = EXACT * abs(value) if tolerance is None else tolerance
     unit = more.pop("unit", QUANTITIES[terms[0].output].unit)
     known = Truth(value, allowed, source)
@@ -65,7 +67,7 @@ def _case(
 
 
 def mean_velocities() -> Iterator[Case]:
-    """Yield mean velocities that were worked out before this program."""
+    """Yield mean velocities that were computed independently of this program."""
     for number, row in enumerate(worked_values()["mean_velocities"], 1):
         parameters = {name: row[name] for name in INPUTS} | {"gravity": WORKED_GRAVITY}
         rebounds = row["restitution"] > 0
@@ -81,7 +83,7 @@ def mean_velocities() -> Iterator[Case]:
 
 
 def reference_speeds() -> Iterator[Case]:
-    """Yield mean velocities by throw number."""
+    """Yield mean velocities as functions of the throw number."""
     number = 0
     for row in worked_values()["reference_speeds"]:
         w, beta = 2 * math.pi * row["frequency"], math.radians(row["beta"])
@@ -108,7 +110,7 @@ def reference_speeds() -> Iterator[Case]:
 
 
 def hops() -> Iterator[Case]:
-    """Yield the time of a part in the air on a level track, and its landing speed."""
+    """Yield flight times on a level track, and landing speeds."""
     frequency, beta = 50.0, math.radians(30.0)
     w = 2 * math.pi * frequency
     for number, row in enumerate(worked_values()["hops"], 1):
@@ -136,7 +138,7 @@ def hops() -> Iterator[Case]:
 
 
 def closed_forms() -> Iterator[Case]:
-    """Yield outputs of closed forms, each as printed, corrected and with real contacts."""
+    """Yield outputs of closed forms: as printed, corrected, and with real contacts."""
     for number, row in enumerate(worked_values()["closed_forms"], 1):
         few = row.get("half_unit")
         term = _sweep(row["scene"], row["output"], row["given"], variant=row["variant"])
@@ -154,7 +156,7 @@ def closed_forms() -> Iterator[Case]:
 
 
 def limiting_friction() -> Iterator[Case]:
-    """Yield the friction up to which the contact of a corner is unique, and figures 3.3, 3.15."""
+    """Yield the friction up to which a corner's contact is unique, and figures 3.3, 3.15."""
     worked = {row["name"]: row for row in worked_values()["limiting_friction"]}
     square = {"height": 0.01, "length": 0.01}
     half = {"why": "half a unit of the last digit"}
@@ -208,13 +210,13 @@ def limiting_friction() -> Iterator[Case]:
 
 @cache
 def hard_cases() -> tuple[Case, ...]:
-    """Return the hard cases that a closed form answers; their truths take a second."""
+    """Return the hard cases with closed-form values; computing them takes a second."""
     members = map(of_hard_case, HARD_CASES)
     return tuple(case for case in members if case is not None)
 
 
 def of_hard_case(case: Case) -> Case | None:
-    """Return a hard case as a member of family H; None if it has no closed form of one number."""
+    """Return a hard case as a case of family H; None without a single closed-form number."""
     if case.known is None or case.compute or case.states_error:
         return None
     study = case.terms[0].study

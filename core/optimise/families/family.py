@@ -47,7 +47,7 @@ class Family:
     def closed_optimum(
         self, criterion: Criterion, values: Mapping[str, Any]
     ) -> Optimum | ParetoSet:
-        """Return the closed answer to a criterion, from what the form needs of some values."""
+        """Return the closed-form optimum for a criterion, from given quantities."""
         form = self.closed[type(criterion)]
         parameters = inspect.signature(form).parameters.values()
         needed = [p.name for p in parameters if p.default is inspect.Parameter.empty]
