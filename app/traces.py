@@ -28,7 +28,7 @@ def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
 
 
 def fault(environment: Mapping[str, str] = os.environ) -> str | None:
-    """Return why traces cannot be sent although the environment configures them, else None."""
+    """Return the reason why configured traces cannot be sent; None if they can."""
     if _is_wanted(environment) and not _is_installed():
         return "traces are asked for, and the extra `traces` is not installed"
     return None

@@ -84,7 +84,7 @@ def drawn(random: np.random.Generator, kind: str) -> tuple[Calibration, np.ndarr
 
 
 def held(prepared: Calibration, truth: np.ndarray) -> np.ndarray:
-    """Return whether the intervals of 68 and 95 % hold each unknown, shape (2, unknowns)."""
+    """Return a mask: the intervals of 68 and 95 % hold each unknown; shape (2, unknowns)."""
     found = posterior_of(
         prepared.likelihood, explore(prepared.likelihood, prepared.points, Watch())
     )

@@ -84,7 +84,7 @@ class Measured:
 
     @property
     def honest(self) -> bool:
-        """Whether the aim is met."""
+        """True if the aim is met."""
         misses = self.exceeded + self.unstated
         return misses < SHARE and (self.elsewhere or self.worst <= RATIO)
 
@@ -129,7 +129,7 @@ def judge(
     *,
     elsewhere: bool = False,
 ) -> Measured:
-    """Return how well stated errors agree with true ones, for results known to `error`.
+    """Return the agreement of stated errors with true ones, for results known to `error`.
 
     Both errors count: the reference may be wrong by its own, and one that cannot tell by how much
     judges nothing.
@@ -334,7 +334,7 @@ def _designs(count: int, scene: str, criterion: dict[str, Any], **more: Any) -> 
 
 
 def optimum_against_finer(count: int) -> list[Measured]:
-    """Return how well the stated gap of optima holds, against longer searches.
+    """Return the agreement of the stated gap of optima with truth, against longer searches.
 
     Stated is `optimum_gap`, at least what the method leaves; true is by how much the best of ten
     times the points, and of the closed form, is better. `optimality_residual` is judged where

@@ -63,7 +63,7 @@ class Found:
     busy: float = 0.0
 
     def missed(self, limits: Limits) -> list[str]:
-        """Return what is beyond its limit."""
+        """Return the limits that an attack has exceeded."""
         figures = {
             "health": self.health,
             "small": self.small,

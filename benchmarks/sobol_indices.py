@@ -58,7 +58,7 @@ def _ishigami() -> Known:
 
 
 def _g_function() -> Known:
-    """I. Sobol's g-function of eight inputs, with a = 0, 1, 4.5, 9 and four times 99."""
+    """Return Sobol's g-function of eight inputs, a = 0, 1, 4.5, 9 and 4 x 99, with indices."""
     a = np.array([0, 1, 4.5, 9, 99, 99, 99, 99])
 
     def values(points: Array) -> Array:

@@ -102,5 +102,5 @@ def _digest(file: FileIO) -> str:
 
 
 def _mark(status: os.stat_result, digest: str) -> tuple[int | str, ...]:
-    """Return what identifies a version of a file: device, inode, size, time of change, digest."""
+    """Return the identity of a file's version: device, inode, size, time of change, digest."""
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, digest

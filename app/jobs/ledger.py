@@ -359,7 +359,7 @@ class Ledger:
             database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))
 
     def queue(self) -> Queue:
-        """Return how many items wait and run, and for how long the oldest one has waited."""
+        """Return the numbers of items that wait and run, and the longest waiting time [s]."""
         now = time.time()
         every, first = (
             self._read(select(func.count(), func.min(WORK.c.created)).where(which))[0]

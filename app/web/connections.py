@@ -43,7 +43,7 @@ def raise_open_files() -> int:
 
 
 def most_requests(open_files: int) -> int:
-    """Return how many requests a limit of open files allows: each needs a connection and a file."""
+    """Return the number of requests that a limit of open files allows: each needs two of them."""
     if open_files == resource.RLIM_INFINITY:
         return 10**9
     return max(1, (open_files - OTHER_FILES - SPARE) // 2)

@@ -227,7 +227,7 @@ def _computed(case: Case) -> CaseValues:
 
 
 def _key(term: Term) -> str:
-    """Return what identifies the study of a term, apart from its outputs."""
+    """Return a key that is equal for terms whose studies differ in outputs alone."""
     rest = {name: value for name, value in term.study.items() if name != "outputs"}
     return json.dumps(rest, sort_keys=True)
 

@@ -255,7 +255,7 @@ def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...
 
 
 def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
-    """Return how many modules a study imports in a fresh process, and the large ones."""
+    """Return the number of modules that a study imports in a fresh process, and the large ones."""
     code = (
         "import json, sys; before = set(sys.modules)\n"
         "from core.intake import prepare_content\n"

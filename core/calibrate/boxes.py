@@ -176,7 +176,7 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
 
 
 def _bend(values: Array, axis: int) -> Array:
-    """Return how far values leave a straight line between neighbours, within half a cell."""
+    """Return the deviation of values from a straight line between neighbours, over half a cell."""
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
     bend: Array = 0.25 * np.diff(near, 2, axis=axis)

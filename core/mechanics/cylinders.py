@@ -21,7 +21,7 @@ class Cylinder(NamedTuple):
 
 
 def support(body: Cylinder, n: Vector) -> Array:
-    """Return how far a cylinder extends from its centre in the direction n."""
+    """Return the extent of a cylinder from its centre in the direction n [m]."""
     return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
 
 

@@ -110,7 +110,7 @@ METHODS: dict[str, OptimisationMethod] = {
 
 
 def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
-    """Return why a method cannot solve a problem, with an alternative; None if it can."""
+    """Return the reason why a method cannot solve a problem, with an alternative; else None."""
     if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
         return "the worst case has kinks, and it needs slopes", "Leave method out"
     if name == "exact" and not known_optima.is_closed(problem):

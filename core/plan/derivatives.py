@@ -206,7 +206,7 @@ def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
 
 
 def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> Any:
-    """Return what an equation gives for dual numbers; raise `StudyError` without a derivative."""
+    """Return an equation's result for dual numbers; raise `StudyError` without a derivative."""
     function = equation.derivative or equation.function
     try:
         with np.errstate(all="ignore"):  # of the branches not taken, whose slopes may be anything

@@ -42,7 +42,7 @@ class PartsMissingError(VibrafeedError):
 
 
 def identity(study: Study) -> dict[str, str]:
-    """Return what identifies a run: runs with equal identities write equal bytes."""
+    """Return the identity of a run: runs with equal identities write equal bytes."""
     return {"study": study.key(), "version": core.__version__}
 
 

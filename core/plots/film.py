@@ -261,7 +261,7 @@ def _box(half_length: float, half_height: float) -> Array:
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return how often a trajectory is repeated; 1 if the motion does not repeat."""
+    """Return the number of repetitions of a trajectory; 1 if the motion does not repeat."""
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
     closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
     closed = all(

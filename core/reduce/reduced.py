@@ -271,7 +271,7 @@ def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
 
 
 def _which(prepared: Reduced) -> str:
-    """Return which cells count, in words."""
+    """Return a text that says which cells count."""
     if prepared.asked.cells == "all":
         return "all cells with a value count"
     return "cells count whose regime describes a real part and that have a value"

@@ -111,7 +111,7 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 @compiled
 def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
-    """Return how much the mean velocity grew from the third to the last quarter, and before that.
+    """Return the growth of the mean velocity from the third to the last quarter, and before that.
 
     v_4 - v_3 and v_3 - v_2, with v_q the `mean_velocity` of quarter q.
     """

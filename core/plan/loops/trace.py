@@ -156,7 +156,7 @@ def _number(value: Any) -> Any:
 
 
 def _identity(operand: Any) -> Any:
-    """Return what identifies an operand: its node number, or type and bytes."""
+    """Return a key that equal operands share: the node's number, or type and bytes."""
     if isinstance(operand, Node):
         return operand.number
     array = np.asarray(operand)

@@ -251,7 +251,7 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 
 @compiled
 def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
-    """Return how much rounding may move a phase of the cycle, weighted by its effect on the part.
+    """Return the error of a cycle's phases by rounding, weighted by its effect on the part.
 
     They grow along a chain of hops by the product M of the matrices of `one_hop`, |M|/min |M| so
     far, until the part rests on the floor; where it never does, the cycle is known the less, the

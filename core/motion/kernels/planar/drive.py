@@ -184,7 +184,7 @@ def holds(drive: Drive, at: float) -> bool:
 
 @_by_drive(sine_slip.hold, wave_slip.hold)
 def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, up to which phase, and if it then slips forward.
+    """Return the stick of a part without slip: if it sticks, its last phase, the slip after it.
 
     It sticks while |b_x - sin(gamma)| <= mu_s n(tau) (theory 13.3), until `end` at the latest.
     """

@@ -105,7 +105,7 @@ def holds(drive: SineDrive, at: float) -> bool:
 
 @compiled
 def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, up to which phase, and if it then slips forward.
+    """Return the stick of a part without slip: if it sticks, its last phase, the slip after it.
 
     Until the next phase at which sin(tau) leaves the bounds of `stick_range`: asin(largest),
     rising, or pi - asin(least), falling (theory 13.3). Where it does not stick, forward if c

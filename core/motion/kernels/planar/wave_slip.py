@@ -42,7 +42,7 @@ def holds(drive: WaveDrive, at: float) -> bool:
 
 @borrowing
 def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return whether a part without slip sticks, up to which phase, and if it then slips forward.
+    """Return the stick of a part without slip: if it sticks, its last phase, the slip after it.
 
     Until the first change of sign of the accelerations of `holds` that lets go.
     """

@@ -169,7 +169,7 @@ class ReferenceRun:
         return not any(tally.at_wall for tally in self.tallies[-multiple:])
 
     def nearing(self, multiple: int) -> float:
-        """Return how much nearer to the wall the part came during the last cycle."""
+        """Return the distance by which the part came nearer to the wall during the last cycle."""
         change = float(self.before[-multiple][Y] - self.after[-1][Y])
         return change if change > SAME * self.scale else 0.0
 
