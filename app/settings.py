@@ -45,7 +45,7 @@ def _listed(raw: object) -> object:
         try:
             return json.loads(raw)
         except (ValueError, RecursionError):
-            raise ValueError("it starts like a JSON list but is not one") from None
+            raise ValueError("it begins like a JSON list but is not valid JSON") from None
     return [word.strip() for word in raw.split(",") if word.strip()]
 
 
@@ -83,155 +83,176 @@ class Settings(BaseSettings):
 
     data_directory: Path = Field(
         default_factory=data_folder,
-        description="Where studies and their files are kept; made if missing. Left out: "
+        description="Directory of studies and their results; created if missing. Left out: "
         "`vibrafeed` in the user's data folder, on Linux `~/.local/share`.",
     )
     results_url: str = Field(
         default="",
         pattern=r"^$|^(s3|gs|az)://.+",
-        description="Object store in which results are kept besides, as in `s3://bucket/prefix`; "
-        "servers fetch from it what their data directory has not got. Its keys and address come "
-        "from the environment, as for its other clients.",
+        description="URL of an object store for copies of results, as in `s3://bucket/prefix`; "
+        "servers fetch results from it that they do not have. Its credentials and address come "
+        "from the environment, as for other clients of the store.",
     )
     ledger_url: SecretStr | None = Field(
         default=None,
         description="Database of the ledger, as in `postgresql://db.example:5432/jobs`, with "
-        "`user:password@` before the host; an SQLite file in the data directory if left out.",
+        "`user:password@` before the host; by default an SQLite file in the data directory.",
     )
-    max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
+    max_body_bytes: int = Field(
+        default=1_000_000, gt=0, description="Maximum size of a request's body."
+    )
     max_cells: int = Field(
         default=20_000_000,
         gt=0,
-        description="Most cells of a study whose result is one file; a larger sweep is a job that "
+        description="Maximum number of cells of a result in one file; a larger "
+        "sweep becomes a job that "
         "writes a Zarr group.",
     )
     max_sweep_cells: int = Field(
         default=10**15,
         gt=0,
         le=10**17,
-        description="Most cells of one sweep that is kept, to be read in pieces.",
+        description="Maximum number of cells of a stored sweep, which is read in pieces.",
     )
     max_axis_values: int = Field(
-        default=2_000_000, gt=0, description="Most values of one axis of a sweep that is kept."
+        default=2_000_000,
+        gt=0,
+        description="Maximum number of values on one axis of a stored sweep.",
     )
     max_bytes: int = Field(
-        default=1_000_000_000, gt=0, description="Most bytes of such a result, before compression."
+        default=1_000_000_000,
+        gt=0,
+        description="Maximum bytes of a result that is one file, before compression.",
     )
     max_synchronous_seconds: float = Field(
         default=1.0,
         gt=0,
-        description="A study that is thought to take longer on one core becomes a job.",
+        description="A study with a longer expected time on one core becomes a job.",
     )
     max_execution_seconds: float = Field(
-        default=30.0, gt=0, description="Longest run of a study that is replied to at once."
+        default=30.0, gt=0, description="Maximum run time of a study that is answered immediately."
     )
     max_wait_seconds: float = Field(
-        default=60.0, ge=0, description="Longest that a client may wait for a job in one request."
+        default=60.0,
+        ge=0,
+        description="Maximum time that a client may wait for a job in one request.",
     )
     max_job_seconds: float = Field(
         default=86_400.0,
         gt=0,
-        description="Longest run of a job, while workers that have loaded their code work on it; "
-        "what is done by then is kept.",
+        description="Maximum computing time of a job, without loading code and waiting; "
+        "finished blocks are kept.",
     )
     grace_seconds: float = Field(
         default=5.0,
         gt=0,
-        description="How long a worker may go on with what was dismissed or is over its time; then "
-        "it is killed, and started again.",
+        description="Time that a worker may continue with dismissed or overdue work; then "
+        "it is killed and restarted.",
     )
     block_seconds: float = Field(
         default=1.0,
         gt=0,
         le=3600,
-        description="What a block of a job takes, roughly: what a kill or a dismissal loses.",
+        description="Approximate time of a block of a job, which is lost when a worker is killed.",
     )
     max_queue: int = Field(
         default=100,
         gt=0,
-        description="Most different studies that are computed or wait for it. Of n keys that have "
-        "some, each has 1/(n + 1) of the places.",
+        description="Maximum number of distinct studies that run or wait. Of n keys with "
+        "studies, each may use 1/(n + 1) of the places.",
     )
     concurrent_jobs: int = Field(
         default=4,
         gt=0,
-        description="Most long studies that are computed at a time, and most short ones besides.",
+        description="Maximum number of long studies that run in parallel, and of "
+        "short ones beside them.",
     )
     scheduler: str | None = Field(
         default=None,
         pattern=r"^(tcp|tls)://",
         description="Address of a Dask scheduler whose workers see the data directory under the "
-        "same path; workers of the service's own if left out.",
+        "same path; by default the service starts its own workers.",
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         gt=0,
-        description="Worker processes of the service's own; one for each core if left out.",
+        description="Number of worker processes that the service starts; by default one per core.",
     )
     lease_seconds: float = Field(
-        default=15.0, gt=0, description="After this long without a sign, another server takes over."
+        default=15.0,
+        gt=0,
+        description="A server without a sign of life for this time loses its "
+        "jobs to another server.",
     )
     retention_days: float = Field(
-        default=30.0, gt=0, description="Jobs and studies not used for so long are removed."
+        default=30.0,
+        gt=0,
+        description="Jobs and studies that were not used for this time are removed.",
     )
     disk_quota_bytes: int = Field(
         default=50_000_000_000,
         gt=0,
-        description="Most bytes that studies and results take; those used longest ago are removed.",
+        description="Maximum bytes of studies and results; the least recently "
+        "used ones are removed.",
     )
     max_slice_cells: int = Field(
-        default=1_000_000, gt=0, description="Largest number of values of one slice."
+        default=1_000_000, gt=0, description="Maximum number of values in one slice."
     )
     max_table_rows: int = Field(
-        default=1_000_000, gt=0, description="Most rows of a table as CSV or Parquet."
+        default=1_000_000, gt=0, description="Maximum number of rows of a CSV or Parquet table."
     )
     max_sheet_rows: int = Field(
         default=100_000,
         gt=0,
-        description="Most rows of a table as XLSX, which takes long to write.",
+        description="Maximum number of rows of an XLSX table, which is slow to write.",
     )
     zarr_cache_bytes: int = Field(
-        default=64_000_000, ge=0, description="Memory for the chunks that were read last."
+        default=64_000_000, ge=0, description="Memory for caching the chunks that were read last."
     )
     api_key_hashes: Words = Field(
         default=(),
-        description="SHA-256 of each key that is let in, in hexadecimal, as a JSON list or "
-        "comma-separated; `vibrafeed key hash` makes them. They are of the role admin; "
-        "`vibrafeed key add` makes others, while the service runs. Listening elsewhere than on "
-        "loopback takes one.",
+        description="SHA-256 of every accepted key, in hexadecimal, as a JSON list or "
+        "comma-separated; `vibrafeed key hash` makes them. These keys have the role admin; "
+        "`vibrafeed key add` makes others while the service runs. To "
+        "listen on other addresses than "
+        "loopback, at least one key is needed.",
     )
     cors_origins: Words = Field(
         default=(),
-        description="Origins of web pages elsewhere that may use the service, as in "
+        description="Origins of other web pages that may use the service, as in "
         "`https://lab.example`; a JSON list or comma-separated.",
     )
     max_requests: int = Field(
-        default=512, gt=0, description="Most requests under way; more are answered by 503."
+        default=512,
+        gt=0,
+        description="Maximum number of requests under way; further ones are answered with 503.",
     )
     max_unsent_bytes: int = Field(
         default=256_000_000,
         gt=0,
-        description="Most bytes of replies that wait for their readers; more are answered by 503.",
+        description="Maximum bytes of replies that wait to be read; further "
+        "requests are answered with 503.",
     )
     warm_at_start: bool = Field(
         default=True,
-        description="Compile in the background, when the service starts, what is not compiled yet.",
+        description="Compile missing code in the background when the service starts.",
     )
     root_path: str = Field(
         default="",
         pattern=r"^(/[A-Za-z0-9._~-]+)*$",
-        description="The path under which a proxy shows the service, as in `/vibrafeed`.",
+        description="Path prefix under which a proxy serves the application, as in `/vibrafeed`.",
     )
     drain_seconds: float = Field(
         default=0.0,
         ge=0,
-        description="After a request to stop, how long the service still answers requests that "
-        "start no work; `/readyz` says meanwhile that it stops.",
+        description="Time after a stop signal during which the service still answers requests that "
+        "start no work; `/readyz` reports meanwhile that it stops.",
     )
     shutdown_seconds: int = Field(
         default=4,
         gt=0,
-        description="Longest wait, after that, for replies under way; 5 s later it has ended.",
+        description="Maximum further wait for replies under way; the service "
+        "ends within 5 s after it.",
     )
 
     @property

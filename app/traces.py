@@ -30,7 +30,7 @@ def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
 def fault(environment: Mapping[str, str] = os.environ) -> str | None:
     """Return the reason why configured traces cannot be sent; None if they can."""
     if _is_wanted(environment) and not _is_installed():
-        return "traces are asked for, and the extra `traces` is not installed"
+        return "traces are configured, but the extra `traces` is not installed"
     return None
 
 

@@ -248,7 +248,7 @@ def plot(
     nearest : bool
         Whether a value of `at` that the dataset does not have stands for the nearest one.
     dark : bool
-        Light on dark.
+        Use light colours on a dark background.
     small : bool
         For a column of a document, some 11 cm wide.
 
@@ -339,7 +339,7 @@ def scenes(
     Parameters
     ----------
     name : str, optional
-        A scene; all if left out.
+        Name of a scene; all scenes by default.
     variant : str, optional
         The variant that is described; the scene's default if left out.
     method : str, optional

@@ -1006,7 +1006,7 @@ def sweep(
     title : str, optional
         Title of the dataset.
     notes : str, optional
-        Remarks that go into the dataset.
+        Notes that are stored in the dataset.
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
 
@@ -1351,11 +1351,11 @@ def simulate(
         plane follow an aperiodic motion only until the error of its mean velocity is that share of
         it.
     max_periods : int, optional
-        Largest number of drive periods that one point is followed for.
+        Maximum number of drive periods that are simulated for one point.
     steps_per_period : int, optional
         Time steps in a period, of time-stepping; steps times periods are 25 million at most.
     slip_speed : float, optional
-        Speed below which regularised friction gives way, in g/w.
+        Slip speed, in g/w, up to which regularised friction rises.
     contact_stiffness : float, optional
         Stiffness of the regularised floor, over m w^2.
     reduce : mapping, optional
@@ -1369,7 +1369,7 @@ def simulate(
     title : str, optional
         Title of the dataset.
     notes : str, optional
-        Remarks that go into the dataset.
+        Notes that are stored in the dataset.
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
     drive_factor : values, optional
@@ -1692,7 +1692,7 @@ def optimise(
     scene : str, optional
         Name of a scene; `vibrafeed scenes` lists them.
     outputs : str or sequence of str, optional
-        Further outputs at the optimum.
+        Further outputs to compute at the optimum.
     variant : {"thesis", "derived", "physical"}, optional
         thesis (as printed), derived (errors corrected) or physical; the scene's default where left
         out.
@@ -1700,12 +1700,12 @@ def optimise(
         The optimiser; where left out, the exact answer if there is one, else what was measured to
         be best.
     criterion : mapping, optional
-        What is looked for.
+        The criterion: which output is maximised or minimised.
     variables : mapping of str to bounds, optional
         What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where left out, as
         far as they are not given and the outputs depend on them.
     constraints : sequence of mapping, optional
-        Bounds that outputs have to keep.
+        Constraints: bounds that outputs must keep.
     frequency : values, optional
         Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
     amplitude : values, optional
@@ -2219,13 +2219,13 @@ def optimise(
         What is looked for under them: the best worst case (where left out), the best mean, or the
         best quantile.
     quantile : float, optional
-        The share of the parts below which the value of the output is to be best.
+        The quantile, 0 to 1, of the output that is optimised.
     floor_contact : bool, optional
-        Whether the part is to stay on the floor, where the scene has one.
+        True if the part must stay on the floor, if the scene has one.
     wall_contact : bool, optional
-        Whether the part is to stay on the wall, where the scene has one.
+        True if the part must stay on the wall, if the scene has one.
     sensitivities : bool or sequence of str, optional
-        Also give d ln(output)/d ln(parameter) at each optimum.
+        True to compute d ln(output)/d ln(parameter) at each optimum.
     drive : mapping, optional
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
@@ -2238,7 +2238,7 @@ def optimise(
     title : str, optional
         Title of the dataset.
     notes : str, optional
-        Remarks that go into the dataset.
+        Notes that are stored in the dataset.
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
     drive_factor : values, optional
@@ -3085,7 +3085,7 @@ def sensitivity(
         Points drawn from the distributions for each design, a power of two; Sobol indices take as
         many again for each parameter, and once more.
     seed : int, optional
-        Another seed draws other points.
+        Seed of the sampled points.
     drive : mapping, optional
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
@@ -3098,7 +3098,7 @@ def sensitivity(
     title : str, optional
         Title of the dataset.
     notes : str, optional
-        Remarks that go into the dataset.
+        Notes that are stored in the dataset.
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
     drive_factor : values, optional
@@ -3308,7 +3308,7 @@ def calibrate(
         Standard deviation of what was measured, where a run does not say its own: a number, text
         with a unit, or a share such as '5 %'.
     unknowns : mapping of str to mapping, optional
-        Parameters that are looked for: { lower, upper }, or { mean, deviation }.
+        The unknown parameters: { lower, upper }, or { mean, deviation }.
     frequency : values, optional
         Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
     amplitude : values, optional
@@ -3506,7 +3506,7 @@ def calibrate(
     outlier_probability : float, optional
         Probability that an observed regime is wrong.
     points : int, optional
-        Most points at which the unknowns are tried; each takes a motion a run.
+        Maximum number of grid points of the unknowns; each needs one motion per run.
     drive : mapping, optional
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
@@ -3515,11 +3515,11 @@ def calibrate(
         plane follow an aperiodic motion only until the error of its mean velocity is that share of
         it.
     max_periods : int, optional
-        Largest number of drive periods that one point is followed for.
+        Maximum number of drive periods that are simulated for one point.
     steps_per_period : int, optional
         Time steps in a period, of time-stepping; steps times periods are 25 million at most.
     slip_speed : float, optional
-        Speed below which regularised friction gives way, in g/w.
+        Slip speed, in g/w, up to which regularised friction rises.
     contact_stiffness : float, optional
         Stiffness of the regularised floor, over m w^2.
     verify : int, optional
@@ -3531,7 +3531,7 @@ def calibrate(
     title : str, optional
         Title of the dataset.
     notes : str, optional
-        Remarks that go into the dataset.
+        Notes that are stored in the dataset.
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
     drive_factor : values, optional

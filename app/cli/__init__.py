@@ -19,28 +19,27 @@ from core.kinds import KINDS
 COMMANDS: Final = MappingProxyType(
     {
         "new": "Write a commented study to start from, after a few questions.",
-        "run": "Carry out studies and write one file each: NetCDF, or what the suffix of the "
-        "output names.",
-        "convert": "Write a study as TOML, as JSON, as a line for curl, or as a call in Python.",
-        "export": "Write a result in another format, which the suffix of the output names.",
-        "join": "Join the parts that `vibrafeed run --part` has computed, and give the result "
-        "its name.",
-        "plot": "Draw an output with its regimes, a map of the regimes, or the motion of one part.",
-        "sheet": "Write one page about a result, as PDF: what it is of, what came out, a picture.",
-        "drive": "Fit the harmonics of a drive to the recording of an accelerometer, with "
-        "their errors.",
-        "report": "Measure error against run time for studies: a page, its pictures, and datasets.",
+        "run": "Run studies and write one result file each: NetCDF, or the format of the "
+        "output's suffix.",
+        "convert": "Convert a study to TOML, JSON, a curl command, or a Python call.",
+        "export": "Convert a result to another format, given by the suffix of the output.",
+        "join": "Join the parts computed by `vibrafeed run --part` into one result.",
+        "plot": "Draw a result: an output with its regimes, a map of regimes, or the motion of "
+        "one part.",
+        "sheet": "Write a one-page PDF summary of a result: parameters, outputs, a picture.",
+        "drive": "Fit the harmonics of a drive, with errors, to an accelerometer recording.",
+        "report": "Measure accuracy and run time of methods; write a page, pictures and datasets.",
         "atlas": "Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.",
-        "lookup": "Read speed, regime and shares from an atlas, each with its error.",
+        "lookup": "Look up speed, regime and shares of motion in an atlas, each with its error.",
         "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
         "friction": "Print published coefficients of friction and restitution, with their sources.",
         "leaves": "Print published moduli and densities of leaf springs, with their sources.",
         "schema": "Print the JSON Schema of studies, for editors.",
         "serve": "Serve the HTTP interface.",
-        "scrub": "Compare every result of a service with its digests; exit with 1 if one is "
-        "broken.",
-        "validate": "Answer every problem whose answer is known, and say how far off that is.",
-        "warm": "Compile what follows motion in time, once for this processor; a minute or so.",
+        "scrub": "Compare all results of a service with their digests; exit with code 1 if one is "
+        "damaged.",
+        "validate": "Solve problems with known results, and report the errors.",
+        "warm": "Compile the simulation code for this processor, once; takes about a minute.",
         "key": "Keys for the HTTP interface.",
     }
 )
@@ -96,7 +95,7 @@ def _all_commands(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", callback=_tell_version, is_eager=True, help="Print the version and stop."
+            "--version", callback=_tell_version, is_eager=True, help="Print the version and exit."
         ),
     ] = False,
 ) -> None:

@@ -24,7 +24,7 @@ from core.watch import Watch
 EXTREMES = ("extremes", "leaving-out")  # datasets of what is asked of no study
 
 
-STOPPED = "It was stopped: what had not been measured by then is missing."
+STOPPED = "The measurement was stopped early: the remaining measurements are missing."
 
 
 def write_report(

@@ -34,14 +34,16 @@ def atlas(
     ] = None,
     resolution: Annotated[
         str,
-        typer.Option(help="full, or coarse: seconds, with larger errors and more that it refuses."),
+        typer.Option(
+            help="full, or coarse: made in seconds, with larger errors and "
+            "more cells without a value."
+        ),
     ] = "full",
     charts: Annotated[
-        Path | None, typer.Option(help="Also, or only, write the book of charts to this PDF.")
+        Path | None,
+        typer.Option(help="Write the book of charts to this PDF, with or without the atlas."),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace files that are there already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
     """Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.
 
@@ -88,7 +90,7 @@ def _refuse_problems(
             continue
         if path.is_dir() or not force:
             fix = REMOVE if path.is_dir() else REPLACE
-            problems.append(Problem(option, f"{path} is there already", fix))
+            problems.append(Problem(option, f"{path} exists already", fix))
     if problems:
         refuse({Path("atlas"): problems})
 

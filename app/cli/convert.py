@@ -22,16 +22,15 @@ def convert(
     file: Annotated[Path, typer.Argument(help="A study, TOML or JSON; - reads standard input.")],
     to: Annotated[str, typer.Option(help="toml, json, curl (a command) or python (a program).")],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="A file; the screen if left out.")
+        Path | None,
+        typer.Option("-o", "--output", help="The output file; standard output by default."),
     ] = None,
     service: Annotated[
-        str | None, typer.Option(help="Address of the service that curl is to ask.")
+        str | None, typer.Option(help="Base URL of the service for the curl command.")
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace the file if there is one already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write a study as TOML, as JSON, as a line for curl, or as a call in Python.
+    """Convert a study to TOML, JSON, a curl command, or a Python call.
 
     Units and ranges stay as they were typed; comments are lost. The study is checked first, and
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means

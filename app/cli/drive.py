@@ -22,57 +22,66 @@ from core.plots.problem import PlotError
 if TYPE_CHECKING:
     from core.measured import Fit, Recording
 
-COLUMN = "Column of the acceleration {}; a minus sign in front turns it round."
+COLUMN = "Column of the acceleration {}; a minus sign reverses it."
 
 
 def drive(
     recording: Annotated[Path, typer.Argument(help="CSV of the recording.", show_default=False)],
     along: Annotated[str | None, typer.Option(help=COLUMN.format("along the track"))] = None,
-    normal: Annotated[str | None, typer.Option(help=COLUMN.format("normal to it, upwards"))] = None,
+    normal: Annotated[
+        str | None, typer.Option(help=COLUMN.format("normal to the track, upwards"))
+    ] = None,
     across: Annotated[
-        str | None, typer.Option(help=COLUMN.format("across it, to the left"))
+        str | None, typer.Option(help=COLUMN.format("across the track, to the left"))
     ] = None,
     sensor: Annotated[
         str | None,
-        typer.Option(help="Instead: columns of the sensor's own axes x, y, z, as in ax,ay,az."),
+        typer.Option(
+            help="Alternatively, the columns of the sensor's axes x, y and z, as in ax,ay,az."
+        ),
     ] = None,
     mounting: Annotated[
         str | None, typer.Option(help="Yaw, pitch, roll of the sensor in degrees, as in 0,0,90.")
     ] = None,
     unit: Annotated[
         str | None,
-        typer.Option(help="Of the columns, where headers do not say: g, mg, m s-2, mm s-2."),
+        typer.Option(help="Unit of the columns if their headers have none: g, mg, m s-2, mm s-2."),
     ] = None,
     rate: Annotated[
-        str | None, typer.Option(help="Samples a second, without a column of times.")
+        str | None, typer.Option(help="Samples per second, if there is no time column.")
     ] = None,
     time: Annotated[
-        str | None, typer.Option(help="Column of times; `time` or `t` is found by itself.")
+        str | None, typer.Option(help="Time column; `time` or `t` is found automatically.")
     ] = None,
     line_frequency: Annotated[
         str | None,
         typer.Option(help="True frequency of the drive; shows the error of the recorder's clock."),
     ] = None,
     frequency: Annotated[
-        str | None, typer.Option(help="About what it repeats with; found if left out.")
+        str | None,
+        typer.Option(
+            help="Approximate frequency of the motion [Hz]; found automatically by default."
+        ),
     ] = None,
     harmonics: Annotated[
         int | None,
-        typer.Option(help="Number of orders to fit; as many as the data support if left out."),
+        typer.Option(
+            help="Number of harmonic orders to fit; by default as many as the data support."
+        ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Also draw the fit, as PNG, SVG or PDF.")
+        Path | None, typer.Option(help="Draw the fit to this file: PNG, SVG or PDF.")
     ] = None,
     toml: Annotated[
-        bool, typer.Option("--toml", help="Print the parameters of a study, and nothing else.")
+        bool, typer.Option("--toml", help="Print only the parameters, as TOML for a study.")
     ] = False,
     units: Units = None,
     as_json: Json = False,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Write them to this TOML file.")
+        Path | None, typer.Option("-o", "--output", help="Write the parameters to this TOML file.")
     ] = None,
 ) -> None:
-    """Fit the harmonics of a drive to the recording of an accelerometer, with their errors.
+    """Fit the harmonics of a drive, with errors, to an accelerometer recording.
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """

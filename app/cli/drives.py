@@ -33,7 +33,7 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
     measured = f"amplitude ({length.unit})", PLUS_MINUS, f"phase ({angle.unit})", PLUS_MINUS
     table(("axis", "order", *measured), rows, right=("order", *measured))
     if not fit.significant.all():
-        say("  -: not distinguishable from zero, and not a parameter of a study")
+        say("  -: not distinguishable from zero; left out of the study's parameters")
 
 
 def document_of(fit: Fit, recording: Path) -> dict[str, Any]:

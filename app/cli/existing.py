@@ -44,7 +44,7 @@ def complete_already(
             continue
         if not force or is_zarr(target):
             fix = REMOVE if is_zarr(target) else REPLACE
-            problems[path] = [Problem("output", f"{target} is there already", fix)]
+            problems[path] = [Problem("output", f"{target} exists already", fix)]
     if problems:
         refuse(problems)
     return complete

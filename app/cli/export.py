@@ -26,7 +26,10 @@ FOR_PEOPLE = (".csv", ".xlsx", ".parquet")
 
 def export(
     file: Annotated[
-        str, typer.Argument(help="A NetCDF file or Zarr group of `run`.", show_default=False)
+        str,
+        typer.Argument(
+            help="A NetCDF file or Zarr group written by `vibrafeed run`.", show_default=False
+        ),
     ],
     output: Annotated[
         str,
@@ -41,11 +44,9 @@ def export(
             "'m/min, mm'; left out, those of the file. Other formats keep theirs."
         ),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace a file that is there already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write a result in another format, which the suffix of the output names.
+    """Convert a result to another format, given by the suffix of the output.
 
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.

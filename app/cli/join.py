@@ -17,16 +17,19 @@ from core.errors import Problem
 def join(
     file: Annotated[Path, typer.Argument(help="The study, TOML or JSON.", show_default=False)],
     output: Annotated[
-        str, typer.Option("-o", "--output", help="The result, as given to run --part.")
+        str,
+        typer.Option(
+            "-o", "--output", help="The result's path, as given to `vibrafeed run --part`."
+        ),
     ],
     parts: Annotated[
-        int | None, typer.Option(min=1, help="Number of parts; read from the folder if left out.")
+        int | None, typer.Option(min=1, help="Number of parts; by default read from the folder.")
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace a file with the result of another study.")
     ] = False,
 ) -> None:
-    """Join the parts that `vibrafeed run --part` has computed, and give the result its name.
+    """Join the parts computed by `vibrafeed run --part` into one result.
 
     Each part is checked by its digest. Exit code 1 means that some are missing or damaged; which,
     is told as a queue takes it: compute these again, and join again.

@@ -41,13 +41,17 @@ def add(
     role: Annotated[
         str, typer.Option(help="read; run, which also posts and dismisses its own; or admin.")
     ] = "run",
-    requests: Annotated[float | None, typer.Option(help="Most requests a second.")] = None,
-    jobs: Annotated[float | None, typer.Option(help="Most jobs that run or wait.")] = None,
-    cells: Annotated[float | None, typer.Option(help="Most cells of one study.")] = None,
-    most_bytes: Annotated[
-        float | None, typer.Option("--bytes", help="Most bytes of results on the disk.")
+    requests: Annotated[float | None, typer.Option(help="Maximum requests per second.")] = None,
+    jobs: Annotated[
+        float | None, typer.Option(help="Maximum number of jobs that run or wait.")
     ] = None,
-    days: Annotated[float | None, typer.Option(help="Days after which it ends.")] = None,
+    cells: Annotated[
+        float | None, typer.Option(help="Maximum number of cells of one study.")
+    ] = None,
+    most_bytes: Annotated[
+        float | None, typer.Option("--bytes", help="Maximum bytes of results on the disk.")
+    ] = None,
+    days: Annotated[float | None, typer.Option(help="Days until the key expires.")] = None,
 ) -> None:
     """Make a key and print it; a service that runs takes it within seconds.
 
@@ -125,7 +129,9 @@ def withdraw(name: Name) -> None:
 
 @key.command("audit")
 def tell_audit(
-    most: Annotated[int, typer.Option(help="Number of entries, the latest first.", min=1)] = 100,
+    most: Annotated[
+        int, typer.Option(help="Number of entries to show, newest first.", min=1)
+    ] = 100,
 ) -> None:
     """Print the audit log: posts, dismissals, sharing, and keys made, withdrawn and refused."""
     with _database() as database:

@@ -44,9 +44,9 @@ def lookup(
             "friction=0.3.",
         ),
     ] = None,
-    atlas: Annotated[Path, typer.Option("--atlas", help="What `vibrafeed atlas` wrote.")] = Path(
-        "atlas.nc"
-    ),
+    atlas: Annotated[
+        Path, typer.Option("--atlas", help="Atlas file written by `vibrafeed atlas`.")
+    ] = Path("atlas.nc"),
     rows: Annotated[
         Path | None,
         typer.Option(
@@ -56,19 +56,19 @@ def lookup(
     ] = None,
     simulate: Annotated[
         bool,
-        typer.Option("--simulate", help="Follow exactly what the atlas does not answer."),
+        typer.Option("--simulate", help="Simulate the cells for which the atlas has no value."),
     ] = False,
     output: Annotated[
         str | None,
-        typer.Option("-o", "--output", help="Write the answers: .csv, .nc or any other format."),
+        typer.Option(
+            "-o", "--output", help="Write the values to this file: .csv, .nc or another format."
+        ),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace a file that is there already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     units: Units = None,
     as_json: Json = False,
 ) -> None:
-    """Read speed, regime and shares from an atlas, each with its error.
+    """Look up speed, regime and shares of motion in an atlas, each with its error.
 
     The atlas answers inside a regime and in its range, and says where it does not. Exit code 1
     means that it did not answer everything, 2 that a parameter or a file is wrong.

@@ -29,7 +29,7 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
     """Return lines on an infeasible optimisation: the nearest designs, and ways to meet limits."""
     if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
-    tell("  Looking for what comes nearest; Ctrl-C leaves that out ...")
+    tell("  Searching for the nearest designs; Ctrl-C skips the search ...")
     try:
         study = parse_json(str(result.attributes["study"]))
         reaches, others = optimise.nearest(study), optimise.ways(study)

@@ -34,12 +34,14 @@ def _option(name: str) -> Any:
 
 def new(
     context: typer.Context,
-    file: Annotated[Path, typer.Argument(help="The file to write; - is the screen.")] = Path(
-        "study.toml"
-    ),
+    file: Annotated[
+        Path, typer.Argument(help="The file to write; - means standard output.")
+    ] = Path("study.toml"),
     kind: Annotated[
         str | None,
-        typer.Option(help=f"The example of a kind of study, and no questions: {', '.join(KINDS)}."),
+        typer.Option(
+            help=f"Write the example study of a kind, without questions: {', '.join(KINDS)}."
+        ),
     ] = None,
     question: Annotated[Answer, _option("question")] = None,
     path: Annotated[Answer, _option("path")] = None,
@@ -70,11 +72,12 @@ def new(
     wiper: Annotated[Answer, _option("wiper")] = None,
     arrivals: Annotated[Answer, _option("arrivals")] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Ask nothing: what no option gives has its default.")
+        bool,
+        typer.Option(
+            "--yes", "-y", help="Ask no questions; use defaults for all options that are not given."
+        ),
     ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace the file if there is one already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a commented study to start from, after a few questions.
 

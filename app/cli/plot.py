@@ -18,7 +18,9 @@ from core.plots.pictures import PICTURES
 def plot(
     files: Annotated[
         list[Path],
-        typer.Argument(help="A NetCDF file that `run` wrote; several share one picture."),
+        typer.Argument(
+            help="NetCDF files written by `vibrafeed run`; several are drawn in one picture."
+        ),
     ],
     output: Annotated[
         Path | None,
@@ -31,17 +33,19 @@ def plot(
     ] = None,
     variable: Annotated[
         str | None,
-        typer.Option("--variable", "-v", help="The output to draw; the first if left out."),
+        typer.Option("--variable", "-v", help="The output to draw; the first one by default."),
     ] = None,
     axes: Annotated[
         str | None,
         typer.Option(
-            "--axes", "-a", help="One or two dimensions, as in beta,alpha; the longest if left out."
+            "--axes",
+            "-a",
+            help="One or two dimensions, as in beta,alpha; by default the longest ones.",
         ),
     ] = None,
     at: Annotated[
         list[str] | None,
-        typer.Option("--at", help="Value of another dimension, as in `frequency=60 Hz`."),
+        typer.Option("--at", help="Fix another dimension at a value, as in `frequency=60 Hz`."),
     ] = None,
     kind: Annotated[
         str | None,
@@ -49,15 +53,15 @@ def plot(
             "--kind",
             "-k",
             help="; ".join(f"{one.name}: {one.says}" for one in PICTURES.values())
-            + ". The first that fits if left out.",
+            + ". By default the first that fits the result.",
         ),
     ] = None,
     slow: Annotated[
         float | None,
-        typer.Option("--slow", help="How many times slower an animation is.", show_default=False),
+        typer.Option("--slow", help="Slow-motion factor of an animation.", show_default=False),
     ] = None,
     title: Annotated[
-        str | None, typer.Option("--title", help="The name of the picture.", show_default=False)
+        str | None, typer.Option("--title", help="Title of the picture.", show_default=False)
     ] = None,
     units: Annotated[
         str | None,
@@ -66,17 +70,17 @@ def plot(
         ),
     ] = None,
     nearest: Annotated[
-        bool, typer.Option("--nearest", help="Take the nearest value where --at names none.")
+        bool, typer.Option("--nearest", help="Use the nearest value if --at is not on the axis.")
     ] = False,
-    dark: Annotated[bool, typer.Option("--dark", help="Light on dark.")] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace a picture that is there already.")
+    dark: Annotated[
+        bool, typer.Option("--dark", help="Use light colours on a dark background.")
     ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing picture.")] = False,
     small: Annotated[
-        bool, typer.Option("--small", help="For a column of a document, 11 cm wide.")
+        bool, typer.Option("--small", help="Make a small picture for one text column, 11 cm wide.")
     ] = False,
 ) -> None:
-    """Draw an output with its regimes, a map of the regimes, or the motion of one part."""
+    """Draw a result: an output with its regimes, a map of regimes, or the motion of one part."""
     try:
         from core.plots import PlotError, draw_file
     except ModuleNotFoundError as error:

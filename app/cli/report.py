@@ -17,12 +17,12 @@ from core.errors import Problem, StudyError
 
 def report(
     files: Annotated[
-        list[Path] | None, typer.Argument(help="Studies, TOML or JSON.", show_default=False)
+        list[Path] | None, typer.Argument(help="Study files, TOML or JSON.", show_default=False)
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Folder; `accuracy` in the study's folder if left out."
+            "-o", "--output", help="Output folder; by default `accuracy` beside the study."
         ),
     ] = None,
     only: Annotated[
@@ -35,14 +35,16 @@ def report(
     extremes: Annotated[
         bool,
         typer.Option(
-            "--extremes", help="Also try some 200 hard cases, and count what each scene leaves out."
+            "--extremes",
+            help="Also run about 200 hard cases, and count what each scene leaves out.",
         ),
     ] = False,
     seconds: Annotated[
-        float, typer.Option(help="Seconds after which a family starts nothing new.", min=0)
+        float,
+        typer.Option(help="Seconds after which a family starts no further measurement.", min=0),
     ] = 60.0,
 ) -> None:
-    """Measure error against run time for studies: a page, its pictures, and datasets.
+    """Measure accuracy and run time of methods; write a page, pictures and datasets.
 
     Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells
     of the study. Exit code 2 means that a file is wrong, 1 that a result could not be written, that

@@ -93,7 +93,7 @@ def show_result(
             f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
         )
     elif not facts["whole"]:
-        fail("  It was stopped: all cells are computed, and not all verified that should be.")
+        fail("  The run was stopped: all cells are computed, but not all requested ones verified.")
 
 
 def _show_values(

@@ -30,7 +30,8 @@ def run(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="Studies, TOML or JSON; - reads one from standard input.", show_default=False
+            help="Study files, TOML or JSON; - reads one study from standard input.",
+            show_default=False,
         ),
     ],
     output: Annotated[
@@ -44,14 +45,15 @@ def run(
         ),
     ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would run, and how large it is.")
+        bool,
+        typer.Option(
+            "--dry-run", help="Print what would be computed and its size, without running it."
+        ),
     ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace results that are there already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing results.")] = False,
     plain: Annotated[
         bool,
-        typer.Option("--plain", help="Do not compress NetCDF and MAT files: faster, and larger."),
+        typer.Option("--plain", help="Do not compress NetCDF and MAT files: faster, but larger."),
     ] = False,
     resume: Annotated[
         bool,
@@ -63,9 +65,7 @@ def run(
     ] = False,
     units: Units = None,
     as_json: Json = False,
-    quiet: Annotated[
-        bool, typer.Option("-q", "--quiet", help="Print nothing but what went wrong.")
-    ] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
     verbose: Annotated[
         bool,
         typer.Option(
@@ -75,10 +75,10 @@ def run(
         ),
     ] = False,
     max_cells: Annotated[
-        int | None, typer.Option(help="Refuse a study of more cells than this.")
+        int | None, typer.Option(help="Refuse studies with more cells than this.")
     ] = None,
     max_bytes: Annotated[
-        int | None, typer.Option(help="Refuse a study whose result takes more bytes than this.")
+        int | None, typer.Option(help="Refuse studies whose result has more bytes than this.")
     ] = None,
     time_limit: Annotated[
         float | None,
@@ -101,7 +101,7 @@ def run(
     ] = None,
     parts: Annotated[
         int | None,
-        typer.Option(min=1, help="With --scheduler: into how many parts the sweep is cut."),
+        typer.Option(min=1, help="Number of parts into which --scheduler cuts the sweep."),
     ] = None,
 ) -> None:
     """Run studies and write one result file each: NetCDF, or the format of the output's suffix.

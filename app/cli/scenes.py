@@ -23,11 +23,18 @@ def _names(begun: str) -> list[str]:
 
 def scenes(
     name: Annotated[
-        str | None, typer.Argument(help="A scene; all if left out.", autocompletion=_names)
+        str | None,
+        typer.Argument(help="Name of a scene; all scenes by default.", autocompletion=_names),
     ] = None,
-    variant: Annotated[str | None, typer.Option(help="A variant; the default if left out.")] = None,
+    variant: Annotated[
+        str | None,
+        typer.Option(help="Variant of the closed forms; the scene's default if omitted."),
+    ] = None,
     method: Annotated[
-        str | None, typer.Option(help="Describe the motion in time by this method instead.")
+        str | None,
+        typer.Option(
+            help="Describe the simulated motion by this method instead of the closed forms."
+        ),
     ] = None,
     units: Units = None,
     as_json: Json = False,

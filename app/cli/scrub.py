@@ -23,11 +23,15 @@ MAX_FILES = 3  # that are named of one study
 def scrub(
     directory: Annotated[
         Path | None,
-        typer.Argument(help="The data directory; VIBRAFEED_DATA_DIRECTORY if left out."),
+        typer.Argument(
+            help="The data directory of the service; VIBRAFEED_DATA_DIRECTORY by default."
+        ),
     ] = None,
     repair: Annotated[
         bool,
-        typer.Option("--repair", help="Take what is broken away: it is computed again if asked."),
+        typer.Option(
+            "--repair", help="Remove damaged results; they are computed again on request."
+        ),
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -54,7 +58,7 @@ def scrub(
             if damage.state == BROKEN and repair:
                 store.remove_file(damage.name, store.folder(damage.name) / damage.files[0])
         if interrupted():
-            console.fail("It was stopped; the rest is not looked at.")
+            console.fail("The scrub was stopped; the remaining results are not checked.")
     if as_json:
         wrong = [dict(zip(COLUMNS, row, strict=True)) for row in rows]
         told_of = {"directory": str(directory), "studies": counts, "bytes": read, "wrong": wrong}
@@ -80,6 +84,9 @@ def _tell(
     console.say(f"{directory}: {told or f'0 {WHOLE}'}; {read:,} bytes read")
     if counts.get(BROKEN):
         if repair:
-            console.say("What was broken is taken away: it is computed again when it is asked for.")
+            console.say("The damaged results are removed; they are computed again on request.")
         else:
-            console.say("To have what is broken computed again: vibrafeed scrub --repair")
+            console.say(
+                "To remove the damaged results, so that they are computed "
+                "again: vibrafeed scrub --repair"
+            )

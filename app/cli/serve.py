@@ -37,7 +37,7 @@ def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port to listen on.", min=0, max=65535)] = 8000,
     show_settings: Annotated[
-        bool, typer.Option("--show-settings", help="Print the settings in force and stop.")
+        bool, typer.Option("--show-settings", help="Print the current settings and exit.")
     ] = False,
 ) -> None:
     """Serve the HTTP interface.
@@ -134,7 +134,7 @@ def _check_keys(settings: Settings, host: str) -> None:
         if keys.are_needed:
             return
     fix = "Make a key with `vibrafeed key add NAME`, or set VIBRAFEED_API_KEY_HASHES"
-    message = "other machines reach it, and there are no keys"
+    message = "other machines can reach this address, and no keys exist"
     refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
 
 

@@ -14,18 +14,22 @@ from core.extras import installing
 
 
 def sheet(
-    file: Annotated[Path, typer.Argument(help="A NetCDF file of `run`.", show_default=False)],
+    file: Annotated[
+        Path, typer.Argument(help="A NetCDF file written by `vibrafeed run`.", show_default=False)
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="PDF, PNG or SVG; a PDF in the file's folder if left out."
+            "-o",
+            "--output",
+            help="Output file: PDF, PNG or SVG; by default a PDF beside the result.",
         ),
     ] = None,
-    title: Annotated[str | None, typer.Option(help="Instead of the study's own.")] = None,
+    title: Annotated[
+        str | None, typer.Option(help="Title of the page; by default that of the study.")
+    ] = None,
     units: Units = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace a page that is there already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,
 ) -> None:
     """Write one page about a result: drive and part, what comes out, a picture, the assumptions."""
     try:

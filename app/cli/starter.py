@@ -73,7 +73,7 @@ STARTERS: Final[Mapping[str, Starter]] = {
             "variables": {"beta": {"lower": "5 deg", "upper": "60 deg"}},
         },
         tables_say={
-            "criterion": "What is looked for: the largest mean speed along the track.",
+            "criterion": "The objective: the largest mean speed along the track.",
             "variables": "What may be chosen, and between which bounds: beta is the angle of the "
             "drive\nabove the track. Others may stand here instead of below, such as frequency.",
         },
@@ -233,7 +233,7 @@ def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Return the bounds of outputs as an array of TOML tables."""
     array = tomlkit.aot()
     for row in rows:
-        array.append(_table("What an output has to keep.", row))
+        array.append(_table("Limits that outputs must keep.", row))
     return array
 
 

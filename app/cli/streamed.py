@@ -113,7 +113,7 @@ def _check_disk_space(
         return size
     file = Path(target)
     if is_zarr(target) and file.exists():
-        refuse({path: [Problem("output", f"{target} is there already", OTHERWISE)]})
+        refuse({path: [Problem("output", f"{target} exists already", OTHERWISE)]})
     free = shutil.disk_usage(file.parent).free
     begun = partial(file)
     if begun.exists():  # what it takes is used again, or given back

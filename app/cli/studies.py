@@ -190,5 +190,5 @@ def refuse_existing(source: str, target: str, *, force: bool) -> None:
     `--force` allows it, but for a Zarr group.
     """
     if not force and "://" not in target and Path(target).is_file():
-        problem = Problem("output", f"{target} is there already", REPLACE)
+        problem = Problem("output", f"{target} exists already", REPLACE)
         refuse({Path(source): [problem]})

@@ -62,26 +62,30 @@ def validate(
         typer.Option("--format", help="text, json or markdown; by the suffix of -o if left out."),
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="A file; the screen if left out.")
+        Path | None,
+        typer.Option("-o", "--output", help="The output file; standard output by default."),
     ] = None,
     random: Annotated[
         int,
-        typer.Option(min=0, max=10_000, help="Number of random members of each form."),
+        typer.Option(min=0, max=10_000, help="Number of random problems of each form."),
     ] = 20,
-    seed: Annotated[int, typer.Option(min=0, max=10**9 - 1, help="What they are drawn by.")] = 1,
+    seed: Annotated[
+        int, typer.Option(min=0, max=10**9 - 1, help="Seed of the random problems.")
+    ] = 1,
     problems: Annotated[
-        bool, typer.Option("--problems", help="Answer nothing: write the problems as JSON.")
+        bool, typer.Option("--problems", help="Write the problems as JSON without solving them.")
     ] = False,
     answers: Annotated[
         Path | None,
         typer.Option(
-            help="Judge another program's answers, a JSON file, by the same tolerances.",
+            help="Judge the answers of another program, given as a JSON file, "
+            "by the same tolerances.",
             show_default=False,
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
 ) -> None:
-    """Solve all problems with known results, and report the errors.
+    """Solve problems with known results, and report the errors.
 
     Anchors from the literature, limits, laws that any drive keeps, a measured set, worked values:
     docs/validation.md. Exit code 1 means that an answer is wrong, 2 that an option or a file is.

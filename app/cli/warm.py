@@ -15,14 +15,17 @@ from core.warm import compile_kernels, is_warm
 
 def warm(
     processes: Annotated[
-        int, typer.Option(min=1, help="Most processes that compile at a time.")
+        int, typer.Option(min=1, help="Maximum number of processes that compile in parallel.")
     ] = os.cpu_count() or 1,
     check: Annotated[
-        bool, typer.Option("--check", help="Only say whether all is compiled: exit code 1 if not.")
+        bool,
+        typer.Option(
+            "--check", help="Only check if all code is compiled; exit with code 1 if not."
+        ),
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Compile all kernels of motion for this processor and keep them on disk; takes about a minute.
+    """Compile the simulation code for this processor, once; takes about a minute.
 
     Without it the first study of each kind waits. Compiled code is kept in NUMBA_CACHE_DIR, or
     among the user's caches.
@@ -32,9 +35,9 @@ def warm(
         if as_json:
             console.document({"compiled": warm_already})
         elif warm_already:
-            console.say("All is compiled for this processor.")
+            console.say("All code is compiled for this processor.")
         if not warm_already:
-            console.fail("Not all is compiled for this processor. Run `vibrafeed warm`.")
+            console.fail("Some code is not compiled for this processor yet. Run `vibrafeed warm`.")
             raise typer.Exit(FAILED)
         return
     started = time.perf_counter()
@@ -49,4 +52,4 @@ def warm(
     if as_json:
         console.document({"compiled": True, "folder": str(folder), "seconds": seconds})
         return
-    console.say(f"All is compiled, and kept in {folder}: {seconds:.1f} s.")
+    console.say(f"All code is compiled, and stored in {folder}: {seconds:.1f} s.")

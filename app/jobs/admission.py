@@ -86,8 +86,8 @@ class Admission:
             else:
                 if found is None:
                     raise FetchingError(
-                        "The result of this study is there and is being fetched. Post the study "
-                        "again in some seconds."
+                        "The result of this study exists and is being fetched. Post the study "
+                        "again in a few seconds."
                     )
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
@@ -220,7 +220,9 @@ class Admission:
         """
         held = self.ownership.of(who.name, key)
         if held is None and self.store.manifest(key) is None:
-            raise NotOwnerError("Its file is not made. POST the study yourself, to have it made.")
+            raise NotOwnerError(
+                "The file of this study does not exist. POST the study yourself to have it made."
+            )
         if held is None or held.result:
             return
         self._quota.look(key, needed, who)
@@ -280,7 +282,7 @@ class Admission:
         with self.ledger.transaction():
             if self.ownership.of(who.name, key) is None:
                 if not who.sees_all:
-                    raise NotOwnerError("Only who has posted the sweep may share it.")
+                    raise NotOwnerError("Only the owner of the sweep may share it.")
                 if key not in self.ownership.studies():
                     self.ownership.hold(who.name, key, 0, result=False)
             self.ownership.share(None if who.sees_all else who.name, key, shared)
@@ -343,4 +345,4 @@ def is_readable(job: Job, who: Key) -> bool:
 def _check_owner(job: Job, who: Key) -> None:
     """Raise `NotOwnerError` if a key neither owns a job nor is an admin's."""
     if not who.sees_all and job.owner != who.name:
-        raise NotOwnerError("It is shared with you; only its owner may change it.")
+        raise NotOwnerError("The job or sweep is shared with you; only its owner may change it.")

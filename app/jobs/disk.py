@@ -8,7 +8,7 @@ from typing import Any
 
 from app.jobs.errors import LostLedgerError, LostStoreError
 
-FILES = "The service has as many files open as it may"
+FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
 UNAVAILABLE = "The object store of results cannot be used"
@@ -18,8 +18,8 @@ PASSING = (FILES, HELD, LOST, UNAVAILABLE)  # soon, and by themselves
 # Why it cannot take more.
 STORAGE = {
     errno.ENOSPC: "The disk is full",
-    errno.EDQUOT: "The disk quota is used up",
-    errno.EROFS: "The data directory can only be read",
+    errno.EDQUOT: "The disk quota is exhausted",
+    errno.EROFS: "The data directory is read-only",
     errno.EACCES: "The data directory may not be written",
     errno.EPERM: "The data directory may not be written",
     errno.EMFILE: FILES,
@@ -28,9 +28,9 @@ STORAGE = {
 }
 SQLITE = {
     "full": "The disk is full",
-    "readonly": "The data directory can only be read",
+    "readonly": "The data directory is read-only",
     "locked": HELD,
-    "I/O": "The disk fails",
+    "I/O": "The disk reports errors",
     "unable to open": "The data directory cannot be written",
 }
 
@@ -45,7 +45,7 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
     return {
         "status": 507,
         "kind": "storage",
-        "title": "The service cannot store what it should",
+        "title": "The service cannot store data",
         "detail": f"{why(error)}. What was there is not touched. Ask again when that is fixed: "
         "a job goes on where it was.",
     }
@@ -59,4 +59,6 @@ def why(error: OSError | sqlite3.Error) -> str:
         return UNAVAILABLE
     if isinstance(error, OSError):
         return STORAGE.get(error.errno or 0, "A file cannot be written")
-    return next((text for word, text in SQLITE.items() if word in str(error)), "The ledger fails")
+    return next(
+        (text for word, text in SQLITE.items() if word in str(error)), "The ledger reports errors"
+    )

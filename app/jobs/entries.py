@@ -50,7 +50,7 @@ class Job:
     owner : str
         Name of the key that it was posted with; empty where none was needed.
     shared : bool
-        Whether all keys may read it.
+        True if all keys may read the job and its results.
     gone : bool
         Whether its result has made room for others of its owner, or of the service.
     """

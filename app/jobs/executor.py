@@ -120,8 +120,8 @@ class Executor:
                 except KilledWorker as error:
                     if error.last_worker.address not in self._killed:
                         raise WorkersDieError(
-                            "A block took down each worker that it was given to, perhaps for want "
-                            "of memory."
+                            "A block crashed every worker that computed it, perhaps because memory "
+                            "ran out."
                         ) from error
                     logger.info("a call goes to another worker: its own was killed for another")
                 finally:

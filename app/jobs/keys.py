@@ -135,7 +135,7 @@ class Keys:
         with self._database.transaction() as connection:
             if any(one.name == key.name and one.stands(now) for one in self.all()):
                 fix = f"Give another, or withdraw that one: vibrafeed key withdraw {key.name}"
-                problems.append(Problem("name", f"a key {key.name!r} is in force", fix))
+                problems.append(Problem("name", f"a valid key {key.name!r} exists already", fix))
             if problems:
                 raise InvalidKeyError(problems)
             ends = None if days is None else now + days * DAY
@@ -154,7 +154,7 @@ class Keys:
             standing = {one.name: one for one in self.all() if one.stands(now)}
             if name not in standing:
                 fix = suggestion(name, standing) if standing else "There are none"
-                raise NoSuchKeyError(f"No key {name[:40]!r} is in force. {fix}")
+                raise NoSuchKeyError(f"No valid key has the name {name[:40]!r}. {fix}")
             key = replace(standing[name], withdrawn=now)
             connection.execute(KEYS.update().where(KEYS.c.hash == key.hash).values(withdrawn=now))
             audit.note(self._database, "", "withdraw key", name)

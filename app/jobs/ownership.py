@@ -31,7 +31,7 @@ class OwnedStudy:
     result : bool
         Whether its owner has asked for its result, too.
     shared : bool
-        Whether all keys may read it.
+        True if all keys may read the job and its results.
     used : float
         When its owner, or one that it is shared with, used it last, to an hour [s since the epoch].
     """

@@ -234,10 +234,12 @@ class Runner:
         except TooLongError as error:
             return _problem(422, "limit", "The study takes longer than this service allows", error)
         except OtherVersionError as error:
-            return _problem(409, "version", "The study is another version's", error)
+            return _problem(
+                409, "version", "The study belongs to another version of vibrafeed", error
+            )
         except TornBlockError as error:
             logger.exception("storage failed")
-            return _problem(507, "storage", "The disk does not keep what is written", error)
+            return _problem(507, "storage", "The disk loses written data", error)
         except OSError as error:
             if disk.passes(error):
                 raise LostError(str(error)) from error
@@ -248,7 +250,7 @@ class Runner:
             title = "A worker does not see the data directory"
             return _problem(500, "workers", title, error)
         except WorkersDieError as error:
-            return _problem(500, "workers", "The workers do not survive the study", error)
+            return _problem(500, "workers", "The study crashes its workers", error)
         except Exception:
             logger.exception("work failed")
             return _problem(

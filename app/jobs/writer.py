@@ -74,7 +74,7 @@ class Writer:
         await self._process_pool(written, directory, key, seconds=most, look=look)
         manifest = await asyncio.to_thread(self._store.manifest, key)
         if manifest is None:
-            raise NoRoomError("The file has just made room for another; ask again.")
+            raise NoRoomError("The file has just been removed to make room; request it again.")
         return manifest
 
     async def known(self, key: str) -> Manifest | None:

@@ -65,7 +65,7 @@ def once(*several: str) -> params.Depends:
         names = [name for name in _names(request) if name not in several]
         repeated = {name for name in names if names.count(name) > 1}
         if repeated:
-            message = "it is given more than once"
+            message = "the parameter is given more than once"
             raise RequestValidationError(
                 [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
             )

@@ -91,21 +91,21 @@ class StatusInfo(BaseModel):
     started: datetime | None = None
     finished: datetime | None = None
     updated: datetime
-    progress: int = Field(ge=0, le=100, description="Percent of the blocks that are done.")
-    cells: int = Field(description="Points of the grid.")
-    cellsDone: int = Field(description="Roughly how many of them are done.")  # noqa: N815
+    progress: int = Field(ge=0, le=100, description="Percentage of the blocks that are done.")
+    cells: int = Field(description="Number of points of the grid.")
+    cellsDone: int = Field(description="Approximate number of points that are done.")  # noqa: N815
     secondsLeft: float | None = Field(  # noqa: N815
         default=None,
-        description="Expected from the pace since the server took it up; absent while unknown.",
+        description="Expected end, from the speed since the server began; absent while unknown.",
     )
     elapsedSeconds: float = Field(  # noqa: N815
-        description="Time that computing took until now, summed over all workers."
+        description="Computing time so far, summed over all workers."
     )
     study: str = Field(description="Identifier of the study; equal studies share a result.")
     owner: str | None = Field(
-        default=None, description="Name of the key that it was posted with, where keys are needed."
+        default=None, description="Name of the key that posted the job, if keys are needed."
     )
-    shared: bool = Field(description="Whether all keys may read it.")
+    shared: bool = Field(description="True if all keys may read the job and its results.")
     links: list[Link]
 
 
@@ -120,7 +120,7 @@ class ResultFile(Link):
     """A result by reference."""
 
     length: int = Field(description="Bytes of the file, or of all files of a Zarr group.")
-    elapsedSeconds: float = Field(description="What computing took.")  # noqa: N815
+    elapsedSeconds: float = Field(description="Computing time.")  # noqa: N815
     cellsPerSecond: float  # noqa: N815
 
 
@@ -144,7 +144,7 @@ def summary(name: str, process: Process, base: str) -> dict[str, Any]:
         "outputTransmission": ["value", "reference"],
         "links": [
             _link(f"{base}/processes/{name}", "self", "The description of the process"),
-            _link(f"{base}/processes/{name}/execution", EXECUTE, "Where studies are posted"),
+            _link(f"{base}/processes/{name}/execution", EXECUTE, "URL to which studies are posted"),
         ],
     }
 
@@ -211,12 +211,14 @@ def status_info(
     here = f"{base}/jobs/{job.id}"
     links = [
         _link(here, "self", "This document"),
-        _link(f"{here}/events", "monitor", "The same as a stream of events", "text/event-stream"),
+        _link(f"{here}/events", "monitor", "The status as a stream of events", "text/event-stream"),
     ]
     if job.state == "successful" and not job.gone:
         links.append(_link(f"{here}/results", RESULTS, "The results"))
     if is_group:
-        links.append(_link(f"{here}/results/zarr", "item", "What is there so far", ZARR_TYPE))
+        links.append(
+            _link(f"{here}/results/zarr", "item", "The results computed so far", ZARR_TYPE)
+        )
     if job.process == "sweep":
         links.append(
             _link(f"{base}/sweeps/{job.key}", "related", "The sweep, to be read in slices")
@@ -277,16 +279,16 @@ def media_type_of(name: str) -> str:
 def _message(job: Job, waits: str | None) -> str:
     """Return a sentence about the state of a job."""
     if job.gone:
-        return "Its result was removed to make room. Post the study again."
+        return "The result was removed to make room. Post the study again."
     if job.problem is not None:
         return f"{job.problem['title']}. {job.problem['detail']}"
     if job.state == "dismissed":
         done = f" with {job.done:,} of {job.blocks:,} blocks done" if job.done else ""
-        return f"It was dismissed{done}."
+        return f"The job was dismissed{done}."
     if job.state not in ACTIVE:
         return "The results are ready." if job.state == "successful" else "It failed."
     if job.state == "accepted":
-        return f"It waits for its turn: {waits}." if waits else "It waits for its turn."
+        return f"The job waits: {waits}." if waits else "The job waits for its turn."
     return f"{job.done:,} of {job.blocks:,} blocks are done."
 
 

@@ -85,7 +85,7 @@ def file_reply(
     wanted = request.headers.getlist("if-match")
     if wanted and not _names(wanted, etag, strong=True):
         detail = f"The file's ETag is {etag}, which If-Match does not name."
-        return problem_document(412, "precondition", "The file is another one", detail)
+        return problem_document(412, "precondition", "The file has changed", detail)
     known = not_modified(request, etag, ASK_AGAIN)
     if known is not None:
         return known
@@ -180,7 +180,7 @@ async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
         # By its place: a read that outlives its cancelled reply moves nobody's position.
         piece = await asyncio.to_thread(os.pread, file.fileno(), min(PIECE, stop - start), start)
         if not piece:
-            raise EOFError(f"{file.name!r} has been cut short while it was read")
+            raise EOFError(f"{file.name!r} was truncated while it was read")
         start += len(piece)
         yield piece
 

@@ -68,7 +68,7 @@ PROCESSES: dict[str, Process] = {
         for name, kind in KINDS.items()
     },
     ACCURACY: Process(
-        "Measure error against run time",
+        "Measure accuracy and run time",
         "Measures for a study what each method costs and how wrong it is; takes up to some "
         "minutes, and is always a job.",
         MeasuredStudy,

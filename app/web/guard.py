@@ -179,7 +179,7 @@ class Guard:
         """Refuse requests from other machines, or from web pages that pretend to be local."""
         local = (scope.get("server") or ("",))[0] or ""
         if _is_address(local) and not is_loopback(local):
-            why = "No keys are set, so that the service answers on loopback addresses only."
+            why = "No keys exist, so the service answers only on loopback addresses."
         elif name not in LOOPBACK_NAMES:
             # Any page can have a name of its own resolve to 127.0.0.1; its browser still sends it.
             why = "No keys are set, so that the service answers to localhost and 127.0.0.1 only."
@@ -196,7 +196,7 @@ class Guard:
         if host and origin.lower().partition("://")[2] == host:
             return None
         detail = "Pages of other origins may only read. VIBRAFEED_CORS_ORIGINS names exceptions."
-        return problem_document(403, "origin", "The page is of another origin", detail)
+        return problem_document(403, "origin", "The page comes from another origin", detail)
 
 
 class Limits:
@@ -234,7 +234,7 @@ class Limits:
         part = self.most // SHARE
         share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
         if share <= self.of_owners[owner] and self.under_way < self.most:
-            detail = f"{share:,} requests of yours are under way, your share of all."
+            detail = f"You have {share:,} requests under way, which is your share."
             return problem_document(
                 429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
             )
@@ -296,7 +296,7 @@ def _tell_refusals(responses: dict[str, Any]) -> None:
     others = problems(
         s403="The role of the key does not allow it",
         s414="The query is too long",
-        s429="The key may not ask so often",
+        s429="The key sends too many requests",
     )
     for status, reply in others.items():
         responses.setdefault(str(status), reply)

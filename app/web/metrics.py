@@ -133,15 +133,18 @@ def watch_jobs(
         return {"waiting": queue.waiting, "running": queue.running}
 
     metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", admission.ledger.counts)
-    metrics.gauges("vibrafeed_work", "Different studies that wait or are computed.", "state", work)
+    metrics.gauges(
+        "vibrafeed_work", "Distinct studies that wait or are being computed.", "state", work
+    )
     for name, description, value in (
         ("oldest_waiting_seconds", "Age of the study that has waited longest for its turn.",
          lambda: admission.ledger.queue().oldest),
         ("workers", "Workers connected to this server; 0 until the first job.", cluster.alive),
-        ("disk_used_bytes", "What studies and results take, counted once a minute at most.",
+        ("disk_used_bytes", "Bytes of studies and results, counted at most once a minute.",
          admission.used_bytes),
-        ("disk_quota_bytes", "What they may take.", lambda: settings.disk_quota_bytes),
-        ("disk_free_bytes", "What the disk of the data directory has left.",
+        ("disk_quota_bytes", "Maximum bytes of studies and results.",
+         lambda: settings.disk_quota_bytes),
+        ("disk_free_bytes", "Free bytes on the disk of the data directory.",
          lambda: _free(settings.data_directory)),
     ):  # fmt: skip
         metrics.gauge(f"vibrafeed_{name}", description, value)

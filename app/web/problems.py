@@ -53,7 +53,7 @@ class TooLargeError(VibrafeedError):
     """The body of a request is larger than the limit, which the message names."""
 
     def __init__(self, most: int):
-        super().__init__(f"A body may hold {most:,} bytes; this one holds more.")
+        super().__init__(f"A body may have {most:,} bytes; this one has more.")
 
 
 class NotAcceptableError(VibrafeedError):
@@ -72,9 +72,9 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     LimitError: (422, "limit", "The study is larger than this service allows"),
     StoppedError: (422, "limit", "The study takes longer than this service allows"),
     NotFoundError: (404, "not-found", "There is no such resource"),
-    NotAcceptableError: (406, "form", "No such format"),
-    MissingPackageError: (406, "form", "No such format"),
-    OtherVersionError: (409, "version", "The study is another version's"),
+    NotAcceptableError: (406, "form", "Unknown format"),
+    MissingPackageError: (406, "form", "Unknown format"),
+    OtherVersionError: (409, "version", "The study belongs to another version of vibrafeed"),
     TooLargeError: (413, "body", "The request is too large"),
     NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),
     NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),
@@ -106,7 +106,7 @@ def _known(request: Request, error: Exception) -> Response:
     status, kind, title = STATUS[type(error)]
     if isinstance(error, StudyError):
         count = len(error.problems)
-        detail = f"{count} problem{'s' if count > 1 else ''}; errors names each with its place."
+        detail = f"{count} problem{'s' if count > 1 else ''}; `errors` lists each with its place."
         return problem_document(status, kind, title, detail, error.problems)
     retry = {"Retry-After": RETRY_AFTER[status]} if status in RETRY_AFTER else None
     if isinstance(error, NotReadyError):

@@ -58,17 +58,17 @@ def kept(
     types = {name: {"schema": schema} for name, schema in content.items()}
     replies: dict[int | str, dict[str, Any]] = {
         200: {"content": types, "description": description, "headers": ETAG},
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        304: {"description": "The client has this version already: its ETag is in If-None-Match"},
     }
     if in_ranges:
         replies[206] = {
             "content": {name: one for name, one in types.items() if one["schema"] is not OBJECT},
-            "description": "The range of it that was asked for",
+            "description": "The requested byte range",
             "headers": {"Content-Range": {"schema": {"type": "string"}}},
         }
         replies |= problems(
-            s412="It is not the file that If-Match names",
-            s416="The range holds no byte of the file",
+            s412="The file is not the one named by If-Match",
+            s416="The byte range is beyond the end of the file",
         )
     return replies
 

@@ -21,9 +21,11 @@ class Stopping:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, or refuse it if it asks for new work while the service stops."""
         if scope["type"] == "http" and scope["method"] == "POST" and self.stopping.is_set():
-            detail = "It takes no new work. What it has taken goes on with the next server."
+            detail = "The service takes no new work. Accepted work continues on the next server."
             headers = {"Retry-After": RETRY, "Connection": "close"}
-            reply = problem_document(503, "stopping", "The service stops", detail, headers=headers)
+            reply = problem_document(
+                503, "stopping", "The service is stopping", detail, headers=headers
+            )
             await reply(scope, receive, send)
             return
         await self.app(scope, receive, send)

@@ -92,7 +92,7 @@ def cases(families: Collection[str] = (), random: int = 0, seed: int = 1) -> tup
     random : int
         How many further members of each form, with random inputs.
     seed : int
-        What they are drawn by.
+        Seed of the random problems.
 
     Raises
     ------

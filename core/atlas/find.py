@@ -26,10 +26,10 @@ PIECE: Final = 8192  # cells at a time: their corners stay in the cache
 LOOKUP_STATUSES: Mapping[str, Flag] = {
     "answered": Flag(0, "interpolated inside a regime, with a stated error"),
     "near_border": Flag(
-        1, "so near the border of a regime that the atlas does not answer: simulate", valid=False
+        1, "near the border of a regime, where the atlas has no value: simulate", valid=False
     ),
     "out_of_range": Flag(2, "outside the range of the atlas: simulate", valid=False),
-    "simulated": Flag(3, "the atlas did not answer, and the part was followed exactly"),
+    "simulated": Flag(3, "no value in the atlas; the part was simulated exactly"),
 }
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in LOOKUP_STATUSES.items()}
 

@@ -63,7 +63,7 @@ def of_table(table: Table) -> Atlas:
     """
     version = table.attributes.get("atlas_version")
     if version is None:
-        raise VibrafeedError(f"it is a result, and no atlas. {MAKE}")
+        raise VibrafeedError(f"the file is a result, not an atlas. {MAKE}")
     if version != ATLAS_VERSION:
         told = f"it is an atlas of version {version}, and this program reads {ATLAS_VERSION}"
         raise VibrafeedError(f"{told}. {MAKE}")
@@ -83,7 +83,7 @@ def open_atlas(path: str | os.PathLike[str]) -> Atlas:
     Parameters
     ----------
     path : path
-        What `vibrafeed atlas` wrote.
+        Atlas file written by `vibrafeed atlas`.
 
     Raises
     ------

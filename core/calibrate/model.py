@@ -175,7 +175,7 @@ class Predicted(NamedTuple):
     variance : ndarray
         Its own: of a motion that does not repeat, and of the method.
     hops, rests : ndarray of bool
-        Whether the part leaves the floor; whether friction holds it all the time.
+        Whether the part leaves the floor; whether friction holds the part all the time.
     """
 
     value: Array
@@ -205,7 +205,7 @@ class Model:
     shared : mapping of str to float
         Parameters that all runs share, in the units of studies.
     unknowns : tuple of Unknown
-        What is looked for.
+        The criterion: which output is maximised or minimised.
     runs : Runs
         What was measured.
     """

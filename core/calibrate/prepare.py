@@ -115,7 +115,7 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
     count = len(study.priors())
     if not count:
         fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
-        yield Problem("unknowns", "nothing is looked for", fix)
+        yield Problem("unknowns", "no unknown is given", fix)
     if count > MAX_UNKNOWNS:
         message = (
             f"there are {count} unknowns: a grid of that dimension would be too coarse to trust"
@@ -155,7 +155,7 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
             problems.append(Problem(f"observations row {k}", message, "Give one of them"))
         elif not given and row.regime is None:
             fix = "Give conveying_velocity with its unit, feed_rate, or regime"
-            problems.append(Problem(f"observations row {k}", "nothing was measured", fix))
+            problems.append(Problem(f"observations row {k}", "the run has no measured value", fix))
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
     if len(used) > 1 and not problems:
         message = "some runs give conveying_velocity, others feed_rate"

@@ -219,16 +219,16 @@ _SAYS = {
     "lower_95": "Lower end of 95 %", "upper_95": "Upper end of 95 %",
 }  # fmt: skip
 _RUNS = {
-    "error": ("Error", "Standard deviation of what was measured."),
-    "predicted": ("Predicted", "Mean over the posterior of what the motion gives."),
-    "predicted_best": ("Predicted by the best values", "What the motion gives at the best values."),
+    "error": ("Error", "Standard deviation of the measured value."),
+    "predicted": ("Predicted", "Mean over the posterior of the predicted value."),
+    "predicted_best": ("Predicted by the best values", "Value predicted with the best values."),
     "predicted_spread": ("Spread", "Of a motion that does not repeat, at the best values."),
     "residual": ("Residual", "Measured less predicted by the best values."),
     "residual_over_error": (
         "Residual over error", "With the error of the run, its spread and the discrepancy."
     ),
-    "probability_of_seen": ("Probability of what was seen", "Of the posterior, run by run."),
-    "information": ("Expected information", "What measuring the speed there would add."),
+    "probability_of_seen": ("Probability of the observation", "By the posterior, run by run."),
+    "information": ("Expected information", "What measuring the speed there adds."),
     "expected": ("Expected speed", "Mean over the posterior."),
     "expected_deviation": ("Deviation of the expected speed", "Over the posterior."),
     "mode_share": ("Share of the mode", "Of the mass of the posterior."),
@@ -241,7 +241,7 @@ _RUNS = {
         "averaged over it.",
     ),
     "discrepancy_probability": (
-        "Probability of a discrepancy", "That there is any, 0.1 before anything was measured."
+        "Probability of a discrepancy", "That there is any discrepancy; 0.1 before the runs."
     ),
 }  # fmt: skip
 
@@ -256,7 +256,7 @@ def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
         attributes[f"density_{unknown.name}"] = {"long_name": f"Density of the {lowered}"}
         attributes[f"{LEFT}{unknown.name}"] = {
             "long_name": f"Standard deviation of the {lowered} after the measurement",
-            "comment": "What is expected to be left of it once the speed there is measured.",
+            "comment": "Expected standard deviation after the speed there is measured.",
         }
         attributes[f"mode_{unknown.name}"] = {"long_name": f"Best of each mode, {lowered}"}
     for one_, other in combinations(model.names, 2):

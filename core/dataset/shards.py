@@ -121,9 +121,9 @@ class GrowingZarr:
         if self._path.exists() if self._path is not None else GROUP in there:
             raise FileExistsError(f"{where} is there already")
         if UNFINISHED not in there and there:
-            raise FileExistsError(f"{where} holds something else")
+            raise FileExistsError(f"{where} holds other files")
         if self._shared and UNFINISHED in there and not is_same:
-            raise FileExistsError(f"{where} is begun of another study or version")
+            raise FileExistsError(f"{where} was begun for another study or version")
 
     @property
     def missing(self) -> Iterator[int]:

@@ -33,7 +33,9 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
         return np.eye(3)
     parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
     if len(parts) != 3:
-        problems.append(Problem("mounting", "it holds neither three angles nor a matrix", FIX))
+        problems.append(
+            Problem("mounting", "the mounting holds neither three angles nor a matrix", FIX)
+        )
         return None
     if all(np.ndim(part) == 0 for part in parts):
         return _turned(parts, problems)
@@ -43,11 +45,13 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
         matrix = np.full((1, 1), np.nan)
     near = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL)
     if not near:
-        problems.append(Problem("mounting", "its matrix is not a rotation", FIX))
+        problems.append(Problem("mounting", "the matrix of the mounting is not a rotation", FIX))
         return None
     if np.linalg.det(matrix) < 0:
         fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
-        problems.append(Problem("mounting", "its matrix mirrors, which no mounting does", fix))
+        problems.append(
+            Problem("mounting", "the matrix of the mounting is a reflection, not a rotation", fix)
+        )
         return None
     return Rotation.from_matrix(matrix).as_matrix()
 

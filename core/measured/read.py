@@ -138,7 +138,10 @@ def _check_header(header: list[str]) -> None:
             f"it has {len(header):,} columns", f"Keep the {MAX_COLUMNS} that are used at most"
         )
     if all(_is_number(cell) for cell in header):
-        raise _refused("its first row holds numbers", "Put a row with the names of columns on top")
+        raise _refused(
+            "the first row of the recording holds numbers, not column names",
+            "Put a row with the names of columns on top",
+        )
 
 
 def _text_of(source: str | Path) -> str:
@@ -157,7 +160,7 @@ def _text_of(source: str | Path) -> str:
                 return raw.decode(encoding)
             except UnicodeDecodeError:
                 continue
-    raise _refused("the file holds no text", "Export the recording as CSV, in UTF-8")
+    raise _refused("the file is not a text file", "Export the recording as CSV, in UTF-8")
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:

@@ -166,7 +166,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
     if sensor is None:
         if not own:
             fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
-            problems.append(Problem("along", "no channel is named", fix))
+            problems.append(Problem("along", "no column of accelerations is named", fix))
         elif recording.mounting is not None:
             fix = "Give sensor = three columns instead of along, across and normal"
             problems.append(Problem("mounting", "it turns a sensor of three axes only", fix))

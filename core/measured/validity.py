@@ -48,8 +48,8 @@ def check_before(signal: Signal) -> None:
         raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
     problems += _out_of_range(signal)
     if not np.ptp(signal.accelerations, axis=1).any():
-        fix = "Look whether the sensor was connected"
-        problems.append(Problem("recording", "all its channels are constant", fix))
+        fix = "Check that the sensor was connected"
+        problems.append(Problem("recording", "all channels of the recording are constant", fix))
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
     for key in ("frequency", "line_frequency"):

@@ -131,11 +131,11 @@ def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
     """Return problems of a drive unit for which the load of travelling parts is not modelled."""
     problems = []
     if turning:
-        message = "what parts do to a unit that turns is not known"
+        message = "the effect of travelling parts on a unit that turns is not modelled"
         fix = f"Give load_mass in its place, or leave out {', '.join(turning)}"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
     if "force_harmonic" in of_unit:
-        message = "what parts do to a unit is known for a force of one harmonic"
+        message = "the effect of travelling parts is modelled only for a force of one harmonic"
         fix = "Give load_mass in its place, or leave out force_harmonic"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
     if "load_damping" in of_unit:

@@ -133,7 +133,9 @@ def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
         return []
     problems, parts = [], numbered(names)
     if unit.loaded and (parts.drawn or parts.stop_gap or parts.numbers["part_friction"]):
-        message = "what a row does to its drive unit is known of free parts of one friction"
+        message = (
+            "the effect of a row on its drive unit is modelled only for free parts of one friction"
+        )
         fix = "Give load_mass in its place, or one friction and no stop"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
     return problems

@@ -41,7 +41,7 @@ def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
         if constraint.lower is None and constraint.upper is None:
-            yield Problem(path, "it bounds nothing", "Give lower, upper or both")
+            yield Problem(path, "it has neither lower nor upper", "Give lower, upper or both")
         elif (
             constraint.lower is not None
             and constraint.upper is not None
@@ -77,10 +77,10 @@ def problems_of_intervals(
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
         yield Problem("quantile", "it is missing", fix)
     if study.quantile is not None and study.robust != "quantile":
-        yield Problem("quantile", "nothing asks for it", 'Remove it, or set robust = "quantile"')
+        yield Problem("quantile", "no setting uses it", 'Remove it, or set robust = "quantile"')
     if study.robust is not None and not intervals:
         fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
-        yield Problem("robust", "nothing is uncertain", fix)
+        yield Problem("robust", "no parameter is uncertain", fix)
     if intervals and isinstance(study.criterion, Pareto):
         fix = "Use the criterion limit, at some limits"
         yield Problem("uncertain", "a whole front is not traced over an interval", fix)

@@ -26,7 +26,7 @@ from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.watch import Watch
 
 BINDS = {
-    "free": Flag(0, "the constraint leaves room"),
+    "free": Flag(0, "the constraint is not active"),
     "binds": Flag(1, "the constraint holds with equality"),
 }
 KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
@@ -70,7 +70,7 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
         attributes[f"margin_{kept.name}"] = {
             "units": QUANTITIES[kept.output].unit,
             "long_name": f"Margin of {what}",
-            "comment": f"How far {kept.output} is from its bound; 0 where it binds.",
+            "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
         }
         attributes[f"binds_{kept.name}"] = _binds(what)
     output = problem.criterion.output

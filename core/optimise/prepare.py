@@ -119,7 +119,7 @@ def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem
 def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
     """Yield a problem if there are too many variables, or none."""
     if not bounds:
-        message = "nothing is left to choose"
+        message = "there are no variables"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
         yield Problem("variables", message, fix)
     if len(bounds) > MAX_VARIABLES:

@@ -86,7 +86,7 @@ def verified(
             more = more if better else "nothing better"
             sentences.append(f"objective {sample.where(cell)}: {rival} finds {more}")
     if sample.count and not answered.size:
-        sentences.append("none of the cells has an answer")
+        sentences.append("no cell has an optimum")
     return sample.verification_attributes(
         " and ".join(against) or "nothing",
         "; ".join(sentences),

@@ -56,7 +56,7 @@ def draw(
     nearest : bool
         Whether a value of `at` that the dataset does not have stands for the nearest one.
     dark : bool
-        Light on dark.
+        Use light colours on a dark background.
     small : bool
         For a column of a document, some 11 cm wide.
 

@@ -51,7 +51,7 @@ def draw_file(
     at : mapping of str to str, optional
         Values of other dimensions as a user writes them, in the unit of the file.
     slow : float, optional
-        How many times slower an animation is.
+        Slow-motion factor of an animation.
     **look
         title, units, nearest, dark and small, as for `draw`.
 

@@ -52,7 +52,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     dataset : xarray.Dataset
         What a study gave.
     title : str
-        Instead of the study's own.
+        Title of the page; by default that of the study.
     units : str, optional
         As for `core.plots.draw`.
 

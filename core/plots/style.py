@@ -32,7 +32,7 @@ class Style:
     Attributes
     ----------
     dark : bool
-        Light on dark.
+        Use light colours on a dark background.
     small : bool
         For a column of a document.
     """

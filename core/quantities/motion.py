@@ -87,13 +87,13 @@ SETTINGS: dict[str, Quantity] = {
     "max_periods": number(
         "N",
         "Largest number of periods",
-        "Largest number of drive periods that one point is followed for.",
+        "Maximum number of drive periods that are simulated for one point.",
     ),
     "steps_per_period": number(
         "n", "Steps per period", "Time steps in a period of the drive, of the coarser run."
     ),
     "slip_speed": number(
-        "u_s", "Slip speed", "Speed below which regularised friction gives way, in g/w."
+        "u_s", "Slip speed", "Slip speed, in g/w, up to which regularised friction rises."
     ),
     "contact_stiffness": number(
         "k", "Contact stiffness", "Stiffness of the regularised floor, over m w^2."

@@ -31,9 +31,9 @@ def problems_of_names(
     problems += _of_levels(asked, outputs, suggest)
     if not (asked.statistics or asked.quantiles or asked.regimes or asked.shares or asked.levels):
         fix = "Give statistics, quantiles, regimes, shares or levels"
-        problems.append(Problem("reduce", "it asks for nothing", fix))
+        problems.append(Problem("reduce", "no statistic is requested", fix))
     if asked.of and not (asked.statistics or asked.quantiles):
-        message = "neither statistics nor quantiles are asked for"
+        message = "outputs are given, but neither statistics nor quantiles"
         problems.append(Problem("reduce.of", message, "Leave it out"))
     return [problem for problem in problems if problem is not None]
 

@@ -14,8 +14,8 @@ from core.study.sensitivity_study import SensitivityStudy
 
 KIND: Final = Kind(
     name="sensitivity",
-    title="Show what uncertain parameters do",
-    description="Shows how outputs vary with parameters that are not known exactly: probabilities, "
+    title="Show the effect of uncertain parameters",
+    description="Shows how outputs vary with uncertain parameters: probabilities, "
     "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
     model=SensitivityStudy,
     scenes=(SCENES, SYSTEMS),

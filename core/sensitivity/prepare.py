@@ -173,7 +173,7 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     uncertain, asked = study.distributions(), study.asked()
     if not uncertain:
         fix = "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }"
-        raise StudyError([Problem("uncertain", "nothing is uncertain", fix)])
+        raise StudyError([Problem("uncertain", "no parameter is uncertain", fix)])
     problems = [*_problems_of(study)]
     given = (*study.values(), *uncertain)
     try:
@@ -263,7 +263,7 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
         fix = "Remove the bounds: the result is the probability of the regime"
         return ("a regime has no bounds", fix) if is_bounded else None
     if not is_bounded:
-        return "it asks for nothing", "Give at_least, at_most or both"
+        return "the demand has no bound", "Give at_least, at_most or both"
     if demand.at_least is None or demand.at_most is None or demand.at_least <= demand.at_most:
         return None
     return "at_least is above at_most", "Swap them"

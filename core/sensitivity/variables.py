@@ -126,7 +126,7 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     if "morris" in study.analyses:
         comment = "The mean size of what moving this parameter through half its distribution does, "
         yield variable("effect", "Mean effect (mu*)", comment + "twice.", UNCERTAIN)
-        comment = "How much that depends on where one is: by curvature, or by other parameters."
+        comment = "Variation of the effect over the distribution, by curvature or other parameters."
         yield variable("effect_deviation", "Deviation of the effect (sigma)", comment, UNCERTAIN)
     if "budget" in study.analyses:
         yield variable("nominal", "Nominal value", "All parameters at their nominal values.")

@@ -100,9 +100,13 @@ if TYPE_CHECKING:
         """One optional field a parameter quantity."""
 
 else:
-    Unknowns = _table("unknowns", "Parameters that are looked for, with ranges or distributions.")
-    Offsets = _table("offsets", "What is added to parameters, such as the error of an angle.")
-    Factors = _table("factors", "What parameters are multiplied with, such as amplitudes.")
+    Unknowns = _table("unknowns", "The unknown parameters, each with a range or a distribution.")
+    Offsets = _table(
+        "offsets", "Unknown offsets that are added to parameters, such as the error of an angle."
+    )
+    Factors = _table(
+        "factors", "Unknown factors by which parameters, such as amplitudes, are multiplied."
+    )
 
 
 def _read_probability(raw: object) -> object:
@@ -134,7 +138,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     unknowns: Unknowns | None = Field(
         None,
-        description="Parameters that are looked for: { lower, upper }, or { mean, deviation }.",
+        description="The unknown parameters: { lower, upper }, or { mean, deviation }.",
     )
     offsets: Offsets | None = Field(
         None, description="Unknown offsets of parameters, such as the mounting error of an angle."
@@ -162,7 +166,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     points: int = Field(
         POINTS,
-        description="Most points at which the unknowns are tried; each takes a motion a run.",
+        description="Maximum number of grid points of the unknowns; each needs one motion per run.",
         strict=True,
         ge=FEWEST_POINTS,
         le=MAX_POINTS,

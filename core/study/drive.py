@@ -55,14 +55,18 @@ class RecordedDrive(BaseModel):
     unit: _Column | None = Field(
         None, description="Of the columns, where their headers do not say: g, mg, m s-2, mm s-2."
     )
-    rate: _Number = Field(None, description="Samples a second, without a column of times.")
-    time: _Column | None = Field(None, description="Column of times; time or t is found.")
+    rate: _Number = Field(None, description="Samples per second, if there is no time column.")
+    time: _Column | None = Field(None, description="Time column; time or t is found automatically.")
     line_frequency: _Number = Field(
         None, description="True frequency of the drive; shows the error of the recorder's clock."
     )
-    frequency: _Number = Field(None, description="About what it repeats with; found if left out.")
+    frequency: _Number = Field(
+        None,
+        description="Approximate frequency of the motion [Hz]; found automatically by default.",
+    )
     harmonics: _Count = Field(
-        None, description="Number of orders to fit; as many as the data support."
+        None,
+        description="Number of harmonic orders to fit; by default as many as the data support.",
     )
 
 
@@ -76,9 +80,9 @@ class MeasuredDrive(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str = Field(description="Name of the recording's file.", max_length=300)
-    sha256: str = Field(description="Of the recording's content.", pattern="^[0-9a-f]{64}$")
+    sha256: str = Field(description="SHA-256 of the recording's content.", pattern="^[0-9a-f]{64}$")
     left_over: dict[Literal["along", "across", "normal"], _Share] = Field(
-        description="Rms of what the fit leaves over, of each axis, as a share of the drive's rms."
+        description="Rms residual of the fit for each axis, as a share of the drive's rms."
     )
     clock_error: _Finite | None = Field(
         None, description="Error of the recorder's clock; a slow one has a positive error."

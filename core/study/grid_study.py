@@ -167,7 +167,7 @@ else:
     Variables = create_model(
         "Variables",
         __base__=Frozen,
-        __doc__="What the optimiser may choose: parameters and their bounds.",
+        __doc__="Variables of the optimisation: parameters and their bounds.",
         **{name: _between_field(name, QUANTITIES[name]) for name in PARAMETERS},
     )
 
@@ -220,7 +220,7 @@ class Study(Frozen):
     parameters: Parameters = Field(description="Fixed or ranged parameters.")
     title: str | None = Field(None, description="Title of the dataset.", max_length=500)
     notes: str | None = Field(
-        None, description="Remarks that go into the dataset.", max_length=5000
+        None, description="Notes that are stored in the dataset.", max_length=5000
     )
     verify: int | None = Field(
         None,

@@ -26,11 +26,11 @@ MAX_RUNS = 1_000
 OBSERVED = ("conveying_velocity", "feed_rate")
 """Outputs that may have been measured."""
 REGIMES_SEEN = {
-    "hops": "it leaves the floor in each cycle, or in some",
-    "does not hop": "it never leaves the floor",
-    "does not start": "friction holds it all the time",
-    "moves forwards": "it travels in the direction of transport",
-    "moves backwards": "it travels against the direction of transport",
+    "hops": "the part leaves the floor in each cycle, or in some",
+    "does not hop": "the part never leaves the floor",
+    "does not start": "friction holds the part all the time",
+    "moves forwards": "the part travels in the direction of transport",
+    "moves backwards": "the part travels against the direction of transport",
 }
 """What may have been seen of a run without measuring its speed."""
 
@@ -112,7 +112,7 @@ def _read_regime(raw: object) -> str | None:
     text = " ".join(str(raw).replace("_", " ").split()).lower()
     if text not in REGIMES_SEEN:
         fix = partial(suggestion, text, REGIMES_SEEN)
-        raise refusal(f"{str(raw)[:40]!r} is not what a part is seen to do", fix)
+        raise refusal(f"{str(raw)[:40]!r} is not an observable behaviour of a part", fix)
     return text
 
 
@@ -123,7 +123,7 @@ class _Row(BaseModel):
 _RowError = Annotated[
     float | None,
     BeforeValidator(_read_row_error),
-    WithJsonSchema({**_WRITTEN, "description": "Standard deviation of what was measured."}),
+    WithJsonSchema({**_WRITTEN, "description": "Standard deviation of the measured value."}),
 ]
 _Seen = Annotated[
     str | None,
@@ -149,7 +149,7 @@ else:
         **{name: _single(name, QUANTITIES[name]) for name in _PARAMETERS},
         **{name: _observed(name) for name in OBSERVED},
         error=(_RowError, None),
-        regime=(_Seen, Field(None, description="What the part was seen to do.")),
+        regime=(_Seen, Field(None, description="Observed behaviour of the part, such as hopping.")),
     )
 
 

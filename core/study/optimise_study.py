@@ -23,9 +23,9 @@ from core.study.values import Between
 
 
 class _TwoOutputs(Frozen):
-    output: OutputName = Field("acceleration_x", description="The output that is to be high.")
+    output: OutputName = Field("acceleration_x", description="The output to maximise.")
     against: OutputName = Field(
-        "acceleration_y", description="The output whose absolute value is to be low."
+        "acceleration_y", description="The output whose absolute value is to be small."
     )
 
 
@@ -67,7 +67,7 @@ class Minimise(Frozen):
 
 
 Criterion = Weighted | Limited | Pareto | Maximise | Minimise
-"""What is looked for."""
+"""The criterion: which output is maximised or minimised."""
 
 CRITERIA = ("weighted", "limit", "pareto", "maximise", "minimise")
 
@@ -76,9 +76,11 @@ class OutputLimit(Frozen):
     """Bounds that an output has to keep."""
 
     output: OutputName = Field(description="The output.")
-    lower: OpenLevel = Field(None, description="Its least value.")
-    upper: OpenLevel = Field(None, description="Its largest value.")
-    absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
+    lower: OpenLevel = Field(None, description="Smallest allowed value of the output.")
+    upper: OpenLevel = Field(None, description="Largest allowed value of the output.")
+    absolute: bool = Field(
+        False, description="True if the bounds apply to the output's absolute value."
+    )
 
     def ends(self) -> Iterable[tuple[str, float]]:
         """Yield name and bound of each constraint that the limit contains."""
@@ -115,15 +117,17 @@ class OptimiseStudy(DrivenStudy):
         description="What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where "
         "left out, as far as they are not given and the outputs depend on them.",
     )
-    criterion: Criterion = Field(description="What is looked for.", discriminator="kind")
+    criterion: Criterion = Field(
+        description="The criterion: which output is maximised or minimised.", discriminator="kind"
+    )
     constraints: Annotated[tuple[OutputLimit, ...], at_most(MAX_CONSTRAINTS)] = Field(
-        (), description="Bounds that outputs have to keep.", max_length=MAX_CONSTRAINTS
+        (), description="Constraints: bounds that outputs must keep.", max_length=MAX_CONSTRAINTS
     )
     floor_contact: bool = Field(
-        True, description="Whether the part is to stay on the floor, where the scene has one."
+        True, description="True if the part must stay on the floor, if the scene has one."
     )
     wall_contact: bool = Field(
-        True, description="Whether the part is to stay on the wall, where the scene has one."
+        True, description="True if the part must stay on the wall, if the scene has one."
     )
     uncertain: Uncertain | None = Field(
         None,
@@ -137,18 +141,18 @@ class OptimiseStudy(DrivenStudy):
     )
     quantile: float | None = Field(
         None,
-        description="The share of the parts below which the value of the output is to be best.",
+        description="The quantile, 0 to 1, of the output that is optimised.",
         strict=True,
         gt=0,
         lt=1,
     )
     sensitivities: bool = Field(
         False,
-        description="Also give d ln(output)/d ln(parameter) at each optimum.",
+        description="True to compute d ln(output)/d ln(parameter) at each optimum.",
         strict=True,
     )
     outputs: OutputNames = Field(
-        (), description="Further outputs at the optimum.", max_length=MAX_OUTPUTS
+        (), description="Further outputs to compute at the optimum.", max_length=MAX_OUTPUTS
     )
 
     def intervals(self) -> dict[str, Distribution]:

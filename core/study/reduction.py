@@ -157,9 +157,10 @@ class LevelSet(_Part):
 
     output: _Known = Field(description="The output.")
     level: Level = Field(description="The level.")
-    along: _Known = Field(description="The axis whose value is asked for; one of `over`.")
+    along: _Known = Field(description="The axis on which the crossing is located; one of `over`.")
     take: Literal["smallest", "largest"] = Field(
-        "smallest", description="Which of several crossings: that of the smallest or largest value."
+        "smallest",
+        description="Which crossing to return if there are several: the smallest or the largest.",
     )
 
 
@@ -167,7 +168,9 @@ class Reduction(_Part):
     """Answers over some axes of a grid, in place of its cells."""
 
     over: Annotated[tuple[_Known, ...], at_most(MAX_NAMES), _ordered(QUANTITIES)] = Field(
-        description="The axes that go; all others stay.", min_length=1, max_length=MAX_NAMES
+        description="The axes that are reduced; all other axes stay.",
+        min_length=1,
+        max_length=MAX_NAMES,
     )
     statistics: Annotated[tuple[_Statistic, ...], at_most(MOST), _ordered(STATISTICS)] = Field(
         (),
@@ -177,7 +180,7 @@ class Reduction(_Part):
     )
     of: Annotated[tuple[_Known, ...], at_most(MAX_NAMES)] = Field(
         (),
-        description="The outputs that statistics and quantiles are of; all where left out.",
+        description="The outputs of statistics and quantiles; all by default.",
         max_length=MAX_NAMES,
     )
     quantiles: Annotated[
@@ -189,13 +192,16 @@ class Reduction(_Part):
         "without a value count in neither.",
     )
     regimes: bool = Field(
-        False, description="Count the cells in each regime, valid or not.", strict=True
+        False, description="True to count the cells in each regime, valid or not.", strict=True
     )
     shares: Annotated[dict[_Name, _Conditions], _BY_NAME] = Field(
         {},
-        description="For each name the share of all cells that meet all of its conditions.",
+        description="Named shares: for each name, conditions; the result is the "
+        "share of cells that meet all.",
         max_length=MOST,
     )
     levels: Annotated[dict[_Name, LevelSet], _BY_NAME] = Field(
-        {}, description="For each name where an output crosses a level.", max_length=MOST
+        {},
+        description="Named levels: for each name, the output and level whose crossing is located.",
+        max_length=MOST,
     )

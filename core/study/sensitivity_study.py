@@ -86,9 +86,7 @@ class SensitivityStudy(DrivenStudy):
         ge=FEWEST_SAMPLES,
         le=MAX_SAMPLES,
     )
-    seed: int = Field(
-        0, description="Another seed draws other points.", strict=True, ge=0, le=2**31 - 1
-    )
+    seed: int = Field(0, description="Seed of the sampled points.", strict=True, ge=0, le=2**31 - 1)
 
     @field_validator("samples")
     @classmethod

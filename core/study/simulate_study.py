@@ -88,7 +88,7 @@ class MotionSettings(Frozen):
     )
     max_periods: int | None = Field(
         None,
-        description="Largest number of drive periods that one point is followed for.",
+        description="Maximum number of drive periods that are simulated for one point.",
         strict=True,
         ge=FEWEST_PERIODS,
         le=MAX_PERIODS,
@@ -104,7 +104,7 @@ class MotionSettings(Frozen):
     )
     slip_speed: float | None = Field(
         None,
-        description="Speed below which regularised friction gives way, in g/w.",
+        description="Slip speed, in g/w, up to which regularised friction rises.",
         strict=True,
         ge=1e-12,
         le=1,

@@ -63,7 +63,7 @@ else:
     Uncertain = create_model(
         "Uncertain",
         __base__=Frozen,
-        __doc__="What is not known exactly: parameters and their distributions.",
+        __doc__="Uncertain parameters and their distributions.",
         **{name: _field(name, QUANTITIES[name]) for name in PARAMETERS},
     )
 

@@ -36,7 +36,7 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
         if name not in sizes:
             message, fix = f"'{name[:60]}' is not an axis of this sweep", suggest(name, sizes)
         elif name in lengths:
-            message, fix = f"{name} stands twice", "Name each axis once"
+            message, fix = f"{name} is given twice", "Name each axis once"
         elif length != ALL and not (is_number and int(length) > 0):
             message, fix = f"'{length[:60]}' is not a length along {name}", _FIX
         else:

@@ -66,7 +66,7 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     said = page.locator("#notice p")
     expect(said).to_have_text("The service asks for a key.")
     for wrong, sentence in [
-        ("wrong", "This key is not known here."),
+        ("wrong", "This key is unknown."),
         ("ключ", "A key is made of English letters, digits and signs, without spaces."),
     ]:
         page.get_by_label("Key, kept until this tab is closed").fill(wrong)
@@ -106,7 +106,7 @@ def test_a_late_refusal_of_one_key_says_nothing_of_another(page, service):
     expect(page.locator("#key")).to_be_visible()
     page.route(lambda url: "/modules/" not in url, hold_the_second)
     given("wrong")
-    expect(page.locator("#notice p")).to_have_text("This key is not known here.")
+    expect(page.locator("#notice p")).to_have_text("This key is unknown.")
     assert len(sent) >= 2
     given(KEY)
     expect(page.locator("#key")).to_have_count(0)

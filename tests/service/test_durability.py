@@ -330,7 +330,7 @@ def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(tmp_path):
         subprocess.run(["mount", "-o", "remount,bind,ro", str(data)], check=True)
         fourth = {**small, "parameters": {**small["parameters"], "frequency": 79}}
         told = refusal(lambda: server.post(fourth))
-        assert told["detail"].startswith("The data directory can only be read")
+        assert told["detail"].startswith("The data directory is read-only")
         assert refusal(lambda: server.ask("/readyz"))["status"] == 503
         assert server.ask(f"/jobs/{first}/results/dataset") == kept
         unmount(data)

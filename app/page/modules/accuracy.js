@@ -13,7 +13,7 @@ export class Accuracy {
       element(
         "button",
         { type: "button", onclick: () => this.measure(study(), tell) },
-        "Measure error against run time",
+        "Measure accuracy and run time",
       ),
       this.said,
       this.pictures,

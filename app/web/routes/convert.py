@@ -20,7 +20,7 @@ TEXT = "text/plain"
 
 @router.post(
     "/convert",
-    summary="Write a study in another form",
+    summary="Convert a study to another format",
     response_class=Response,
     responses={
         200: {"content": {TEXT: {"schema": {"type": "string"}}}, "description": "The study"},

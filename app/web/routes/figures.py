@@ -25,7 +25,9 @@ class Figure(BaseModel):
 
     name: str
     title: str
-    notes: str = Field(description="What is assumed, what the thesis claims, and a verdict.")
+    notes: str = Field(
+        description="Assumptions of the figure, the claims of the thesis, and a verdict."
+    )
     study: dict[str, Any] = Field(description="The study behind it, as POST /sweeps takes it.")
 
 

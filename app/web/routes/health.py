@@ -34,7 +34,9 @@ class Readiness(BaseModel):
 
     status: str
     checks: list[str]
-    warm: bool = Field(description="Everything is compiled: no first study of a kind waits.")
+    warm: bool = Field(
+        description="True if all code is compiled, so that no study waits for compiling."
+    )
 
 
 @router.get("/healthz", summary="Alive", response_model=Health)
@@ -48,7 +50,7 @@ async def healthz() -> Response:
     "/readyz",
     summary="Ready for work",
     response_model=Readiness,
-    responses=problems(s503="It is not ready; errors names what fails"),
+    responses=problems(s503="The service is not ready; `errors` names the failing checks"),
 )
 @router.head("/readyz", include_in_schema=False)
 def readyz(request: Request, settings: SettingsOf) -> Response:

@@ -75,9 +75,12 @@ def list_jobs(
     base: BaseOf,
     who: WhoOf,
     process: Annotated[
-        list[str], Query(alias="processID", max_length=20, description="Of these processes only.")
+        list[str],
+        Query(alias="processID", max_length=20, description="Only jobs of these processes."),
     ] = [],  # noqa: B006 - not changed; None would make the schema nullable
-    status: Annotated[list[State], Query(max_length=20, description="In these states only.")] = [],  # noqa: B006
+    status: Annotated[
+        list[State], Query(max_length=20, description="Only jobs in these states.")
+    ] = [],  # noqa: B006
     kind: Annotated[
         list[str], Query(alias="type", max_length=20, description="All jobs are of type process.")
     ] = [],  # noqa: B006
@@ -86,7 +89,7 @@ def list_jobs(
         Query(
             alias="datetime",
             max_length=100,
-            description="Made at a time (RFC 3339), or between two, as in "
+            description="Only jobs posted at this time (RFC 3339) or in this interval, as in "
             "`2026-01-01T00:00:00Z/..`.",
         ),
         AfterValidator(checked),
@@ -156,7 +159,7 @@ def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
     return json_reply(status_info(job, base))
 
 
-@router.patch("/{number}", summary="Share a job, or share it no more", response_model=StatusInfo,
+@router.patch("/{number}", summary="Share a job, or stop sharing", response_model=StatusInfo,
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
               openapi_extra=SHARING_BODY, dependencies=[placed()])  # fmt: skip
 def share_job(

@@ -244,7 +244,7 @@ for _name, _process in PROCESSES.items():
         responses={
             201: {
                 "model": StatusInfo,
-                "description": "A job has been made",
+                "description": "A job was created",
                 "headers": {"Location": {"schema": {"type": "string"}}},
             },
             **problems(

@@ -42,7 +42,7 @@ _KEY = re.compile(r"(zarr\.json|[a-z][a-z0-9_]{0,79}/(zarr\.json|c(/[0-9]{1,12})
 FORMS = {"netcdf": NETCDF_TYPE, "json": "application/json"}
 NO_RESULT = problems(
     s404="No such job, or its results are not there",
-    s409="The study is another version's: post it again",
+    s409="The study belongs to another version of vibrafeed: post it again",
     s422="The identifier is malformed, or the job failed at a limit",
     s500="The job failed by a fault of the service, not of the study: report it",
     s507="The job failed: its result could not be stored",
@@ -63,7 +63,7 @@ def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Respons
 
 @router.get(
     "/{number}/results/dataset",
-    summary="Download what a job gave",
+    summary="Download the dataset of a job",
     response_class=Response,
     responses={
         **kept(
@@ -89,7 +89,8 @@ async def get_dataset(
         ResultForm | None,
         Query(
             alias="format",
-            description="What `Accept` asks for if left out; else NetCDF. JSON is there of small "
+            description="Format of the dataset; by default that of `Accept`, else "
+            "NetCDF. JSON exists for small "
             "results only.",
         ),
     ] = None,
@@ -212,7 +213,9 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
 def get_file(
     request: Request,
     number: Number,
-    name: Annotated[str, fastapi.Path(description="As the results name it.", max_length=100)],
+    name: Annotated[
+        str, fastapi.Path(description="Name of the file, as listed in the results.", max_length=100)
+    ],
     admission: AdmissionOf,
 ) -> Response:
     """Return a page or a picture that the results name."""

@@ -49,10 +49,19 @@ async def describe_scene(
     request: Request,
     name: Annotated[str, Path(max_length=100)],
     variant: Annotated[
-        str | None, Query(max_length=100, description="The scene's default if left out.")
+        str | None,
+        Query(
+            max_length=100,
+            description="Variant of the closed forms; the scene's default if omitted.",
+        ),
     ] = None,
     method: Annotated[
-        str | None, Query(max_length=100, description="Describes the motion in time instead.")
+        str | None,
+        Query(
+            max_length=100,
+            description="Method of simulation: describes the simulated motion "
+            "instead of the closed forms.",
+        ),
     ] = None,
 ) -> Response:
     """Return parameters, outputs, units, equations, regimes and validity of a scene."""

@@ -79,7 +79,7 @@ AXIS_VALUES = {
             "in": "query",
             "required": False,
             "schema": {"type": "string", "maxLength": 200},
-            "description": f"Value of the axis {name}, where it is not free; one of its values.",
+            "description": f"Value at which the axis {name} is fixed; one of its grid values.",
         }
         for name in PARAMETERS
     ]
@@ -92,7 +92,7 @@ AXIS_VALUES = {
     status_code=201,
     response_model=SweepDescription,
     responses={
-        200: {"model": SweepDescription, "description": "The same study was there already"},
+        200: {"model": SweepDescription, "description": "The same study was posted before"},
         **problems(
             s413="The body is too large",
             s422="The study cannot be carried out",
@@ -139,7 +139,7 @@ def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
 
 @router.patch(
     "/{key}",
-    summary="Share a sweep, or share it no more",
+    summary="Share a sweep, or stop sharing",
     response_model=SweepDescription,
     responses={
         **problems(s404="No such sweep", s409="The sweep is another version's: post it again"),
@@ -174,7 +174,7 @@ def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dic
             s406="No format that Accept allows",
             s409="The sweep is another version's: post it again",
             s422="The slice cannot be taken",
-            s503="Too much waits to be sent",
+            s503="Too much data waits to be sent",
         ),
     },
     openapi_extra=AXIS_VALUES,
@@ -193,7 +193,10 @@ async def get_slice(
     ],
     form: Annotated[
         SliceForm | None,
-        Query(alias="format", description="What `Accept` asks for if left out; else JSON."),
+        Query(
+            alias="format",
+            description="Format of the slice; by default that of `Accept`, else JSON.",
+        ),
     ] = None,
 ) -> Response:
     """Return an output over free axes, all other axes fixed by `name=value`, with its regime.

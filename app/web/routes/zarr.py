@@ -53,7 +53,7 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
             s404="No such sweep, or no such key",
             s409="The sweep is another version's: post it again",
             s422="The key is too long",
-            s503="Too much waits to be sent",
+            s503="Too much data waits to be sent",
         ),
     },
 )

@@ -140,7 +140,7 @@ def test_a_page_that_was_stopped_says_so(study, few_extremes, tmp_path):
         {study: prepare_content(read_content(study))}, tmp_path, (), 60.0, stopped, extremes=True
     )
     assert (
-        "It was stopped: what had not been measured by then is missing."
+        "The measurement was stopped early: the remaining measurements are missing."
         in (tmp_path / "accuracy.md").read_text()
     )
     assert [path.name for path in written] == ["accuracy-small.nc", "accuracy.md"]

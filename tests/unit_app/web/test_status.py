@@ -42,7 +42,7 @@ def test_a_clock_that_was_put_back_tells_no_time_left():
 
 def test_what_has_not_begun_says_what_it_waits_for():
     waiting = replace(RUNNING, state="accepted", started=None, began=None, done=0)
-    assert status_info(waiting, "")["message"] == "It waits for its turn."
+    assert status_info(waiting, "")["message"] == "The job waits for its turn."
     found = status_info(waiting, "", waits="there are no workers")
     assert found["message"] == "It waits for its turn: there are no workers."
     running = status_info(RUNNING, "", waits="all workers are busy")

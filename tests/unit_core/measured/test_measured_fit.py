@@ -344,7 +344,7 @@ def test_a_clock_that_is_too_far_off_is_refused(line, fix):
 
 def test_channels_at_rest_and_numbers_that_are_none_are_refused():
     still = signal_of({"along": [(0.0, 0.0)]})
-    assert "all its channels are constant" in refusal(still)
+    assert "all channels of the recording are constant" in refusal(still)
     broken = signal_of(DRIVE)
     broken.accelerations[0, 3] = np.nan
     assert "it holds values that are not finite" in refusal(broken)

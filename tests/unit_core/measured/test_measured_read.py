@@ -169,7 +169,11 @@ def test_yaw_turns_the_sensor_from_along_to_across():
             "the recording is empty. Give a row of names, and rows of numbers below.",
         ),
         ("ax,az\n", "the recording holds no numbers. Give rows of numbers below the names."),
-        ("1,2\n3,4", "its first row holds numbers. Put a row with the names of columns on top."),
+        (
+            "1,2\n3,4",
+            "the first row of the recording holds numbers, not column "
+            "names. Put a row with the names of columns on top.",
+        ),
         ("ax,ax\n1,2", "two columns have the name 'ax'. Rename one."),
         (
             "ax,az\n1,2\n1",
@@ -202,7 +206,7 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
     file = tmp_path / "recording.bin"
     file.write_bytes(b"ax\0az")
     assert refused(file) == [
-        "recording: the file holds no text. Export the recording as CSV, in UTF-8."
+        "recording: the file is not a text file. Export the recording as CSV, in UTF-8."
     ]
     monkeypatch.setattr("core.measured.read.MAX_BYTES", 1000)
     file.write_bytes(TEXT.encode())
@@ -331,7 +335,11 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
 @pytest.mark.parametrize(
     ("recording", "message"),
     [
-        (Recording(), "along: no channel is named. Name the columns: along = ..., normal = ..."),
+        (
+            Recording(),
+            "along: no column of accelerations is named. Name the "
+            "columns: along = ..., normal = ...",
+        ),
         (Recording(along="ax", mounting=(0, 0, 90)), "mounting: it turns a sensor of three axes"),
         (
             Recording(sensor=("ax", "az")),
@@ -369,11 +377,14 @@ def test_a_channel_without_a_unit_is_told_where_to_write_it():
 @pytest.mark.parametrize(
     ("mounting", "message"),
     [
-        ((0, 0), "it holds neither three angles nor a matrix"),
-        ("level", "it holds neither three angles nor a matrix"),
-        (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "its matrix is not a rotation"),
-        (((1,), (0, 1, 0), (0, 0, 2)), "its matrix is not a rotation"),
-        (((1, 0, 0), (0, 1, 0), (0, 0, -1)), "its matrix mirrors, which no mounting does"),
+        ((0, 0), "the mounting holds neither three angles nor a matrix"),
+        ("level", "the mounting holds neither three angles nor a matrix"),
+        (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "the matrix of the mounting is not a rotation"),
+        (((1,), (0, 1, 0), (0, 0, 2)), "the matrix of the mounting is not a rotation"),
+        (
+            ((1, 0, 0), (0, 1, 0), (0, 0, -1)),
+            "the matrix of the mounting is a reflection, not a rotation",
+        ),
     ],
 )
 def test_mountings_that_are_none(mounting, message):

@@ -509,7 +509,7 @@ class TestRobust:
         assert "nothing asks" in problems(**uncertain(quantile=0.05))["quantile"]
         assert "parameters" in problems(**uncertain(parameters=DATA))["uncertain.friction"]
         assert "front" in problems(**uncertain(criterion={"kind": "pareto"}))["uncertain"]
-        assert "nothing is uncertain" in problems(robust="mean")["robust"]
+        assert "no parameter is uncertain" in problems(robust="mean")["robust"]
         assert "kinks" in problems(**uncertain(method="slsqp"))["method"]
         assert "method" in problems(**uncertain(method="newton"))
 

@@ -139,7 +139,10 @@ def test_units_are_those_of_the_study_or_asked_for(motion: xarray.Dataset):
         np.testing.assert_allclose(curve, np.where(np.isfinite(curve), shown, np.nan))
     assert np.isfinite(curves).any(axis=0).all()
     found = problem(motion, units="kelvin")
-    assert (found.place, found.message) == ("units", "'kelvin' is not a unit of anything here")
+    assert (found.place, found.message) == (
+        "units",
+        "'kelvin' is not a unit of any quantity in vibrafeed",
+    )
 
 
 def test_the_nearest_value_is_taken_where_that_is_asked_for(plane: xarray.Dataset):

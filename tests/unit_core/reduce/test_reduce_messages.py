@@ -63,7 +63,8 @@ MAX = {"statistics": ["max"]}
         ),
         (
             {"over": ["beta"]},
-            "reduce: it asks for nothing. Give statistics, quantiles, regimes, shares or levels.",
+            "reduce: no statistic is requested. Give statistics, "
+            "quantiles, regimes, shares or levels.",
         ),
         (
             {**MAX, "over": ["beta"], "of": ["throw_numbr"]},
@@ -72,7 +73,7 @@ MAX = {"statistics": ["max"]}
         ),
         (
             {"over": ["beta"], "regimes": True, "of": ["throw_number"]},
-            "reduce.of: neither statistics nor quantiles are asked for. Leave it out.",
+            "reduce.of: outputs are given, but neither statistics nor quantiles. Leave it out.",
         ),
         ({**MAX, "over": ["beta"], "cell": "all"}, "Did you mean 'cells'?"),
         (

@@ -250,7 +250,7 @@ def test_every_error_is_told_with_its_place():
     told = problems(demands=[{"regime": "hopping"}, {"regime": "hoping"}])
     assert "flight" in told["demands.0.regime"]
     assert "hopping" in told["demands.1.regime"]
-    assert "nothing is uncertain" in problems(uncertain={})["uncertain"]
+    assert "no parameter is uncertain" in problems(uncertain={})["uncertain"]
     assert "radius" in str(problems(uncertain={"radius": {"mean": 1, "deviation": 0.1}}))
     many = {"start": 0, "stop": 1, "num": 100_000}
     huge = problems(samples=1 << 20, parameters={**PLANE["parameters"], "gamma": many})
