@@ -127,7 +127,7 @@ export async function slice(id, output, axes, fixed, signal) {
  * @param {{tell?: (job: any) => void, signal?: AbortSignal}} options
  */
 export async function carryOut(process, study, { tell = () => {}, signal } = {}) {
-  const { status, content } = await put(`/processes/${process}/execution`, study, { signal });
+  const { status, content } = await posted(`/processes/${process}/execution`, study, { tell, signal });
   if (status !== 201) {
     return { dataset: content, job: null, seconds: content.attributes.elapsed_seconds ?? null };
   }
@@ -138,6 +138,25 @@ export async function carryOut(process, study, { tell = () => {}, signal } = {})
     return { dataset, job, seconds: seconds > 0 ? seconds : null };
   } catch (error) {
     if (error.name === "AbortError") leave(content, tell, error.message);
+    throw error;
+  }
+}
+
+// A reply that may be a job. One that is on its way as nobody waits for it any more still comes: else its job
+// would have nobody who ends it.
+async function posted(path, study, { tell, signal }) {
+  signal?.throwIfAborted();
+  const abort = new AbortController();
+  const reply = put(path, study, { signal: abort.signal });
+  if (!signal) return reply;
+  const leaving = new Promise((_, fail) => signal.addEventListener("abort", () => fail(signal.reason)));
+  try {
+    return await Promise.race([reply, leaving]);
+  } catch (error) {
+    if (signal.aborted) {
+      setTimeout(() => abort.abort(signal.reason), ON_ITS_WAY);
+      reply.then(({ status, content }) => status === 201 && leave(content, tell, signal.reason.message), () => {});
+    }
     throw error;
   }
 }
@@ -181,6 +200,7 @@ export async function follow(job, tell, signal) {
 
 const OVER = new Set(["successful", "failed", "dismissed"]);
 const PAUSE = 1000; // ms
+const ON_ITS_WAY = 300; // ms
 
 async function lastEvent(job, tell, signal) {
   const headers = { Accept: "text/event-stream" };

@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 globalThis.document = { baseURI: "http://127.0.0.1/" };
 globalThis.sessionStorage = { getItem: () => null };
-const { carryOut, cancelled } = await import("../../../app/page/modules/service.js");
+const { cancelled, carryOut } = await import("../../../app/page/modules/service.js");
 
 test("a job that is left is dismissed as soon as the service answers", async (context) => {
   context.mock.timers.enable({ apis: ["setTimeout"] });
@@ -32,4 +32,23 @@ test("a job that is left is dismissed as soon as the service answers", async (co
   await soon();
   assert.deepEqual(told, ["accepted", "dismissed"]);
   assert.equal(refusals, -1);
+});
+
+test("a job whose reply is on its way as it is left is dismissed, too", async () => {
+  const job = { jobID: "2", status: "accepted" };
+  const abort = new AbortController();
+  const asked = [];
+  let answer;
+  globalThis.fetch = (address, { method = "GET" }) => {
+    asked.push(method);
+    return method === "POST" ? new Promise((done) => (answer = done)) : Promise.resolve(new Response("{}"));
+  };
+  const dismissed = new Promise((done) => {
+    const tell = ({ status }) => done(status);
+    const left = carryOut("simulate", {}, { tell, signal: abort.signal });
+    abort.abort(cancelled());
+    return assert.rejects(left, { name: "AbortError" }).then(() => answer(new Response(JSON.stringify(job), { status: 201 })));
+  });
+  assert.equal(await dismissed, "dismissed");
+  assert.deepEqual(asked, ["POST", "DELETE"]);
 });
