@@ -15,6 +15,27 @@
   window.addEventListener("error", (event) => window.faults.push(event.message));
   window.addEventListener("unhandledrejection", (event) => window.faults.push(String(event.reason?.stack)));
 
+  // Where the page stands among the views that it has been at, for browsers that do not tell.
+  const steps = { at: 0, last: 0 };
+  const { pushState } = history;
+  history.pushState = function (...given) {
+    pushState.apply(this, given);
+    steps.last = steps.at += 1;
+  };
+  const go = (by) => {
+    if (!window.navigation) {
+      if (steps.at + by < 0 || steps.at + by > steps.last) return false;
+      steps.at += by;
+      history.go(by);
+      return true;
+    }
+    const target = navigation.entries()[navigation.currentEntry.index + by];
+    if (!target?.url.startsWith(location.origin)) return false;
+    const { committed, finished } = navigation.traverseTo(target.key);
+    for (const one of [committed, finished]) one.catch(() => {}); // a browser forgets the oldest of many entries
+    return true;
+  };
+
   const ACTIONS = {
     type({ share, text }) {
       const field = picked(all("#controls input[inputmode], #part input, #optimum input[inputmode]"), share);
@@ -69,12 +90,8 @@
       picked(all("#optimum fieldset button, #optimum input[type=checkbox]").filter((one) => !isSaving(one)), share)?.click();
     },
     async back({ share }) {
-      if (!window.navigation?.canGoBack) return;
-      const { index } = navigation.currentEntry;
-      const target = navigation.entries()[index + (share < 0.7 ? -1 : 1)];
-      if (!target?.url.startsWith(location.origin)) return;
       const changed = new Promise((done) => addEventListener("hashchange", done, { once: true }));
-      navigation.traverseTo(target.key);
+      if (!go(share < 0.7 ? -1 : 1)) return;
       await Promise.race([changed, new Promise((done) => setTimeout(done, 500))]);
     },
   };

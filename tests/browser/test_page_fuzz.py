@@ -81,12 +81,14 @@ def test_random_actions_in_firefox(address, tmp_path):
             await tab.go(f"{address}/")
             await tab.evaluate(f"(() => {{{MONKEY}}})()")
             await tab.evaluate("settled().then(() => 0)")
+            done: list[Any] = []
             for action in actions(IN_FIREFOX, SEED):
+                done.append(action)
                 await tab.evaluate(f"act({json.dumps(action)}).then(() => 0)")
                 if action["settles"]:
                     await tab.evaluate("settled().then(() => 0)")
                     told = "disagreements().then((found) => JSON.stringify(found))"
-                    assert json.loads(await tab.evaluate(told)) == []
+                    assert json.loads(await tab.evaluate(told)) == [], done[-8:]
             return tab.told
 
     with ThreadPoolExecutor(1) as thread:  # the browser of the other test has this one's loop
