@@ -3,25 +3,44 @@
 import { drawn } from "./elements.js";
 
 // Within 1 of the middle.
-const SHAPES = [
-  "M1 0A1 1 0 1 1-1 0A1 1 0 1 1 1 0Z",
-  "M-.9-.9H.9V.9H-.9Z",
-  "M0-1.15L1.05 .8H-1.05Z",
-  "M0-1.2L1.2 0L0 1.2L-1.2 0Z",
-  "M0 1.15L1.05-.8H-1.05Z",
-  "M-.4-1.1H.4V-.4H1.1V.4H.4V1.1H-.4V.4H-1.1V-.4H-.4Z",
-  "M0-1.2L.35-.4L1.2-.35L.5.25L.75 1.1L0 .6L-.75 1.1L-.5.25L-1.2-.35L-.35-.4Z",
-  "M-1.2-.7H1.2V.7H-1.2Z",
-];
+const CIRCLE = "M1 0A1 1 0 1 1-1 0A1 1 0 1 1 1 0Z";
+const SQUARE = "M-.9-.9H.9V.9H-.9Z";
+const UPWARDS = "M0-1.15L1.05 .8H-1.05Z";
+const DIAMOND = "M0-1.2L1.2 0L0 1.2L-1.2 0Z";
+const DOWNWARDS = "M0 1.15L1.05-.8H-1.05Z";
+const CROSS = "M-.4-1.1H.4V-.4H1.1V.4H.4V1.1H-.4V.4H-1.1V-.4H-.4Z";
+const STAR = "M0-1.2L.35-.4L1.2-.35L.5.25L.75 1.1L0 .6L-.75 1.1L-.5.25L-1.2-.35L-.35-.4Z";
+const BAR = "M-1.2-.7H1.2V.7H-1.2Z";
+// By colour: a regime has the same mark in each system, as it has the same colour; those of motion that meet
+// in one picture differ.
+const SHAPES = {
+  "#9ccbff": CIRCLE,
+  "#a3c02c": UPWARDS,
+  "#3f8a70": DOWNWARDS,
+  "#ffd98f": CROSS,
+  "#c66a2c": STAR,
+  "#ee7fa6": BAR,
+  "#a05ce6": DIAMOND,
+  "#4a4a4a": SQUARE,
+  "#b3560f": UPWARDS,
+  "#5e2d91": DOWNWARDS,
+  "#9b1b5a": DIAMOND,
+  "#6b5d00": SQUARE,
+  "#8b1a1a": STAR,
+  "#8a7a1f": UPWARDS,
+  "#00696b": CIRCLE,
+  "#d6d6d6": DIAMOND,
+  "#dddddd": BAR,
+  "#ffffff": CROSS,
+};
 
 // {colour, ink, shape, meaning, valid} of a regime of a scene by its name.
 export function lookOf(scene, name) {
-  const place = scene.regimes.findIndex((one) => one.name === name);
-  const found = scene.regimes[place];
+  const found = scene.regimes.find((one) => one.name === name);
   return {
     colour: found?.colour ?? "#888888",
     ink: found?.ink ?? "#444444",
-    shape: SHAPES[Math.max(0, place) % SHAPES.length],
+    shape: SHAPES[found?.colour] ?? CIRCLE,
     meaning: found?.description ?? "",
     valid: found?.valid ?? true,
   };

@@ -11,6 +11,7 @@ import pytest
 
 from app.main import create_app
 from app.settings import Settings
+from core.quantities.pictures import INKS, colour_of
 from local_client import local_client
 
 PAGE = Path(__file__).parents[3] / "app" / "page"
@@ -68,6 +69,22 @@ def test_the_page_makes_no_markup_from_text_and_stays_small():
         assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(", text)
     files = [path for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg")]
     assert sum(len(gzip.compress(path.read_bytes())) for path in files) < MOST
+
+
+def test_each_colour_of_a_regime_has_its_mark():
+    marks = (PAGE / "modules" / "markers.js").read_text()
+    assert {colour_of(name) for name in INKS} == set(re.findall(r'"(#\w{6})": [A-Z]+,', marks))
+    motion = [
+        "stick",
+        "slip",
+        "stick_slip",
+        "hopping",
+        "hop_after_hop",
+        "period_doubled",
+        "aperiodic",
+    ]
+    shapes = dict(re.findall(r'"(#\w{6})": ([A-Z]+),', marks))
+    assert len({shapes[colour_of(name)] for name in motion}) == len(motion)
 
 
 def test_figures_are_studies_that_the_service_takes(client):
