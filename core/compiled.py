@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
+from llvmlite import ir
 from numba.core import event, types
 from numba.extending import intrinsic
 
@@ -59,11 +60,12 @@ def _without_aliases(flags: Any) -> None:
 def compiled_source(source: str) -> Any:
     """Return the compiled function of a source text that defines exactly one.
 
-    Its arrays may not overlap. It may call `choose` (a selection, never a branch) and the functions
-    of `math`. The code is cached as that of `compiled` is; a name tells the text.
+    Its arrays may not overlap. It may call `choose` (a selection, never a branch), `binade` and
+    `exponent` (of `core.mechanics.elementwise`) and the functions of `math`. The code is cached as
+    that of `compiled` is; a name tells the text.
     """
     file = loop_name(source)
-    names: dict[str, Any] = {"choose": _choose}
+    names: dict[str, Any] = {"choose": _choose, "binade": _binade, "exponent": _exponent}
     names |= {name: getattr(math, name) for name in ("copysign", "inf", "nan", "sqrt")}
     names |= {"__name__": __name__, "__builtins__": __builtins__}
     known = set(names)
@@ -89,6 +91,41 @@ def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
         return builder.select(condition, *taken)
 
     return result(condition, first, second), generate
+
+
+@intrinsic
+def _binade(context: Any, value: Any) -> Any:
+    """Return the largest power of 2 that is not above |value|."""
+    del context
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.bitcast(_exponent_bits(builder, arguments[0]), arguments[0].type)
+
+    return types.float64(types.float64), generate
+
+
+@intrinsic
+def _exponent(context: Any, value: Any) -> Any:
+    """Return the exponent of that power, as a float.
+
+    The bits of a whole number below 2^52 are the last of those of 2^52 and the number: no processor
+    needs a conversion.
+    """
+    del context
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        field = _exponent_bits(builder, arguments[0])
+        whole = field.type
+        field = builder.or_(builder.lshr(field, whole(52)), whole(0x433 << 52))
+        shifted = builder.bitcast(field, arguments[0].type)
+        return builder.fsub(shifted, arguments[0].type(2.0**52 + 1023))
+
+    return types.float64(types.float64), generate
+
+
+def _exponent_bits(builder: Any, value: Any) -> Any:
+    whole = ir.IntType(64)
+    return builder.and_(builder.bitcast(value, whole), whole(0x7FF << 52))
 
 
 @intrinsic

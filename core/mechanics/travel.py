@@ -27,6 +27,7 @@ from core.mechanics.arrays import (
     tan_quotient,
     tanh_quotient,
 )
+from core.mechanics.elementwise import LOGARITHMIC, arc_quotient
 
 # Above this phase the hyperbolic functions are replaced by their exponential forms.
 LARGE_PHASE = 1.0
@@ -96,31 +97,26 @@ def travel_time(
 ) -> Array:
     """Return the time to cover the distance [s]; infinite where the part does not get there.
 
-    With q = 2 x phi(s)/(v + v0 exp(-s)) and k = sqrt(mu |K|/R) the time is atanh(k q)/k for K > 0,
-    atan(k q)/k for K < 0, q for K = 0. For large k q the first saturates and is taken from
-    1 - (k q)^2 = ((v exp(-s/2) + c)/(v + c exp(-s/2)))^2, c = v0 exp(-s/2).
+    With q = 2 x phi(s)/(v + v0 exp(-s)) and k^2 = mu |K|/R the time is atanh(k q)/k for K > 0,
+    atan(k q)/k for K < 0, q for K = 0: q times the `arc_quotient` of (mu/R) K q^2, whose root is
+    exp(-s/2) (v + v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
     s = _damping(friction_kinetic, radius, distance)
-    arrives = (v > 0) | (distance == 0)
-    pace = np.where(arrives & (distance > 0), v + v0 * np.exp(-s), 1.0)
+    from_rest, goes = v0 == 0, distance > 0
+    arrives = (v > 0) | ~goes
+    pace = np.where(arrives & goes, v + v0 * np.exp(-s), 1.0)
+    way = np.where(goes, 2 * distance * expm1_quotient(s), 0.0)
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        q = np.where(distance > 0, 2 * distance * expm1_quotient(s) / pace, 0.0)
+        q = way / pace
     arrives &= np.isfinite(q)
     q = np.where(arrives, q, 0.0)
-    k = _rate(K, friction_kinetic, radius)
-    kq = k * q
-    near = np.minimum(kq, 0.5)
-    direct = q * np.where(K > 0, ratio(np.arctanh(near), near, 1.0), arctan_quotient(kq))
-    far = (K > 0) & (kq > 0.5)
-    fade = np.where(far, np.exp(-np.minimum(s, LONG_WAY) / 2), 1.0)
-    carried = np.where(far, v0, 0.0) * fade
-    ahead = np.where(far, v, 1.0)
-    late = np.log((ahead + carried * fade) / (ahead * fade + carried))
+    square = np.where(from_rest, -np.expm1(-s), friction_kinetic / radius * q * (K * q))
     # Past LONG_WAY the exponential would underflow, and what was carried is long gone.
-    logarithms = np.log1p(kq) + late + np.maximum(0.0, s - LONG_WAY) / 2
-    time = np.where(far, ratio(logarithms, k, 0.0), direct)
-    return np.where(arrives, time, np.inf)
+    fade = np.exp(-np.minimum(s, LONG_WAY) / 2)
+    root = np.where(from_rest, fade, fade / np.where(goes, way, 1.0) * ((v + v0) * q))
+    late = np.where(square > LOGARITHMIC, np.maximum(0.0, s - LONG_WAY) / 2, 0.0)
+    return np.where(arrives, q * (arc_quotient(square, root) + late), np.inf)
 
 
 def mean_velocity(

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from core.mechanics.angles import cosine, sine
+from core.mechanics.elementwise import LOGARITHMIC, arc_quotient, binade, exponent
+from core.mechanics.rolling import slip_share
 
 Function = Callable[..., Any]
 
@@ -26,12 +28,14 @@ class Operation:
     Attributes
     ----------
     function : callable
-        The function: one of numpy's elementwise functions, or `numpy.where`.
+        The function: one of numpy's elementwise functions or of `core.mechanics.elementwise`, or
+        `numpy.where`.
     slope : callable or None
         Derivative of the result: takes the result, the arguments and their derivatives.
     loop : str
         The expression in a compiled loop, of the arguments; exact or rounded once, so that its bits
-        are numpy's. Empty: numpy computes it between two loops.
+        are numpy's. Empty: numpy computes it between two loops; a loop takes the steps of an
+        `Elementwise`.
     digits : callable or None
         The function for numbers of many digits: takes a context of mpmath and the arguments.
     tie : callable or None
@@ -96,6 +100,51 @@ def _flat(function: Function, loop: str, digits: Function | None) -> Operation:
     return Operation(function, None, loop, digits, is_flat=True)
 
 
+def _arc_slope(f: Any, square: Any, root: Any, dsquare: Any, droot: Any) -> Any:
+    """Return the derivative of `arc_quotient`; near 1 by the root, which has the digits there."""
+    small = np.abs(square) < 0.02
+    by_series = sum(k * square ** (k - 1) / (2 * k + 1) for k in range(1, 11))
+    apart = np.where(small, 1.0, square)
+    by_square = np.where(small, by_series, (1 / (1 - square) - f) / (2 * apart))
+    u = np.sqrt(np.abs(apart))
+    by_root = (_times(1 / (2 * u * (1 + u)), dsquare) - _times(1 / root, droot)) / u
+    by_root = by_root - _times(f / (2 * apart), dsquare)
+    return np.where(square > LOGARITHMIC, by_root, _times(by_square, dsquare))
+
+
+def _arc_digits(m: Any, square: Any, root: Any) -> Any:
+    if square == 0:
+        return m.one
+    u = m.sqrt(abs(square))
+    if square < 0:
+        return m.atan(u) / u
+    return (m.log((1 + u) / root) if square > LOGARITHMIC else m.atanh(u)) / u
+
+
+def _slip_slope(
+    z: Any, x: Any, y: Any, s: Any, held: Any, dx: Any, dy: Any, ds: Any, dheld: Any
+) -> Any:
+    """Return the derivative of `slip_share` by that of its equation."""
+    a, b = z + s, z + held * s
+    by_a, by_b = np.square(x / a) / a, np.square(y / b) / b
+    moved = _times(x / (a * a), dx) + _times(y / (b * b), dy)
+    moved = moved - _times(by_a, ds) - _times(by_b, held * ds + s * dheld)
+    return moved / (by_a + by_b)
+
+
+def _slip_digits(m: Any, x: Any, y: Any, s: Any, held: Any) -> Any:
+    """Return the root of `slip_share` by Newton's method on its own equation, from below."""
+    z = max(x - s, y - held * s, 1 - held * s, m.zero)
+    for _ in range(200):
+        a, b = z + s, z + held * s
+        excess = (x / a) ** 2 + (y / b) ** 2 - 1
+        step = excess / (2 * (x**2 / a**3 + y**2 / b**3))
+        z += step
+        if not step > z * m.eps * 8:
+            break
+    return z
+
+
 # Columns: function, derivative, compiled loop, 50 digits, ties.
 _ROWS = (
     # Arithmetic.
@@ -145,6 +194,12 @@ _ROWS = (
         _chain(lambda f, x: 1 / (1 + x)),
         digits=lambda m, x: -m.inf if x == -1 else m.log1p(x),
     ),
+    # Parts of a float, for loops alone.
+    Operation(binade, loop="binade({})"),
+    Operation(exponent, loop="exponent({})"),
+    # Whole functions of ours.
+    Operation(arc_quotient, _arc_slope, digits=_arc_digits),
+    Operation(slip_share, _slip_slope, digits=_slip_digits),
     # Functions of angles, and hyperbolic ones.
     Operation(np.sin, _chain(lambda f, x: cosine(x)), digits=lambda m, x: m.sin(x)),
     Operation(np.cos, _chain(lambda f, x: -sine(x)), digits=lambda m, x: m.cos(x)),

@@ -16,7 +16,9 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from core.errors import VibrafeedError
+from core.mechanics.elementwise import Elementwise
 from core.plan.equations import regimes_of, run
+from core.plan.operations import IN_LOOPS
 from core.plan.plan import Plan
 from core.scenes import Condition, Equation
 
@@ -76,6 +78,8 @@ class Node(NDArrayOperatorsMixin):
         """Add a numpy step to the graph; in-place operations make new values."""
         if method != "__call__" or settings or ufunc.nout != 1:
             raise UntraceableError(f"{ufunc.__name__}.{method} is not a plain step")
+        if isinstance(ufunc, Elementwise) and ufunc not in IN_LOOPS:
+            return ufunc.body(*inputs)
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:

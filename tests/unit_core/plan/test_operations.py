@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import core.plan
+from core.mechanics.elementwise import arc_quotient, binade, exponent
+from core.mechanics.rolling import slip_share
 from core.plan.duals import Dual
 from core.plan.operations import IN_LOOPS, OPERATIONS
 from core.quantities import QUANTITIES
@@ -17,6 +19,11 @@ from core.sweep.precise import CONTEXT, Number, Precise
 
 ROOT = Path(core.plan.__file__).parent
 POINTS = {1: [(0.35,), (0.62,)], 2: [(0.35, 0.62), (0.62, 0.35)]}
+OWN_POINTS = {  # of functions of ours, whose arguments belong together
+    np.ldexp: [(0.35, 2), (0.62, -3)],
+    arc_quotient: [(x, math.sqrt(1 - x)) for x in (0.96, 0.4, 0.2, 1e-3, 0.0, -1e-3, -0.7, -9.0)],
+    slip_share: [(0.6, 0.8, 0.3, 3.0), (0.8, 0.6, 0.0, 3.0), (0.28, 0.96, 0.25, 2.3)],
+}
 AT_EDGES = [0.0, -0.0, 1.0, -1.5, 3e-300, math.inf, -math.inf, math.nan]
 
 
@@ -28,6 +35,10 @@ def rows(column):
     return [row for row in OPERATIONS.values() if column(row) and row.function is not np.where]
 
 
+def points(function):
+    return OWN_POINTS.get(function) or POINTS[function.nin]
+
+
 def choose(condition, one, other):
     return one if condition else other
 
@@ -35,6 +46,7 @@ def choose(condition, one, other):
 def divided(expression, values):
     """Return what a loop gives, with the quotients of a processor in place of Python's errors."""
     words = {"sqrt": np.sqrt, "abs": abs, "copysign": math.copysign, "inf": math.inf}
+    words |= {"binade": binade, "exponent": exponent}
     kinds = [v if isinstance(v, bool) else np.float64(v) for v in values]
     with np.errstate(all="ignore"):
         return eval(
@@ -66,8 +78,7 @@ def test_a_loop_has_the_bits_of_numpy(operation):
 @pytest.mark.parametrize("operation", rows(lambda row: row.digits), ids=name)
 def test_digits_begin_as_numpy_does(operation):
     function = operation.function
-    points = [(0.35, 2), (0.62, -3)] if function is np.ldexp else POINTS[function.nin]
-    for values in points:
+    for values in points(function):
         got = function(*(Number(v) if isinstance(v, float) else v for v in values))
         want = function(*values)
         if isinstance(want, np.bool_):
@@ -80,8 +91,7 @@ def test_digits_begin_as_numpy_does(operation):
 def test_slopes_are_those_of_fifty_digits(operation):
     """A central difference over a step of 1e-15 leaves 30 digits of 50: rules have no witness."""
     function, step = operation.function, CONTEXT.mpf(10) ** -15
-    points = [(0.35, 2), (0.62, -3)] if function is np.ldexp else POINTS[function.nin]
-    for values in points:
+    for values in points(function):
         for place in range(len([v for v in values if isinstance(v, float)])):
             carried = [Dual(v, 1.0, []) if k == place else v for k, v in enumerate(values)]
             above, below = (

@@ -15,10 +15,11 @@ AXES = {
 
 def seconds(output: str, num: int, **more) -> float:
     spans = {name: {"start": a, "stop": b, "num": num} for name, (a, b) in AXES.items()}
+    given = {**spans, "radius": 0.8, "distance": 2e-4, **more}
     prepared = prepare_content(
         {
             "kind": "sweep", "scene": "rectangle-on-track", "outputs": [output],
-            "parameters": {**spans, "radius": 0.8, "distance": 2e-4, **more},
+            "parameters": {name: value for name, value in given.items() if value is not None},
         }
     )  # fmt: skip
     return prepared.seconds_a_cell * prepared.cells
@@ -27,9 +28,12 @@ def seconds(output: str, num: int, **more) -> float:
 def test_a_price_grows_with_cells_and_steps():
     large, larger = (seconds("transport_velocity", num) for num in (100, 200))
     assert larger == pytest.approx(64 * large, rel=0.1)
-    # Logarithms between loops; and a part that starts at a speed has more roots.
-    assert seconds("travel_time", 100) > 4 * large
+    # A part that starts at a speed has more roots, and its time an arc in every cell; from rest it
+    # has one for each friction. What brakes has an arc tangent between loops.
     assert seconds("transport_velocity", 100, speed=0.1) > 1.2 * large
+    assert seconds("travel_time", 100) < 2 * large
+    assert seconds("travel_time", 100, speed=0.1) > 2 * large
+    assert seconds("stopping_time", 100, speed=0.1, distance=None) > 4 * large
 
 
 def test_a_price_is_told_without_the_grid():
