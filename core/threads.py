@@ -6,6 +6,7 @@ To start two threads and to end them takes as long as a sweep of some 10^5 cells
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
@@ -17,12 +18,13 @@ _T = TypeVar("_T")
 def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
     """Call a function for each task in several threads, and return when all are done.
 
-    One thread, or one task, is the caller's.
+    The caller is one of them: it begins at once, while others are being woken up, and does all by
+    itself where they have other work.
 
     Parameters
     ----------
     function : callable
-        It must not share out tasks itself: all threads might wait for each other.
+        Called by any of the threads.
     tasks : iterable
         What it is called with, one after another.
     threads : int
@@ -33,26 +35,33 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     Exception
         The first that a call raises. Tasks that have not begun are left out then.
     """
-    tasks = list(tasks)
-    if threads <= 1 or len(tasks) <= 1:
-        for task in tasks:
-            function(task)
-        return
-    pool = _pool(threads)
-    calls = [pool.submit(function, task) for task in tasks]
-    try:
-        for call in calls:
-            call.result()
-    finally:
-        for call in calls:
-            call.cancel()
-        wait(calls)
+    left = deque(tasks)
+    errors: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            while True:
+                try:
+                    task = left.popleft()
+                except IndexError:
+                    return
+                function(task)
+        except BaseException as error:
+            errors.append(error)
+            left.clear()
+
+    helpers = min(threads, len(left)) - 1
+    calls = [_pool(threads).submit(work) for _ in range(helpers)]
+    work()
+    wait([call for call in calls if not call.cancel()])
+    if errors:
+        raise errors[0]
 
 
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
-    """Return the pool of this many threads, made once."""
-    return ThreadPoolExecutor(threads, thread_name_prefix="shared")
+    """Return the pool of helpers of the caller, made once for this many threads."""
+    return ThreadPoolExecutor(max(1, threads - 1), thread_name_prefix="shared")
 
 
 if hasattr(os, "register_at_fork"):  # a fork has no threads but its own
