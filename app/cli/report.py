@@ -22,7 +22,9 @@ def report(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Output folder; by default `accuracy` beside the study."
+            "-o",
+            "--output",
+            help="Output folder; by default `accuracy` in the folder of the study.",
         ),
     ] = None,
     only: Annotated[

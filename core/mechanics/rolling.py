@@ -102,7 +102,7 @@ def slip_root(
 
 
 @Elementwise
-def slip_share(x: Array, y: Array, s: Array, held: Array) -> Array:
+def slip_share(x: Array, y: Array, s: Array, held: Array | float) -> Array:
     """Return the positive root z of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1, x^2 + y^2 = 1.
 
     1/sqrt(h) is concave and nearly linear in z: its chords to infinity, and those of each term
