@@ -61,6 +61,7 @@ class Sparing:
     """
 
     def __init__(self, most: int, untold: str):
+        """Let `most` lines a second pass; `untold` names what is left out."""
         self._most, self._untold_of = most, untold
         self._second, self._lines, self._untold = 0, 0, 0
 
@@ -80,6 +81,7 @@ class _FewRefusals(logging.Filter):
     """Lets through few of uvicorn's lines on what is no HTTP, which costs nothing to send."""
 
     def __init__(self) -> None:
+        """Limit the lines about requests that are not HTTP."""
         super().__init__()
         self._lines = Sparing(MAX_REFUSALS, "requests that are no HTTP are not counted")
 

@@ -53,6 +53,7 @@ class Traces:
     """
 
     def __init__(self, provider: TracerProvider):
+        """Make spans with a provider of OpenTelemetry."""
         self._provider = provider
         self._tracer = provider.get_tracer("vibrafeed", core.__version__)
         self._posted: OrderedDict[str, SpanContext] = OrderedDict()  # by study: who asked for it

@@ -116,7 +116,7 @@ class Judge:
         self.variables = len(design.lower)
 
     def __call__(self, unit: Array) -> Array:
-        """Return -velocity at points (n, variables) of the unit box, and count them."""
+        """Return the negative velocity at points (n, variables) of the unit box, and count them."""
         if self.evaluations + len(unit) > self.budget:
             raise SpentError
         inside = np.clip(unit, 0.0, 1.0)

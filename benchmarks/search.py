@@ -144,7 +144,7 @@ class Counted:
         self.design, self.evaluations, self.best = design, 0, -np.inf
 
     def __call__(self, point: Array) -> float:
-        """Return -velocity at a point (2,), and count it."""
+        """Return the negative velocity at a point (2,), and count it."""
         value = float(np.nan_to_num(self.design.velocity(point[None])[0], nan=-NO_VALUE))
         self.evaluations += 1
         self.best = max(self.best, value)

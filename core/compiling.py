@@ -17,6 +17,7 @@ class Stopwatch:
     """
 
     def __init__(self) -> None:
+        """Begin stopped, with no time spent and no listeners."""
         self.spent = 0.0
         self._depth = 0
         self._began = 0.0

@@ -59,6 +59,7 @@ class StudyError(VibrafeedError):
     """A study cannot be carried out; `problems` holds everything found, not only the first."""
 
     def __init__(self, problems: Iterable[Problem]):
+        """Keep all distinct problems, and make the message of them."""
         # Two needs of one missing parameter are one problem.
         self.problems = tuple(dict.fromkeys(problems))
         super().__init__("\n".join(str(problem) for problem in self.problems))
@@ -81,6 +82,7 @@ class LimitError(VibrafeedError):
     """
 
     def __init__(self, limit: str, asked: int, allowed: int, fix: str):
+        """Keep the limit, what was asked and what is allowed, and make the message."""
         self.limit, self.asked, self.allowed, self.fix = limit, asked, allowed, fix
         self.message = f"the study asks for {asked:,} {limit}, the limit is {allowed:,}"
         super().__init__(f"{self.message}. {fix}.")
@@ -97,6 +99,7 @@ class MissingPackageError(VibrafeedError):
     """Something takes a package that is not installed; the message says how to install it."""
 
     def __init__(self, what: str, package: str, how: str):
+        """Say which package is missing, and how to install it."""
         super().__init__(f"{what} needs {package}, which is not installed: {how}")
 
 

@@ -164,6 +164,7 @@ class _CacheFolder(caching._CacheLocator):
     """The folder where numba finds the code of one function, with the stamp of its source."""
 
     def __init__(self, package: str, function: Callable[..., Any], file: str, path: Path) -> None:
+        """Note the cache folder and the source of one kernel."""
         self._py_file, self._lineno = file, function.__code__.co_firstlineno
         self._package, self._module, self._path = package, function.__module__, path
 

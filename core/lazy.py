@@ -54,6 +54,7 @@ class Exported(Mapping[str, Record], Generic[Record]):
     """
 
     def __init__(self, name: str, packages: Mapping[str, ModuleType]):
+        """Note the packages by key, and the name of the record that each exports."""
         self._name, self._packages = name, MappingProxyType({**packages})
 
     def __getitem__(self, key: str) -> Record:

@@ -101,6 +101,7 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
     """Compiles a function into a library of ours."""
 
     def __init__(self, of_numba: Any, library: type[_Library], change: Change | None) -> None:
+        """Take over numba's compiler of a function, for libraries of ours."""
         self.__dict__.update(of_numba.__dict__)
         self._library, self._change = library, change
 
@@ -134,6 +135,7 @@ class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
     _compiler: Any
 
     def __init__(self, function: Callable[..., Any], options: Options, change: Change | None):
+        """Wrap a function for compiled callers."""
         super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _LinkedPart, change)
 
@@ -167,6 +169,7 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
         cache: Callable[[Callable[..., Any]], Any],
         change: Change | None = None,
     ) -> None:
+        """Wrap a function for Python callers, with a cache on disk."""
         super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _Entry, change)
         self._part = _PartDispatcher(function, options, change)
@@ -205,6 +208,7 @@ class Choice:
     def __init__(
         self, function: Callable[..., Any], position: int, ways: Mapping[type, Any]
     ) -> None:
+        """Choose one of `ways` by the type of the argument at a position."""
         self.py_func, self._position, self._ways = function, position, ways
         self.__name__, self.__doc__ = function.__name__, function.__doc__
         dispatched: Any = types.Dispatcher

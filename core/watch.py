@@ -79,6 +79,7 @@ class _Lookout:
     """The thread that asks the watches of what runs, and raises their flags; it sleeps else."""
 
     def __init__(self) -> None:
+        """Begin without watches; start the thread."""
         self._changed = threading.Condition()
         self._watched: dict[int, tuple[Watch, NDArray[np.int8]]] = {}
         self._thread: threading.Thread | None = None

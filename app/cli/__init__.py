@@ -54,6 +54,7 @@ class Commands(TyperGroup):
     """The commands, of which only the one that runs is loaded."""
 
     def __init__(self, **options: Any):
+        """List every command with its help line; a command's module is loaded when it runs."""
         super().__init__(**options)
         for name, line in COMMANDS.items():
             self.add_command(TyperCommand(name, help=line))

@@ -43,6 +43,7 @@ class Pieces:
     """
 
     def __init__(self, prepared: Prepared, target: str, *, resume: bool):
+        """Prepare the pieces of a study; unless it resumes, remove those of an earlier run."""
         self._prepared, self._kind = prepared, kinds.KINDS[prepared.study.kind]
         self.folder = partial(Path(target))
         if not resume:

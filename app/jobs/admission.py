@@ -51,6 +51,7 @@ class Admission:
         wake: Callable[[], object],
         waits: Callable[[], str | None] = lambda: None,
     ):
+        """Admit jobs to a ledger; `wake` wakes the runner, `waits` says why work waits."""
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
         self.waits = waits

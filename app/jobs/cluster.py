@@ -43,6 +43,7 @@ class Cluster:
     """
 
     def __init__(self, address: str | None, workers: int):
+        """Note the scheduler's address, or the number of local workers; connect on first use."""
         self._address, self._workers = address, workers
         # A task of its own: who waits for it may be cancelled, and leaves nothing half made.
         self._start: asyncio.Task[_Made] | None = None

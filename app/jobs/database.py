@@ -87,6 +87,7 @@ class Database:
     """
 
     def __init__(self, where: Path | str):
+        """Note the SQLite file or the URL of the database; connect on first use."""
         url = (
             make_url(where) if isinstance(where, str) else URL.create("sqlite", database=f"{where}")
         )

@@ -43,6 +43,7 @@ class RunningTime:
     """
 
     def __init__(self, most: float, limit: asyncio.Timeout):
+        """Limit the working time of an item to `most` seconds, by an asyncio timeout."""
         self._left, self._limit = most, limit
         self._blocks, self._since = 0, 0.0
 
@@ -119,6 +120,7 @@ class Dispatcher:
         thread_pool: ThreadPool,
         settings: Settings,
     ):
+        """Dispatch the work of a ledger to a cluster; results go to the store."""
         self._ledger, self._store = ledger, store
         self._thread_pool, self._settings = thread_pool, settings
         self._directory = str(settings.data_directory.resolve())

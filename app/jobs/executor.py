@@ -69,6 +69,7 @@ class Executor:
     """
 
     def __init__(self, cluster: Cluster, fair_queue: FairQueue, grace: float):
+        """Run calls on a cluster; abandoned calls are killed after `grace` seconds."""
         self._cluster, self._fair_queue, self._grace = cluster, fair_queue, grace
         self._calls: dict[object, _Call] = {}
         self._killed: set[str] = set()  # addresses of workers; one is never used again

@@ -54,6 +54,7 @@ class FairQueue:
     """
 
     def __init__(self, longest: float):
+        """Begin with one slot; work of more than `longest` seconds counts as long."""
         self._longest = longest
         self._slots = 1
         self._taken: list[Slot] = []

@@ -24,6 +24,7 @@ class Integrity:
     """
 
     def __init__(self) -> None:
+        """Begin without any checked file, with threads of its own."""
         self._lock = threading.Lock()
         self._known: OrderedDict[tuple[int | str, ...], None] = OrderedDict()
         self._small = ThreadPoolExecutor(1, thread_name_prefix="digests")

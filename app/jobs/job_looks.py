@@ -23,6 +23,7 @@ class JobLooks:
     """
 
     def __init__(self, ledger: Ledger):
+        """Answer requests for jobs from a ledger, many with one query."""
         self._ledger = ledger
         # A loop never waits for the query of another, which may have ended.
         self._asked: WeakKeyDictionary[asyncio.AbstractEventLoop, _Asked] = WeakKeyDictionary()

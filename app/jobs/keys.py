@@ -84,6 +84,7 @@ class InvalidKeyError(VibrafeedError):
     """A key cannot be made like this; `problems` holds all that is wrong."""
 
     def __init__(self, problems: Iterable[Problem]):
+        """Keep all problems of the key, and make the message of them."""
         self.problems = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
@@ -115,6 +116,7 @@ class Keys:
     """
 
     def __init__(self, database: Database, hashes: Iterable[str] = ()):
+        """Use the keys of a database, and those of the settings by their hashes."""
         self._database = database
         self._set = [Key(word[:SHOWN], "admin", hash=word) for word in hashes]
         self._lock = threading.Lock()

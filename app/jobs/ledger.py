@@ -59,6 +59,7 @@ class Ledger:
     """
 
     def __init__(self, where: Path | str):
+        """Use the ledger in an SQLite file, or in a database at a URL."""
         self.database = Database(where)
 
     def close(self) -> None:

@@ -42,6 +42,7 @@ class RemoteResults:
     """
 
     def __init__(self, url: str):
+        """Use the object store at a URL, with a thread for downloads."""
         self._url = url.rstrip("/")
         self._lock = Lock()
         self._fetching: dict[str, Future[bool]] = {}

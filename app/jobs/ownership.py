@@ -48,6 +48,7 @@ class Ownership:
     """Reads and writes who holds what; its methods may be called inside a transaction."""
 
     def __init__(self, database: Database):
+        """Read and write the owners' records in a database."""
         self._database = database
 
     def hold(self, owner: str, key: str, bytes_: int, *, result: bool) -> bool:

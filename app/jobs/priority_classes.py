@@ -30,6 +30,7 @@ class PriorityClasses:
     """
 
     def __init__(self, store: Store, settings: Settings):
+        """Choose work by the expected times of stored studies."""
         self._store = store
         self._most = settings.concurrent_jobs
         self._short = SHORT * settings.block_seconds

@@ -54,6 +54,7 @@ class ProcessPool:
     """
 
     def __init__(self, most: int, modules: tuple[str, ...]):
+        """Allow at most `most` processes, which have loaded some modules when they start."""
         self._context = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(list(modules))
         self._threads = ThreadPoolExecutor(most, thread_name_prefix="process-pool")
@@ -157,6 +158,7 @@ class _Process:
     """A process that carries out one call after another."""
 
     def __init__(self, context: multiprocessing.context.ForkServerContext):
+        """Start a process that waits for calls on a pipe."""
         self._pipe, there = context.Pipe()
         self._process = context.Process(target=_carry_out, args=(there,), daemon=True)
         self._process.start()

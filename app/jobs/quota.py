@@ -33,6 +33,7 @@ class Quota:
     """
 
     def __init__(self, ledger: Ledger, store: Store, settings: Settings):
+        """Keep the store within the settings' quota; nothing is counted yet."""
         self._ledger, self._store, self._settings = ledger, store, settings
         self.ownership = Ownership(ledger.database)
         self._counting = threading.Lock()

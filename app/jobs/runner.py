@@ -50,6 +50,7 @@ class Runner:
     """
 
     def __init__(self, ledger: Ledger, store: Store, cluster: Cluster, settings: Settings):
+        """Claim work of a ledger for this server, to be computed on a cluster."""
         self._ledger, self._store, self._cluster = ledger, store, cluster
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())

@@ -66,6 +66,7 @@ class Store(Blocks):
     """
 
     def __init__(self, directory: Path, results_url: str = ""):
+        """Use a data directory, and an object store if a URL is given."""
         super().__init__(directory)
         self.integrity = Integrity()
         self.object_store = RemoteResults(results_url) if results_url else None

@@ -42,6 +42,7 @@ class Studies:
     """
 
     def __init__(self, directory: Path):
+        """Use the folder `studies` of a data directory; none is read yet."""
         self.directory = directory / "studies"
         self._lock = threading.Lock()
         # That were asked for last, and whether the identifier is the study's own, for no process.

@@ -17,6 +17,7 @@ class ThreadPool:
     """Runs functions aside from the event loop."""
 
     def __init__(self) -> None:
+        """Start a pool of `THREADS` threads."""
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="jobs")
 
     async def __call__(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> _T:

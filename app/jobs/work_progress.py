@@ -45,6 +45,7 @@ class WorkProgress:
     """
 
     def __init__(self) -> None:
+        """Begin without witnesses and without items under way."""
         self.witnesses: list[Witness] = []
         self._courses: dict[str, _Started] = {}  # by claim
 

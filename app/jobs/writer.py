@@ -43,6 +43,7 @@ class Writer:
         settings: Settings,
         process_pool: ProcessPool,
     ):
+        """Write files of a store in a pool of processes; `make_room` frees disk space first."""
         self._store, self._make_room, self._settings = store, make_room, settings
         self._process_pool = process_pool
 

@@ -30,6 +30,7 @@ class Compress:
     """Compresses JSON, CSV and other texts where a client takes gzip."""
 
     def __init__(self, app: ASGIApp):
+        """Wrap an application in gzip compression."""
         self.app = GZipMiddleware(app, SMALL, LEVEL, exclude_content_types=PLAIN)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

@@ -57,6 +57,7 @@ class ThriftyParser(h11.Connection):
     """
 
     def __init__(self) -> None:
+        """Begin to parse requests of a limited head size."""
         super().__init__(h11.SERVER, MAX_HEAD)
         self._chunks = self._body = self._raw = 0
         self._is_padded = False
@@ -100,6 +101,7 @@ class Connection(H11Protocol):
     """uvicorn's, with an eye on the time that its client takes."""
 
     def __init__(self, *arguments: Any, **options: Any):
+        """Begin a connection with the thrifty parser and the application's limits."""
         super().__init__(*arguments, **options)
         self.conn = ThriftyParser()
         self._most = self.config.app.state.settings.max_requests + SPARE  # type: ignore[union-attr]

@@ -39,7 +39,7 @@ def etag_of(*parts: str) -> str:
 
 
 def not_modified(request: Request, etag: str, cache: str) -> Response | None:
-    """Return 304 if the client has this content already, by its If-None-Match header; else None."""
+    """Return the reply 304 if the client has this content, by If-None-Match; else None."""
     if not _names(request.headers.getlist("if-none-match"), etag):
         return None
     return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})
@@ -158,6 +158,7 @@ class _FileResponse(StreamingResponse):
         media_type: str,
         checked: tuple[Check, str] | None,
     ):
+        """Prepare the reply with the bytes from `start` to `stop` of a file."""
         super().__init__((), status, headers, media_type)
         self._path, self._start, self._stop, self._checked = path, start, stop, checked
 

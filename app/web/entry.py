@@ -47,6 +47,7 @@ class Entry:
     """
 
     def __init__(self, keys: Keys):
+        """Check requests against keys; wrong keys are counted and slowed."""
         self.keys = keys
         self._refused = RefusedKeys(keys.note_refused)
         self._is_looking = False

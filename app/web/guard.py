@@ -106,6 +106,7 @@ class SafeHeaders:
     """Tells browsers to make nothing of a reply but what it says it is."""
 
     def __init__(self, app: ASGIApp):
+        """Wrap an application."""
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -128,6 +129,7 @@ class Guard:
     """Lets in who holds a key or, where no keys are set, who is on this machine."""
 
     def __init__(self, app: ASGIApp, settings: Settings, keys: Keys):
+        """Wrap an application, with the keys and the allowed origins."""
         self.app = app
         self.entry = Entry(keys)
         self.origins = frozenset(settings.cors_origins)
@@ -203,6 +205,7 @@ class Limits:
     """Answers at once what is too much: too many requests under way, or too large a body."""
 
     def __init__(self, app: ASGIApp, settings: Settings):
+        """Wrap an application, with limits of requests under way and of body size."""
         self.app = app
         self.most = settings.max_requests
         self.most_bytes = settings.max_body_bytes

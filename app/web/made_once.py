@@ -21,6 +21,7 @@ class MadeOnce:
     """Makes documents in a thread, one at a time; who asks meanwhile waits without one."""
 
     def __init__(self) -> None:
+        """Begin with an empty cache."""
         self._kept: dict[Hashable, tuple[bytes, str]] = {}
         self._making: dict[Hashable, asyncio.Task[tuple[bytes, str]]] = {}
         self._lock = asyncio.Lock()

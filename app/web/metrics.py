@@ -41,6 +41,7 @@ class Metrics:
     """
 
     def __init__(self) -> None:
+        """Register the counters of requests, work and the process."""
         self.registry = CollectorRegistry()
         ProcessCollector(registry=self.registry)
         self._requests = Counter(
@@ -156,6 +157,7 @@ class _Gauges(Collector):
     def __init__(
         self, name: str, description: str, label: str, values: Callable[[], Mapping[str, float]]
     ):
+        """Define a gauge with a label; `values` computes all its values."""
         self._words, self._values = (name, description), values
         self._label = label
 

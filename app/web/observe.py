@@ -32,6 +32,7 @@ class Observe:
     """Gives requests identifiers, writes the log, counts, and answers unforeseen errors."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics, traces: Traces | None = None):
+        """Wrap an application; record its requests in metrics, traces and log."""
         self.app = app
         self.metrics, self.traces = metrics, traces
         self._left = logs.Sparing(

@@ -19,6 +19,7 @@ class Tide:
     """Tells when a number has fallen far from the largest that it was."""
 
     def __init__(self) -> None:
+        """Begin with a largest value of 0."""
         self._highest = 0
 
     def rise(self, now: int) -> None:
@@ -46,6 +47,7 @@ class Unsent:
     """
 
     def __init__(self, most: int):
+        """Allow at most `most` unsent bytes."""
         self._most, self._lock = most, threading.Lock()
         self._bytes = 0
         self._tide = Tide()
@@ -73,6 +75,7 @@ class _Share:
     """The share of the output buffer that one request has taken."""
 
     def __init__(self, unsent: Unsent):
+        """Begin with no reserved bytes."""
         self._unsent, self.size = unsent, 0
 
     def enlarge(self, size: int) -> None:
@@ -96,6 +99,7 @@ class Outgoing:
     """Sends bodies in pieces, the next when the last has left; what is too much becomes a 503."""
 
     def __init__(self, app: ASGIApp, unsent: Unsent):
+        """Wrap an application; its replies count as unsent bytes."""
         self.app, self.unsent = app, unsent
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

@@ -53,6 +53,7 @@ class TooLargeError(VibrafeedError):
     """The body of a request is larger than the limit, which the message names."""
 
     def __init__(self, most: int):
+        """Name the limit, `most` bytes, in the message."""
         super().__init__(f"A body may have {most:,} bytes; this one has more.")
 
 

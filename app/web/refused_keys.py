@@ -30,6 +30,7 @@ class RefusedKeys:
     """
 
     def __init__(self, note: Callable[[str, str], None]):
+        """Begin without wrong keys; `note` writes an entry into the audit log."""
         self._note = note
         self._times: OrderedDict[str, deque[float]] = OrderedDict()
         self._waiting: Counter[str] = Counter()

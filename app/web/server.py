@@ -47,6 +47,7 @@ class Server(uvicorn.Server):
     """
 
     def __init__(self, config: uvicorn.Config, end: Callable[[], object] = lambda: None):
+        """Serve with uvicorn's configuration; `end` ends the process at last."""
         super().__init__(config)
         self._end = end
         self._drained = float("inf")  # when the draining ends [s, monotonic]

@@ -43,6 +43,7 @@ class Shares:
     """
 
     def __init__(self, slots: int = SLOTS, of_owner: int = SLOTS - 1):
+        """Give out `slots` slots, of which one owner may have `of_owner`."""
         self._slots, self._of_owner = slots, of_owner
         self._taken: Counter[str] = Counter()
         self._served: dict[str, int] = {}  # the turn in which each owner that is here was served

@@ -15,6 +15,7 @@ class Stopping:
     """Refuses new work once the service has been told to stop; reading and dismissing go on."""
 
     def __init__(self, app: ASGIApp, stopping: threading.Event):
+        """Wrap an application; `stopping` is set once the service is to stop."""
         self.app = app
         self.stopping = stopping
 

@@ -25,6 +25,7 @@ class Warmth:
     """
 
     def __init__(self) -> None:
+        """Begin without a running process."""
         self.is_warm = False
         self._task: asyncio.Task[None] | None = None
 

@@ -19,6 +19,7 @@ class ZarrViews:
     """
 
     def __init__(self, store: Store, most_bytes: int):
+        """Read sweeps of a store; cache at most `most_bytes` of chunks."""
         self._store, self._most_bytes = store, most_bytes
         self._lock = threading.Lock()
         self._views: OrderedDict[tuple[str, str], ZarrView] = OrderedDict()

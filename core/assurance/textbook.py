@@ -78,18 +78,18 @@ def _sin_cos(degrees: Any) -> tuple[Any, Any]:
 
 
 def drive(*, frequency: Any, amplitude: Any) -> Any:
-    """Return P = A0 (2 pi f)^2 [m s-2]."""
+    """Return the amplitude of the drive acceleration, P = A0 (2 pi f)^2 [m s-2]."""
     return amplitude * (2 * mp.pi * frequency) ** 2
 
 
 def throw_number(*, frequency: Any, amplitude: Any, beta: Any, gravity: Any, gamma: Any = 0) -> Any:
-    """Return P sin(beta)/(g cos(gamma)), theory 13.2 [1]."""
+    """Return the throw number, P sin(beta)/(g cos(gamma)) (theory 13.2) [1]."""
     P = drive(frequency=frequency, amplitude=amplitude)
     return P * _sin_cos(beta)[0] / (gravity * _sin_cos(gamma)[1])
 
 
 def along(*, frequency: Any, amplitude: Any, alpha: Any, beta: Any) -> Any:
-    """Return P cos(beta) cos(alpha) [m s-2]."""
+    """Return the drive acceleration along the track, P cos(beta) cos(alpha) [m s-2]."""
     P = drive(frequency=frequency, amplitude=amplitude)
     return P * _sin_cos(beta)[1] * _sin_cos(alpha)[1]
 
@@ -98,7 +98,7 @@ def starting_acceleration(
     *, frequency: Any, amplitude: Any, alpha: Any, beta: Any, gamma: Any, delta: Any, gravity: Any,
     friction: Any,
 ) -> Any:  # fmt: skip
-    """Return K of theory 4.2 [m s-2]."""
+    """Return the starting acceleration of a part at the wall, K of theory 4.2 [m s-2]."""
     P = drive(frequency=frequency, amplitude=amplitude)
     (sa, ca), (_, cb) = _sin_cos(alpha), _sin_cos(beta)
     (sg, cg), (sd, _) = _sin_cos(gamma), _sin_cos(delta)
@@ -106,7 +106,7 @@ def starting_acceleration(
 
 
 def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
-    """Return v(x) from rest, theory 4.5 [m s-1]."""
+    """Return the velocity after a distance from rest, v(x) of theory 4.5 [m s-1]."""
     K = starting_acceleration(friction=friction, **drive)
     if K <= 0:
         return mp.zero
@@ -116,7 +116,7 @@ def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -
 
 
 def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
-    """Return t(x) from rest, theory 4.5 [s]."""
+    """Return the time for a distance from rest, t(x) of theory 4.5 [s]."""
     K = starting_acceleration(friction=friction, **drive)
     if friction == 0:
         return mp.sqrt(2 * distance / K)
@@ -127,25 +127,25 @@ def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any
 
 
 def velocity_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
-    """Return v(t) from rest, theory 4.5 [m s-1]."""
+    """Return the velocity at a time after rest, v(t) of theory 4.5 [m s-1]."""
     K = starting_acceleration(friction=friction, **drive)
     return mp.sqrt(K * radius / friction) * mp.tanh(time * mp.sqrt(friction * K / radius))
 
 
 def distance_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
-    """Return x(t) from rest, theory 4.5 [m]."""
+    """Return the distance at a time after rest, x(t) of theory 4.5 [m]."""
     K = starting_acceleration(friction=friction, **drive)
     u = time * mp.sqrt(friction * K / radius)
     return radius / friction * (u + mp.log1p(mp.exp(-2 * u)) - mp.log(2))
 
 
 def chord_cosine(*, length: Any, radius: Any) -> Any:
-    """Return sqrt(1 - (h/2R)^2), theory 4.1 [1]."""
+    """Return the cosine of half the angle of a chord, sqrt(1 - (h/2R)^2) (theory 4.1) [1]."""
     return mp.sqrt(1 - (length / (2 * radius)) ** 2)
 
 
 def normal_response(*, height: Any, length: Any, pitch: Any, friction: Any) -> Any:
-    """Return m tau in slip to the right, theory 2.2 [1]."""
+    """Return a corner's response to normal force in slip to the right, m tau (theory 2.2) [1]."""
     s = mp.atan2(height, length) + _radians(pitch)
     return 1 + 3 * mp.cos(s) * (mp.cos(s) - friction * mp.sin(s))
 
@@ -153,7 +153,7 @@ def normal_response(*, height: Any, length: Any, pitch: Any, friction: Any) -> A
 def contact_acceleration(
     *, height: Any, length: Any, pitch: Any, friction: Any, pitch_rate: Any, gravity: Any
 ) -> Any:
-    """Return -chi/(m tau) of a corner that slips to the right, theory 2.2, 2.3 [m s-2]."""
+    """Return the normal force per mass of a corner slipping right, -chi/(m tau) [m s-2]."""
     s = mp.atan2(height, length) + _radians(pitch)
     rho = mp.hypot(height, length) / 2
     chi = rho * pitch_rate**2 * mp.sin(s) - gravity

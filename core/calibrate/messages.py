@@ -58,6 +58,7 @@ class Findings:
     """
 
     def __init__(self, prepared: Calibration, posterior: Posterior, arrays: dict[str, Array]):
+        """Describe the posterior and the arrays of a calibration."""
         self.prepared, self.posterior, self.arrays = prepared, posterior, arrays
         self.model = prepared.model
         self.units = ShownUnits()

@@ -48,6 +48,7 @@ class ChunkFile:
     """
 
     def __init__(self, path: Path, threads: int | None = None):
+        """Open a defined NetCDF file for writing chunks, encoded in several threads."""
         import h5py  # a process that writes no large file does not load it
 
         self._disk = _Disk(path)
@@ -188,6 +189,7 @@ class _Disk:
     """
 
     def __init__(self, path: Path):
+        """Open a file for reading and writing at chosen positions."""
         self.descriptor = os.open(path, os.O_RDWR)
         self.is_open, self._at = True, 0
         self.passing: NDArray[np.uint8] | None = None

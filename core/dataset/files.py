@@ -56,6 +56,7 @@ class Behind:
     """Waits for the disk behind the back of who writes; for one thing at a time."""
 
     def __init__(self) -> None:
+        """Start a thread for waiting; nothing is under way."""
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="sync")
         self._last: Future[None] | None = None
 

@@ -218,6 +218,7 @@ class _Sink:
     closed = False
 
     def __init__(self) -> None:
+        """Begin with no bytes."""
         self.pieces: list[bytes] = []
         self._size = 0
 

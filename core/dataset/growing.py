@@ -62,6 +62,7 @@ class GrowingNetcdf:
         *,
         resume: bool = False,
     ):
+        """Begin a NetCDF file in a hidden folder, or continue one of the same study."""
         self._path, self.tiles = path, tiles
         self._folder = partial(path)
         self._folder.mkdir(parents=True, exist_ok=True)

@@ -30,6 +30,7 @@ class Journal:
     """
 
     def __init__(self, path: Path):
+        """Open and lock a journal; read its valid records and cut off a damaged end."""
         self._file = path.open("a+b")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)

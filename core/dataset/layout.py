@@ -131,6 +131,7 @@ class Tiles:
     """
 
     def __init__(self, dims: Mapping[str, tuple[str, ...]], sizes: Mapping[str, int]):
+        """Divide the arrays of a result, given their dimensions and sizes, into tiles."""
         together: dict[tuple[str, ...], list[str]] = {}
         for name, own in dims.items():
             if own:

@@ -66,6 +66,7 @@ class Records:
     """
 
     def __init__(self, where: str):
+        """Use the folder or object store of the records beside a result."""
         self.where = where.rstrip("/") + ENDING
         self._store: ObjectStore | None = None
         self._folder = Path(self.where)

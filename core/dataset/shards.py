@@ -88,6 +88,7 @@ class GrowingZarr:
         shared: bool = False,
         history: str | None = None,
     ):
+        """Begin a Zarr group, or continue an unfinished one of the same study."""
         self.tiles, self._table, self._history = tiles, table, history
         self._path = None if "://" in where else Path(where)
         self._folder = None if self._path is None else partial(self._path)

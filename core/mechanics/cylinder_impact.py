@@ -101,7 +101,7 @@ def cylinder_masses(
     diameter_2: Array,
     length_2: Array,
 ) -> CylinderMasses:
-    """Return m, I_a = m d^2/8 and I_t = m (3/4 d^2 + h^2)/12 of both bodies."""
+    """Return mass and inertias of both bodies, I_a = m d^2/8, I_t = m (3/4 d^2 + h^2)/12."""
     square_1, square_2 = diameter_1 * diameter_1, diameter_2 * diameter_2
     return CylinderMasses(
         mass_1,
@@ -145,7 +145,7 @@ def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion
 
 
 def _turned(moment: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
-    """Return J^-1 of a moment: M/I_t + u (u.M)(1/I_a - 1/I_t)."""
+    """Return the angular velocity by an angular impulse M, M/I_t + u (u.M)(1/I_a - 1/I_t)."""
     along = dot(moment, body.axis) * (1 / axial - 1 / transverse)
     return plus(scaled(moment, 1 / transverse), body.axis, along)
 
@@ -406,7 +406,7 @@ def spatial_motion_after(
 
 
 def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
-    """Return J of an angular velocity."""
+    """Return the angular momentum of an angular velocity, J w."""
     return plus(
         scaled(vector, transverse), body.axis, dot(vector, body.axis) * (axial - transverse)
     )

@@ -196,7 +196,7 @@ def _in_cone(
     b: tuple[Array, Array],
     friction: Array,
 ) -> tuple[tuple[Array, Array], Mask]:
-    """Return L with c + S L = -z L, z >= 0, |L| <= mu (a - b.L), and z = 0 inside; and where z = 0.
+    """Return friction impulses L with c + S L = -z L, |L| <= mu (a - b.L), and where z = 0.
 
     With S on its axes, L_k = -c_k/(s_k + z). The root z of mu (a - b.L)/|L| - 1, which is nearly
     linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.

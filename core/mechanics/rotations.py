@@ -18,22 +18,22 @@ from core.mechanics.arrays import Array
 
 
 def rotation_x(angle: Array) -> Array:
-    """Return R_x, the active rotation about x, shape (..., 3, 3)."""
+    """Return the matrix of the active rotation about x, shape (..., 3, 3)."""
     return _about(0, angle)
 
 
 def rotation_y(angle: Array) -> Array:
-    """Return R_y, the active rotation about y, shape (..., 3, 3)."""
+    """Return the matrix of the active rotation about y, shape (..., 3, 3)."""
     return _about(1, angle)
 
 
 def rotation_z(angle: Array) -> Array:
-    """Return R_z, the active rotation about z, shape (..., 3, 3)."""
+    """Return the matrix of the active rotation about z, shape (..., 3, 3)."""
     return _about(2, angle)
 
 
 def body_to_reference(*, about_x: Array, about_y: Array, about_z: Array) -> Array:
-    """Return A_RB = R_z R_y R_x, body components to reference components, (2.1).
+    """Return the matrix R_z R_y R_x that turns body components into reference components, (2.1).
 
     The angles are the source's Cardan angles alpha, beta, gamma; they are not those of the drive
     and of the track.

@@ -258,7 +258,7 @@ def inertia_about(*, mass: Array, central_inertia: Array, offset: Array) -> Arra
 def momentum_screw(
     *, mass: Array, inertia: Array, mass_centre: Array, twist: Twist
 ) -> MomentumScrew:
-    """Return q = m (V_A + w x AG), H_A = I_A w + m AG x V_A of any body point A, (2.11).
+    """Return the momentum about a body point A, m (V_A + w x AG) and I_A w + m AG x V_A, (2.11).
 
     `inertia` is about A, `mass_centre` leads from A to the mass centre G, all in body components.
     """

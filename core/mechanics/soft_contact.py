@@ -44,7 +44,7 @@ def hunt_crossley(impact_number: Array) -> Array:
 
 
 def damped_number(restitution: Array) -> Array:
-    """Return d = b v at which Hunt and Crossley's law has a restitution; infinite for 0 [1].
+    """Return the impact number d = b v that has a restitution by Hunt and Crossley; inf for 0 [1].
 
     1/e - 1 is nearly linear in d, 2 d/3 at first and d - 1 at last: Newton's method.
     """

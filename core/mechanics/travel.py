@@ -36,12 +36,12 @@ LONG_WAY = 1400.0
 
 
 def _rate(K: Array, friction: Array, radius: Array) -> Array:
-    """Return sqrt(mu |K|/R) [s-1]; a product of roots, since mu |K| may underflow."""
+    """Return the rate of approach to the terminal velocity, sqrt(mu |K|/R) [s-1]."""
     return np.sqrt(friction / radius) * np.sqrt(np.abs(K))
 
 
 def _damping(friction: Array, radius: Array, distance: Array) -> Array:
-    """Return s = 2 mu x/R [1]."""
+    """Return the exponent by which wall friction damps the squared speed, s = 2 mu x/R [1]."""
     return 2 * friction * (distance / radius)
 
 
@@ -139,7 +139,7 @@ def mean_velocity(
 
 
 def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:
-    """Return y = v0 sqrt(mu/(|K| R)) where the part brakes, else 0 [1]."""
+    """Return the scaled starting speed v0 sqrt(mu/(|K| R)) of a braking part, else 0 [1]."""
     root = np.sqrt(np.where(K < 0, -K, 1.0))
     return np.where(K < 0, speed * np.sqrt(friction / radius) / root, 0.0)
 

@@ -40,7 +40,7 @@ def turning_mass(
 def _arm(
     m_r: Array, i1: Array, i2: Array, along: Array, upward: Array, th: Array
 ) -> tuple[Array, Array]:
-    """Return d x e, the lever of the drive about the mass centre, and the total inertia I_t."""
+    """Return the lever of the drive about the mass centre, d x e, and the total inertia I_t."""
     arm = along * sine(th) - upward * cosine(th)
     return arm, i1 + i2 + m_r * (along * along + upward * upward)
 

@@ -237,7 +237,7 @@ def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> 
 
 
 def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
-    """Return -I3 theta' phi', I3 = m r^2/2: the moment about eta by yawing of the spinning part."""
+    """Return the moment about eta that yaws a spinning part, -I3 theta' phi', I3 = m r^2/2."""
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
 
 

@@ -49,6 +49,7 @@ class _Smooth:
     """The problem without kinks: max output - w t with t >= |other|, for methods with slopes."""
 
     def __init__(self, single: Single):
+        """Add a variable for the other output's absolute value, if it has a weight."""
         self.single, self.weight = single, single.problem.weight
         self.extra = 1 if self.weight else 0
 

@@ -140,6 +140,7 @@ class _Search:
     """Evaluates points of the unit box of the variables that are not held; keeps the best."""
 
     def __init__(self, evaluate: Evaluate, lower: Array, upper: Array, watch: Watch):
+        """Search a function in a box; variables with equal bounds are held fixed."""
         self.evaluate, self.watch = evaluate, watch
         self.lower, self.upper = lower, upper
         self.free = np.flatnonzero(upper > lower)

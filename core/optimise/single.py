@@ -39,6 +39,7 @@ class Single:
         watch: Watch | None = None,
         about: int = 1,
     ):
+        """Take one design of a problem; `about` evaluations are expected."""
         self.problem = problem
         self.watch = watch and replace(watch, progress=None)  # evaluations are the progress
         self._progress, self._about, self._reported = watch or Watch(), about, 0.0

@@ -121,6 +121,7 @@ class _Writer:
         results: Results,
         progress: Progress | None,
     ):
+        """Write the outputs of a plan into result arrays, and report progress."""
         self.plan, self.grid, self.results, self.progress = plan, grid, results, progress
         self.dims = {name: grid.dims(depends[name]) for name in results}
         self.positions = {name: position for position, name in enumerate(grid.axes)}

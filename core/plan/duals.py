@@ -37,6 +37,7 @@ class Dual(NDArrayOperatorsMixin):
     """
 
     def __init__(self, value: Any, slope: Any, ties: list[Any]):
+        """Broadcast value and derivative to one shape; `ties` collects switches that are met."""
         self.value: Array
         self.slope: Array
         self.value, self.slope = np.broadcast_arrays(

@@ -31,6 +31,7 @@ class PartsMissingError(VibrafeedError):
     """Parts are missing or damaged; `numbers` are those to compute again."""
 
     def __init__(self, missing: list[int], damaged: list[int]):
+        """Keep the missing and the damaged parts, and make the message."""
         self.missing, self.damaged = missing, damaged
         self.numbers = sorted({*missing, *damaged})
         messages = [

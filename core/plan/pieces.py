@@ -95,6 +95,7 @@ class Cut:
     """
 
     def __init__(self, prepared: Prepared, cells: int):
+        """Divide a study into pieces of about `cells` cells."""
         axes = prepared.cut_axes
         shape = [prepared.grid.shape[name] for name in axes]
         inner = prepared.cells // math.prod(shape)

@@ -164,6 +164,7 @@ class _Walk:
     def __init__(
         self, scene: Scene, variant: str, parameters: Collection[str], outputs: tuple[str, ...]
     ):
+        """Walk back from the outputs of a scene; collect equations and problems."""
         self.scene, self.variant = scene, variant
         self.parameters, self.outputs = parameters, outputs
         self.scene_defaults = scene.defaults_of(variant)

@@ -33,6 +33,7 @@ class Tiled:
     """
 
     def __init__(self, prepared: Prepared):
+        """Divide the grid of a study into tiles."""
         self.tiles = Tiles(prepared.dims, prepared.grid.shape)
         self._grid, self._plan, self._prepared = prepared.grid, prepared.plan, prepared
         self._plans = {field: self._pulled(field.names) for field in self.tiles.fields}

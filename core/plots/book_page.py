@@ -100,7 +100,7 @@ class Chart:
 def followed(
     friction: float, slope: float, betas: Array, throw: Array
 ) -> tuple[Array, Array, NDArray[np.int8]]:
-    """Return v f/g, v/(A0 w cos(beta)) and regimes, arrays (betas, throw numbers)."""
+    """Return v f/g, the share v/(A0 w cos(beta)) and regimes, each (betas, throw numbers)."""
     gamma, beta = np.deg2rad(slope), np.deg2rad(betas)[:, None]
     load = np.cos(gamma)
     along = throw * load / np.tan(beta)

@@ -103,6 +103,7 @@ class _Range:
     """The tiles of a part as a target of `stream`, which it does not finish."""
 
     def __init__(self, growing: GrowingZarr, start: int, stop: int):
+        """Take the tiles from `start` to `stop` of a growing group."""
         self._growing, self._tiles = growing, range(start, stop)
         self.seconds, self.left = 0.0, stop - start
 

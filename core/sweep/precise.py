@@ -71,6 +71,7 @@ class Number(NDArrayOperatorsMixin):
     __slots__ = ("value",)
 
     def __init__(self, value: Any):
+        """Take a value as a number of 50 digits."""
         self.value = value if type(value) is CONTEXT.mpf else _mpf(value)
 
     def __repr__(self) -> str:

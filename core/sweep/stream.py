@@ -180,6 +180,7 @@ class _Expected:
     """The outputs at the cells that are verified: what passes must be what was verified."""
 
     def __init__(self, sweep: Prepared, tiled: Tiled):
+        """Evaluate the sampled cells one by one, if the sweep is to be verified."""
         self._sweep = sweep
         self._sample: Sample | None = None
         if sweep.study.verify is not None:

@@ -26,6 +26,7 @@ class ViewStore(Store):
     supports_listing = False  # there may be more keys than anyone can list
 
     def __init__(self, view: ZarrView):
+        """Show a view as a read-only store."""
         super().__init__(read_only=True)
         self._view = view
 

@@ -74,6 +74,7 @@ class ZarrView:
     """
 
     def __init__(self, sweep: Prepared, *, chunk_cells: int = CHUNK_CELLS, chunks: str = ""):
+        """Lay out the arrays of a sweep in chunks, as wished."""
         self._grid, self._in_files = sweep.grid, sweep.in_files
         # Dimensions and attributes do not depend on how many values an axis has; what is computed
         # when it is read cannot have been verified.

@@ -21,7 +21,7 @@ The wave is a knife edge: the part is caught at the instant at which the track t
 
 
 def value(inputs: Inputs) -> float:
-    """Return v = T a_s^2 (a_m^2 - a_k^2)/(4 a_m (a_s + a_k)^2) [mm/s], a_s,k = mu_s,k g."""
+    """Return the largest mean velocity, T a_s^2 (a_m^2 - a_k^2)/(4 a_m (a_s + a_k)^2) [mm/s]."""
     most = inputs["most"]
     holding, braking = inputs["friction_static"], inputs["friction_kinetic"]
     share = holding**2 * (most**2 - braking**2) / (4 * most * (holding + braking) ** 2)

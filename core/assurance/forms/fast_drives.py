@@ -49,7 +49,7 @@ def ellipse_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def ellipse(inputs: Inputs) -> float:
-    """Return c of acos(c) - Gamma sin(phi) sqrt(1 - c^2) = (pi/2)(1 + tan(gamma)/mu).
+    """Return the velocity over A_x w under an ellipse: the root c of its balance of friction.
 
     By bisection: the left side falls as c rises.
     """
@@ -114,7 +114,7 @@ def line_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def line(inputs: Inputs) -> float:
-    """Return pi/2 + 2/pi."""
+    """Return the velocity under a straight drive over Gamma mu g/w, pi/2 + 2/pi."""
     return math.pi / 2 + 2 / math.pi
 
 
@@ -140,7 +140,7 @@ def second_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def second(inputs: Inputs) -> float:
-    """Return -e."""
+    """Return the velocity over A w under the second harmonic, -e, to first order in e."""
     return -inputs["second"]
 
 

@@ -89,7 +89,7 @@ def two_levels_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def two_levels(inputs: Inputs) -> float:
-    """Return v = (T/2) a_s^2 (a_m - a_k)/((a_s + a_m)(a_s + a_k)) [mm/s].
+    """Return the mean velocity, (T/2) a_s^2 (a_m - a_k)/((a_s + a_m)(a_s + a_k)) [mm/s].
 
     a_k is what brakes a part that slides forward: mu_k (g cos(gamma) + F/m) + g sin(gamma).
     """
@@ -146,7 +146,7 @@ def winkler_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def winkler(inputs: Inputs) -> float:
-    """Return v = (T/8)(u - a_1)(2 u + a_2 - a_1)/(u + a_2) [mm/s], a_1,2 = mu_k (g -+ q)."""
+    """Return the mean velocity, (T/8)(u - a_1)(2 u + a_2 - a_1)/(u + a_2) [mm/s]."""
     u, q, mu = inputs["along"], inputs["normal"], inputs["friction_kinetic"]
     less, more = mu * (1 - q), mu * (1 + q)
     share = (u - less) * (2 * u + more - less) / (u + more)

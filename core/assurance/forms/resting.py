@@ -26,7 +26,7 @@ def box_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def box(inputs: Inputs) -> float:
-    """Return (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2)))."""
+    """Return the share that rests flat, (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2)))."""
     a, b, c = inputs["a"], inputs["b"], inputs["c"]
     return 2 / math.pi * math.atan(a * b / (c * math.sqrt(a * a + b * b + c * c)))
 
@@ -42,7 +42,7 @@ def cylinder_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def cylinder(inputs: Inputs) -> float:
-    """Return l/sqrt(l^2 + d^2)."""
+    """Return the share that rests on the round side, l/sqrt(l^2 + d^2)."""
     return inputs["length"] / math.sqrt(inputs["length"] ** 2 + inputs["diameter"] ** 2)
 
 
@@ -58,7 +58,7 @@ def rectangle_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def rectangle(inputs: Inputs) -> float:
-    """Return (2/pi) atan(long/short)."""
+    """Return the share that rests flat, (2/pi) atan(long/short)."""
     return 2 / math.pi * math.atan(inputs["long"] / inputs["short"])
 
 

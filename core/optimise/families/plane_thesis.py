@@ -174,7 +174,7 @@ def plane_thesis_least_across(
 def _printed_accelerations(
     P: Array, c: Array, G: Array, mu: Array, alpha: Array, beta: Array
 ) -> tuple[Array, Array]:
-    """Return a_x and a_y of (3.11)."""
+    """Return the accelerations a_x and a_y as printed in (3.11) [m s-2]."""
     friction = mu * (G - P * np.sin(beta))
     push = P * np.cos(beta)
     return push * np.cos(alpha) - c - friction, push * np.sin(alpha) - friction

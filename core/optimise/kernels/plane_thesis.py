@@ -27,7 +27,7 @@ from core.optimise.kernels.sphere import angles_within, highest, plane
 
 @compiled
 def idle(kept: PlaneThesis, p: Numbers) -> tuple[float, float, float]:
-    """Return a_x = -mu G - c and a_y = -mu G without drive; there is no wall."""
+    """Return the accelerations without drive, a_x = -mu G - c and a_y = -mu G; there is no wall."""
     friction = -p[MU_K] * p[NORMAL]
     return friction - p[ALONG], friction, math.nan
 

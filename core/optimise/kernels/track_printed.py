@@ -26,7 +26,7 @@ from core.optimise.kernels.sphere import angles_within, highest, plane
 
 @compiled
 def idle(kept: TrackPrinted, p: Numbers) -> tuple[float, float, float]:
-    """Return K = -c - mu g_y without drive, a_y = 0, and the room at the wall."""
+    """Return the values without drive: K = -c - mu g_y, a_y = 0, and the margin at the wall."""
     wall_margin = kept.side * p[ACROSS]
     return -p[ALONG] - p[MU_K] * wall_margin, 0.0, wall_margin
 

@@ -44,6 +44,7 @@ class Fused:
     """
 
     def __init__(self, plan: Plan, traced: Traced, grid: Grid):
+        """Prepare the loops of a traced plan over a grid."""
         self._grid, self._traced = grid, traced
         self._values = Values(traced, plan, grid)
         self._groups = groups_of(plan, grid)
@@ -216,6 +217,7 @@ class Values:
     """Nodes that numpy computes, each once, on its own grid."""
 
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
+        """Compute with numpy the nodes that need no loop."""
         self._axes = tuple(grid.axes)
         self._known: dict[int, Any] = {}
         values = grid.si()

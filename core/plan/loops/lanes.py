@@ -156,6 +156,7 @@ class LaneLoop:
         updates: Sequence[tuple[str, str]],
         over: Iterable[str],
     ):
+        """Prepare the loop that gathers a plan's outputs over some axes."""
         self._grid = grid
         shape = tuple(grid.shape.items())
         names = tuple(name for name, _ in updates)

@@ -135,6 +135,7 @@ class _Writer:
         is_last: bool,
         lanes: Lanes | None,
     ):
+        """Collect the nodes, arguments and updates of a loop to be written."""
         self.order, self.results, self.is_last, self.lanes = order, results, is_last, lanes
         self.updates = lanes.updates if lanes else ("store",) * len(results)
         self.arrays = sum(UPDATES[update][0] for update in self.updates)

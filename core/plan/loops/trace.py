@@ -62,6 +62,7 @@ class Node(NDArrayOperatorsMixin):
         dtype: np.dtype[Any],
         name: str = "",
     ):
+        """Add a value with its function, inputs, axes and type to a graph."""
         self.graph, self.function, self.inputs = graph, function, inputs
         self.axes, self.dtype, self.name = axes, dtype, name
         self.number = len(graph.nodes)
@@ -120,6 +121,7 @@ class Graph:
     """Nodes, each after its inputs, and equal ones once only."""
 
     def __init__(self) -> None:
+        """Begin with no nodes."""
         self.nodes: list[Node] = []
         self._known: dict[Any, Any] = {}
 

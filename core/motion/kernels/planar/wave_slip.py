@@ -143,5 +143,5 @@ def slip_uncertainty(drive: WaveDrive) -> float:
 
 @borrowing
 def two_sided(drive: WaveDrive) -> tuple[float, float]:
-    """Return 0, 0: under a wave there is no closed form of sliding without stick."""
+    """Return no closed form of sliding without stick (0, 0): under a wave none is known."""
     return 0.0, 0.0

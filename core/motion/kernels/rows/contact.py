@@ -137,7 +137,7 @@ def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, releas
 
 @borrowing
 def least_pressed(row: Row, first: int) -> float:
-    """Return -mode mu of the block held by a stop in space that is released first."""
+    """Return the signed friction, -mode mu, of the block that a stop in space releases first."""
     parts = row.mass.size
     for i in range(first, parts):
         row.value[i] = -row.mode[first] * row.kinetic[i]

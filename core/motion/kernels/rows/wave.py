@@ -377,7 +377,7 @@ def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -
 
 @borrowing
 def sizes(drive: RowWave) -> tuple[float, float]:
-    """Return 1, 1: `along` and `normal` are shares of both pushes below."""
+    """Return the amplitudes of which `along` and `normal` are multiples below: 1 and 1."""
     return 1.0, 1.0
 
 

@@ -49,7 +49,7 @@ def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> t
 
 @compiled
 def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
-    """Return m tau: the normal acceleration of a sliding corner per normal force and mass.
+    """Return the normal acceleration of a sliding corner per normal force and mass, m tau.
 
     m tau = 1 + kappa c (c - sigma mu_k s), c and s for cos s and sin s (theory 2.2).
     """

@@ -68,6 +68,7 @@ class ReferenceLaws:
         absolute_speed: bool = True,
         drive: Sine | Piece | None = None,
     ) -> None:
+        """Keep the part's numbers, its contacts and the piece of its drive."""
         self.groups, self.contacts, self.absolute_speed = groups, contacts, absolute_speed
         self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling

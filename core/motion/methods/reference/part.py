@@ -94,6 +94,7 @@ class Tally:
     """The sums of a run: phases spent in each way, impacts, extremes, contact with the wall."""
 
     def __init__(self) -> None:
+        """Begin with all sums at 0."""
         self.stick = self.forward = self.backward = self.flight = 0.0
         self.impacts, self.landing_speed, self.hop_height = 0, 0.0, 0.0
         self.at_wall, self.nearest = False, math.inf
@@ -110,6 +111,7 @@ class Part:
     def __init__(
         self, laws: ReferenceLaws, state: Array, care: Care = USUAL, watch: Watch | None = None
     ) -> None:
+        """Start a part in a state at phase 0, with an empty tally."""
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
         self.care, self.reach, self.watch = care, care.longest, watch or Watch()
         self.until = math.inf  # the phase at which the push may jump

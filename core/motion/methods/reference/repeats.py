@@ -112,6 +112,7 @@ class ReferenceRun:
     """
 
     def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
+        """Start a run from rest, with scales for comparing states."""
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
         p = laws.groups

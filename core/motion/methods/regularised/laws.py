@@ -112,7 +112,7 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
         return 0.0
 
     def exponent(ratio: float) -> float:
-        """Return -ln of the restitution at a damping ratio."""
+        """Return the negative logarithm of the restitution at a damping ratio."""
         if ratio < 1:
             angle = math.asin(ratio)
             return (math.pi - 2 * angle) * math.tan(angle)

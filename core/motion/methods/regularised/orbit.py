@@ -75,6 +75,7 @@ class RegularisedRun:
     def __init__(
         self, cell: Cell, solver: str, tolerance: float, evaluations: int, watch: Watch
     ) -> None:
+        """Prepare the integrator of a cell, with a limit of evaluations."""
         self.cell, self.solver, self.left, self.watch = cell, solver, evaluations, watch
         n = cell.coordinates
         slip, stiffness = cell.laws.slip_speed, cell.laws.stiffness
