@@ -438,7 +438,7 @@ class DriveNumbers(TypedDict, total=False):
     """Drives that are no plain sine: harmonics or steps (docs/drives.md)."""
 
     drive_factor: Values
-    """By how much every amplitude or acceleration of the drive is larger than given. 0 or more, for
+    """Factor by which every amplitude or acceleration of the drive is multiplied. 0 or more, for
     example 1.2."""
     amplitude_along_1: Values
     """Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m, 0
@@ -729,40 +729,40 @@ class DriveNumbers(TypedDict, total=False):
     """Acceleration of the track off the floor during step 12 of a period. In m s-2, for example "4
     m/s^2"."""
     duration_1: Values
-    """How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 1; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_2: Values
-    """How long step 2 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 2; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_3: Values
-    """How long step 3 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 3; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_4: Values
-    """How long step 4 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 4; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_5: Values
-    """How long step 5 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 5; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_6: Values
-    """How long step 6 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 6; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_7: Values
-    """How long step 7 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 7; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_8: Values
-    """How long step 8 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 8; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_9: Values
-    """How long step 9 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 9; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_10: Values
-    """How long step 10 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 10; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_11: Values
-    """How long step 11 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 11; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     duration_12: Values
-    """How long step 12 lasts; the durations of all steps share out the period. 0 or more, for
+    """Relative duration of step 12; the durations of all steps divide the period. 0 or more, for
     example 0.25."""
     part_friction_1: Values
     """Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for

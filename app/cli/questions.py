@@ -63,7 +63,7 @@ class Question:
         Raises
         ------
         UnitError
-            If it is none; it says what would be one.
+            If the answer is invalid; the message says what is valid.
         """
         text = text.strip()
         if self.choices:

@@ -38,7 +38,7 @@ def run_streamed(
 ) -> tuple[bool, bool, dict[str, Any] | None]:
     """Compute a sweep tile by tile and write it to a file or Zarr group.
 
-    If it is stopped, what is done is kept, and the user is told how to go on. Returns whether it is
+    If it is stopped, what is done is kept, and a message says how to resume. Returns whether it is
     whole, whether it is sound, and what came out.
     """
     if resume and is_complete(target, sweep):

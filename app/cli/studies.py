@@ -42,7 +42,7 @@ def prepare_all(
 ) -> dict[Path, Prepared]:
     """Read and prepare the study of each file; print every error of every file and exit.
 
-    What is allowed and hardly meant is asked about on the error stream.
+    Allowed but unusual values are questioned on the error stream.
     """
     prepared: dict[Path, Prepared] = {}
     invalid: dict[Path, Sequence[Problem]] = {}

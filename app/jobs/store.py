@@ -94,7 +94,7 @@ class Store(Blocks):
     def manifest(self, key: str) -> Manifest | None:
         """Return the manifest of a complete result; None if there is none.
 
-        One of which a file is missing, or has another size, is none.
+        A result with a missing file, or one of another size, counts as none.
         """
         manifest = self._manifest(key)
         if manifest is not None:

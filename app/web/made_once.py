@@ -62,7 +62,7 @@ def _seen(making: asyncio.Task[tuple[bytes, str]]) -> None:
 async def made_once(request: Request, name: Hashable, make: Callable[[], bytes]) -> Response:
     """Return a cached JSON document as a reply; `make` is called if it is missing.
 
-    Names have to be few: what a client may choose freely is none.
+    There must be few names: nothing that a client may choose freely.
     """
     content, etag = await cast(MadeOnce, request.app.state.made_once)(name, make)
     return document_reply(request, content, etag)

@@ -165,7 +165,7 @@ def judge(case: Case, computed: CaseValues) -> Outcome:
         return replace(failed, passed=True, note="judged by its status")
     allowed = np.broadcast_to(case.truth.tolerance, np.shape(value))
     if stated is not None and _states_too_much(case, case.truth, value, stated):
-        return replace(failed, note="the stated error is larger than what it is stated for")
+        return replace(failed, note="the stated error is larger than the value itself")
     if case.states_error:
         if stated is None:
             return replace(failed, note="no error is stated")

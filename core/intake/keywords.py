@@ -38,7 +38,7 @@ def gather(
     keywords : mapping
         Further keys and parameters.
     kind : str, optional
-        The only kind that will do, and what is meant if none is given.
+        The only accepted kind, and the default if none is given.
 
     Raises
     ------

@@ -112,7 +112,7 @@ def check_fit(
     Raises
     ------
     StudyError
-        If no order is told, too much is left over, the drive changes from the first third to the
+        If no order remains, too much is left over, the drive changes from the first third to the
         last, or the clock is too far off.
     """
     problems = []

@@ -331,7 +331,7 @@ def frictionless_impulse(
     approach_normal: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return Newton's impulse without friction; NaN where the bodies overlap or the law is mute."""
+    """Return Newton's impulse without friction; NaN where bodies overlap or no answer is unique."""
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     impulse = Impulse(normal, np.zeros_like(normal), np.zeros(normal.shape, dtype=np.bool_))
     return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)

@@ -235,7 +235,9 @@ def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
     levels = {(m[1], int(m[2])) for m in names if m[1]}
     count = max(int(m[2]) for m in names)
     if not levels or count == 1:
-        message = "one step alone does not make a drive" if levels else "steps need an acceleration"
+        message = (
+            "a single step is not a complete drive" if levels else "steps need an acceleration"
+        )
         fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
         return None, [Problem(f"parameters.{names[0][0]}", message, fix)]
     return Steps(count, tuple(sorted(levels, key=_by_axis))), []

@@ -295,7 +295,7 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
         ("trajectory", "it shows one point; the study has reduce too"),
     ):
         if getattr(study, key):
-            problems.append(Problem(key, message, "Leave out one of the two"))
+            problems.append(Problem(key, message, "Remove one of the two"))
     return problems
 
 

@@ -89,7 +89,7 @@ def stop_impulse(*, motion: RowMotion, mass_scale: Array, velocity_scale: Array)
 
 
 def rebounds(*, restitution: Array) -> Mask:
-    """True where parts rebound from the floor: each then hops by itself, and meets others askew."""
+    """True where parts rebound from the floor, so that they hop separately."""
     return restitution > 0.0
 
 

@@ -30,7 +30,7 @@ DASHES: tuple[Dashes, ...] = (
     (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)),
 )  # fmt: skip
 ORIGIN = ("scene", "variant", "method")
-BEYOND = "Pale: there the values do not describe a real part"
+BEYOND = "Pale: values there do not describe a real part"
 
 
 def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:

@@ -69,15 +69,17 @@ BOWL_TRACK: dict[str, Quantity] = {
     },
     "load_radius": length(
         "R_l", "Radius of the load",
-        "Radius at which the load lies; that of the part unless given.", "180 mm",
+        "Radius at which the load lies; by default that of the part.", "180 mm",
     ),
     "load_fraction": _fraction(
         "Share of the track, load",
-        "Share of the track's length at which all that it carries is taken to be.", "0.5",
+        "Share of the track's length at which the load of all its parts is taken to act.", "0.5",
     ),
     "stretches": Quantity("1", "", "Stretches", "The stretches of a track.", bundle=True),
-    "passage": Quantity("1", "", "Passage", "What passes the whole track.", bundle=True),
-    "track_length": Quantity("m", "L", "Length of the track", "From its start to the exit."),
+    "passage": Quantity("1", "", "Passage", "Passage of parts along the whole track.", bundle=True),
+    "track_length": Quantity("m", "L", "Length of the track",
+    "Length of the track from its start to the "
+    "exit."),
     "track_radius": Quantity("m", "R", "Radius of the track", "Radius of the track at its place."),
     "transit_time": Quantity(
         "s", "T", "Transit time", "Time of a part on the track, start to exit; infinite if it "
@@ -95,6 +97,6 @@ BOWL_TRACK: dict[str, Quantity] = {
     ),
     "track_feed_rate": Quantity(
         "min-1", "F", "Feed rate of the track",
-        "Most parts a minute that pass the whole track: those of its bottleneck.",
+        "Parts per minute that can pass the whole track, limited by its bottleneck.",
     ),
 }  # fmt: skip

@@ -53,7 +53,7 @@ def _duration(step: int) -> Quantity:
     """Return the quantity of a step's duration."""
     return Quantity(
         "1", f"T{step}", f"Duration of step {step}",
-        f"How long step {step} lasts; the durations of all steps share out the period.", 0.0,
+        f"Relative duration of step {step}; the durations of all steps divide the period.", 0.0,
         parameter=True, examples=("0.25",),
     )  # fmt: skip
 
@@ -80,7 +80,7 @@ def _limits(axis: str) -> dict[str, Quantity]:
 DRIVE: dict[str, Quantity] = {
     "drive_factor": Quantity(
         "1", "q", "Factor of the drive",
-        "By how much every amplitude or acceleration of the drive is larger than given.", 0.0,
+        "Factor by which every amplitude or acceleration of the drive is multiplied.", 0.0,
         parameter=True, examples=("1.2",),
     ),
     **{f"amplitude_{axis}_{n}": _amplitude(axis, n)

@@ -33,7 +33,7 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "load_damping": _input(
         "N s m-1", "c_l", "Damping by the load",
-        "Damper between track and ground: what parts take that slide and hop.", "40 N s/m",
+        "Damping between track and ground by parts that slide and hop.", "40 N s/m",
         strict=False,
     ),
     "conveyed_mass": _input(
@@ -50,16 +50,17 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "0.9 kg m^2", strict=True,
     ),
     "spring_radius": length(
-        "r_s", "Radius of the springs", "Radius that the leaves stand at.", "150 mm"
+        "r_s", "Radius of the springs", "Radius from the bowl's axis to the leaf springs.", "150 mm"
     ),
     "spring_angle": angle(
         "th", "Tilt of the springs",
-        "Tilt of the leaves from the vertical: the line of a linear unit is as steep.", 89.0,
+        "Tilt of the leaf springs from the vertical; equals the "
+        "drive's angle of a linear unit.", 89.0,
         "20 deg", (1.0, 60.0),
     ),
     "spring_count": Quantity(
         "1", "n", "Number of leaves",
-        "Leaves side by side, in all packs together, with spacers between.", 0.0, strict=True,
+        "Number of leaf springs in all packs, separated by spacers.", 0.0, strict=True,
         parameter=True, examples=("8",), count=True,
     ),
     "spring_width": length("b", "Width of a leaf", "Width of a leaf spring.", "40 mm"),
@@ -68,24 +69,29 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "L", "Free length of a leaf", "Length of a leaf spring between its clamps.", "100 mm"
     ),
     "elastic_modulus": _input(
-        "Pa", "E", "Elastic modulus", "Of the leaves: 206 GPa of spring steel.", "206 GPa",
+        "Pa", "E", "Elastic modulus", "Elastic modulus of the leaf springs: 206 GPa for spring "
+        "steel.", "206 GPa",
         strict=True,
     ),
     "spring_density": _input(
-        "kg m-3", "rho", "Density of the leaves", "Of the leaves: 7850 kg/m^3 of spring steel.",
+        "kg m-3", "rho", "Density of the leaves",
+        "Density of the leaf springs: 7850 kg/m^3 for spring "
+        "steel.",
         "7850 kg/m^3", strict=True,
     ),
     "clamp_factor": _input(
-        "1", "c_k", "Clamp factor", "Stiffness of the leaves over that with rigid clamps.", "0.9",
+        "1", "c_k", "Clamp factor", "Stiffness of the leaf springs relative to rigid "
+        "clamps.", "0.9",
         strict=True,
     ),
     "allowable_stress": _input(
-        "Pa", "sigma_a", "Allowable stress", "Bending stress that the leaves bear for ever.",
+        "Pa", "sigma_a", "Allowable stress", "Bending stress that the leaf springs endure "
+        "permanently.",
         "250 MPa", strict=True,
     ),
     "ring_down_frequency": _input(
         "Hz", "f_0", "Measured natural frequency",
-        "Frequency in which the empty unit rings after a knock.", "53 Hz", strict=True,
+        "Frequency at which the empty unit vibrates freely after a knock.", "53 Hz", strict=True,
     ),
     "damping_ratio": _input(
         "1", "zeta", "Damping ratio", "Logarithmic decrement of the ring-down over 2 pi.", "0.02",
@@ -106,7 +112,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "force_harmonic": Quantity(
         "1", "F_2/F_1", "Second harmonic of the force",
-        "Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 "
+        "Second harmonic over the first: 0.25 of a magnet on a half "
+        "wave that pulls the track back and down, -0.25 "
         "of one that pulls it forward and up, 0 on a full wave.",
         -1.0, 1.0, parameter=True, examples=("0.25",),
     ),
@@ -120,18 +127,20 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "air_gap": length("g_0", "Air gap", "Air gap of the magnet at rest, along the stroke.", "2 mm"),
     "foot_stiffness": _input(
-        "N m-1", "k_f", "Stiffness of the feet", "Of all feet together; 0 if the base is free.",
+        "N m-1", "k_f", "Stiffness of the feet", "Stiffness of all feet together; 0 if the base is "
+        "free.",
         "50000 N/m", strict=False,
     ),
     "foot_damping": _input(
-        "N s m-1", "c_f", "Damping of the feet", "Of all feet together.", "100 N s/m", strict=False
+        "N s m-1", "c_f", "Damping of the feet",
+        "Damping of all feet together.", "100 N s/m", strict=False
     ),
     "circular_frequency": Quantity(
         "rad s-1", "w", "Circular frequency", "2 pi times the drive's frequency."
     ),
     "spring_stiffness": _input(
         "N m-1", "k", "Stiffness of the springs",
-        "Of all leaves together along the stroke; follows from their sizes unless given.",
+        "Stiffness of all leaf springs along the stroke; computed from their sizes by default.",
         "1000 N/mm", strict=True,
     ),
     "generalised_mass": Quantity(
@@ -144,36 +153,50 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "bowl_mass": Quantity(
         "kg", "m", "Mass of the stroke with load", "Mass that the stroke moves, base free."
     ),
-    "damping": Quantity("N s m-1", "c", "Damping of the springs", "Damper beside the springs."),
-    "stroke_response": Quantity("m", "", "Response", "Strokes with their phase.", bundle=True),
+    "damping": Quantity("N s m-1", "c", "Damping of the springs",
+    "Damping coefficient that acts beside the "
+    "springs."),
+    "stroke_response": Quantity("m", "", "Response", "Strokes of the masses with their "
+    "phases.", bundle=True),
     "natural_frequency": Quantity(
-        "Hz", "f_n", "Natural frequency", "Of the mode that the springs make, with the load."
+        "Hz", "f_n", "Natural frequency", "Natural frequency of the spring mode, with the load."
     ),
     "foot_frequency": Quantity(
-        "Hz", "f_f", "Frequency on the feet", "Of the whole unit on its feet; 0 if it is free."
+        "Hz", "f_f", "Frequency on the feet",
+        "Natural frequency of the whole unit on its feet; 0 if it is "
+        "free."
     ),
     "stroke": Quantity(
         "m", "s", "Stroke between the masses",
         "Amplitude of the relative stroke at the leaves, zero to peak.",
     ),
     "phase": Quantity(
-        "degree", "phi", "Phase", "Of the stroke behind the force: -90 at resonance."
+        "degree", "phi", "Phase", "Phase of the stroke relative to the force: -90 degrees at "
+        "resonance."
     ),
-    "amplification": number("k s/F", "Amplification", "Stroke over that of the force at rest."),
+    "amplification": number("k s/F", "Amplification",
+    "Stroke relative to the static deflection by the same "
+    "force."),
     "second_harmonic": number(
-        "4 A_2/A_1", "Second harmonic", "Of the track's acceleration, over the first."
+        "4 A_2/A_1", "Second harmonic", "Second harmonic of the track's acceleration over the "
+        "first."
     ),
     "track_harmonic": Quantity(
-        "1", "", "Second harmonic of the track", "Its sine and its cosine, over the first.",
+        "1", "", "Second harmonic of the track",
+        "Sine and cosine of the track's second harmonic, over the "
+        "first.",
         bundle=True,
     ),
     "turning_mass": Quantity(
-        "kg", "m", "Mass of the turning stroke", "Mass that the stroke of a unit moves that turns."
+        "kg", "m", "Mass of the turning stroke", "Effective mass of the stroke of a unit that "
+        "turns."
     ),
     "trough_turn": Quantity(
         "rad", "phi", "Turn of the trough", "Amplitude of the turning; positive lifts the front."
     ),
-    "track_motion": Quantity("m", "", "Motion of a place", "Along the floor, upward.", bundle=True),
+    "track_motion": Quantity("m", "", "Motion of a place",
+    "Amplitudes along the floor and upward at a point of the "
+    "trough.", bundle=True),
     "track_amplitude": Quantity(
         "m", "A_0", "Amplitude of the track",
         "Amplitude of the track itself, zero to peak: what a study of motion takes as amplitude.",
@@ -184,13 +207,17 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "bowl_turn": Quantity("rad", "Theta_1", "Turn of the bowl", "Amplitude of the bowl's turning."),
     "bowl_lift": Quantity("m", "z_1", "Lift of the bowl", "Amplitude of the bowl's lift."),
-    "part_load": Quantity("1", "", "Load by parts", "Mass and damper of parts.", bundle=True),
+    "part_load": Quantity("1", "", "Load by parts",
+    "Effective mass and damping of the parts on the "
+    "track.", bundle=True),
     "effective_mass": Quantity(
-        "kg", "m_e", "Effective mass of the parts", "Mass that the drive feels of the parts."
+        "kg", "m_e", "Effective mass of the parts",
+        "Effective mass of the parts, as the drive feels "
+        "it."
     ),
     "effective_damping": Quantity(
         "N s m-1", "c_e", "Effective damping by the parts",
-        "Damper between track and ground that the drive feels of the parts.",
+        "Effective damping between track and ground by the parts.",
     ),
     "largest_amplitude": Quantity(
         "m", "A_0", "Largest amplitude",
@@ -198,20 +225,21 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "leaf_frequency": Quantity(
         "Hz", "f_1", "Natural frequency of a leaf",
-        "Of a leaf by itself, clamped at both ends; the drive's has to stay below a third of it.",
+        "Natural frequency of a leaf clamped at both ends; the "
+        "drive's must stay below a third of it.",
     ),
     "leaf_mass": Quantity(
         "kg", "", "Moving mass of the leaves",
-        "Mass of the leaves that counts with the mass at either end, the other held.",
+        "Mass of the leaf springs that moves with either end while the other is held.",
     ),
     "spring_stress": Quantity(
         "Pa", "sigma", "Stress of the leaves", "Bending stress at the clamps, zero to peak."
     ),
     "stress_margin": Quantity(
-        "Pa", "", "Margin of stress", "Allowable stress less that of the leaves."
+        "Pa", "", "Margin of stress", "Allowable stress minus the stress of the leaf springs."
     ),
     "air_gap_margin": Quantity(
-        "m", "", "Margin of the air gap", "What the stroke leaves of the air gap."
+        "m", "", "Margin of the air gap", "Remaining air gap at the end of the stroke."
     ),
     "foot_force": Quantity(
         "N", "F_f", "Force on the floor", "Amplitude of the force of all feet on the floor."

@@ -39,19 +39,20 @@ REGIMES: dict[str, Flag] = {
     "invalid_geometry": Flag(11, "the part does not fit the track or the model", valid=False),
     "tipping": Flag(12, "the centre of pressure leaves the base: the part tips", valid=False),
     "faster_than_track": Flag(13, "the estimate exceeds the largest track speed", valid=False),
-    "unbounded": Flag(14, "no finite value exists: nothing limits it"),
+    "unbounded": Flag(14, "no finite value exists: the quantity is unbounded"),
     "separation": Flag(15, "the corner leaves the plane"),
     "sliding": Flag(16, "the corner slides on the plane, or starts to"),
     "two_solutions": Flag(17, "more than one contact force satisfies the model", valid=False),
     "no_solution": Flag(18, "no contact force satisfies the model", valid=False),
     # --- impacts of two bodies
-    "apart": Flag(19, "the bodies do not touch; nothing happens"),
+    "apart": Flag(19, "the bodies do not touch; no impact occurs"),
     "overlap": Flag(20, "the bodies overlap: no such placement is possible", valid=False),
-    "no_impact": Flag(21, "the bodies touch but do not approach; nothing happens"),
-    "impact_stick": Flag(22, "they collide and do not slide on each other at the end"),
-    "impact_slip": Flag(23, "they collide and slide on each other at the end"),
+    "no_impact": Flag(21, "the bodies touch but do not approach; no impact occurs"),
+    "impact_stick": Flag(22, "the bodies collide and do not slide on each other at the end"),
+    "impact_slip": Flag(23, "the bodies collide and slide on each other at the end"),
     "simultaneous": Flag(
-        24, "they meet at several points at once, or edge to edge: the law says no more",
+        24, "the bodies meet at several points at once, or edge to edge: "
+        "the law gives no unique result",
         valid=False,
     ),
     "impact": Flag(25, "they collide"),
@@ -66,20 +67,23 @@ REGIMES: dict[str, Flag] = {
     ),
     "runaway": Flag(32, "the part gains speed for ever; it has no mean velocity", valid=False),
     "unresolved": Flag(
-        33, "no answer: the study was stopped, or a limit came first", valid=False
+        33, "no result: the study was stopped, or a limit was reached first", valid=False
     ),
     "rests": Flag(34, "the part has come to rest on a side"),
     "tumbles": Flag(35, "the part still moves at the end of the duration"),
     # --- drive units
-    "resonance": Flag(36, "the drive is at the natural frequency: a little more moves much"),
+    "resonance": Flag(36, "the drive is at the natural frequency: small changes have "
+    "large effects"),
     "tuned_stiff": Flag(37, "tuned above the drive: load raises the amplitude, springs lower it"),
     "tuned_soft": Flag(38, "tuned below the drive: load lowers the amplitude, springs raise it"),
     "hits_magnet": Flag(39, "the stroke closes the air gap of the magnet", valid=False),
-    "overstressed": Flag(40, "the leaves bend by more than they bear", valid=False),
+    "overstressed": Flag(40, "the leaf springs are bent beyond their allowable "
+    "stress", valid=False),
     "isolation_poor": Flag(
         41, "the unit rocks on its feet at more than a third of the drive's frequency"
     ),
-    "several_amplitudes": Flag(42, "drive and parts agree at several amplitudes; the smallest"),
+    "several_amplitudes": Flag(42, "drive and parts agree at several amplitudes; the smallest "
+    "is given"),
     "hunting": Flag(
         43, "where drive and parts would agree their motion changes: the amplitude is known to 3 %"
     ),

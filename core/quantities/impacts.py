@@ -131,7 +131,8 @@ BOTH: dict[str, Quantity] = {
     "normal_y": Quantity("1", "n_y", "Normal, y", "Unit normal from body 2 to body 1, y."),
     "contact_form": Quantity(
         "1", "form", "Contact form",
-        "0 none of the five, 1 rim on face, 2 rim on side, 3 face on face, 4 side on side, "
+        "Form of contact: 0 none of these, 1 rim on face, 2 rim on "
+        "side, 3 face on face, 4 side on side, "
         "5 side on face.",
         words={
             0: "no form", 1: "rim on face", 2: "rim on side", 3: "face on face",
@@ -225,24 +226,57 @@ BOTH: dict[str, Quantity] = {
 BUNDLES = {
     name: Quantity("1", "", label, description, bundle=True)
     for name, label, description in (
-        ("rectangle_1", "Rectangle 1", "Centre, angle, length and width."),
-        ("rectangle_2", "Rectangle 2", "Centre, angle, length and width."),
+        ("rectangle_1", "Rectangle 1", "Centre, angle, length and width of the rectangle."),
+        ("rectangle_2", "Rectangle 2", "Centre, angle, length and width of the rectangle."),
         ("rectangle_masses", "Masses", "Masses and moments of inertia of both bodies."),
-        ("planar_motion", "Planar motion before", "All six velocities before."),
-        ("rectangle_contact", "Contact of two rectangles", "Gap, normal, ends of the contact."),
+        (
+            "planar_motion",
+            "Planar motion before",
+            "All six velocities of both bodies before the impact.",
+        ),
+        (
+            "rectangle_contact",
+            "Contact of two rectangles",
+            "Gap, normal and ends of the contact of two rectangles.",
+        ),
         ("contact_arms", "Lever arms", "Moments of unit impulses at the contact."),
-        ("edge_action", "Action on an edge", "Where on a touching edge the impulse acts."),
-        ("planar_impulse", "Planar impulse", "Both components, and whether they stick."),
-        ("planar_motion_after", "Planar motion after", "All six velocities after."),
-        ("cylinder_1", "Cylinder 1", "Centre, axis, radius and half length."),
-        ("cylinder_2", "Cylinder 2", "Centre, axis, radius and half length."),
+        ("edge_action", "Action on an edge", "Point on a touching edge at which the impulse acts."),
+        (
+            "planar_impulse",
+            "Planar impulse",
+            "Normal and tangential impulse, with a flag that says if the contact sticks.",
+        ),
+        (
+            "planar_motion_after",
+            "Planar motion after",
+            "All six velocities of both bodies after the impact.",
+        ),
+        ("cylinder_1", "Cylinder 1", "Centre, axis, radius and half length of the cylinder."),
+        ("cylinder_2", "Cylinder 2", "Centre, axis, radius and half length of the cylinder."),
         ("cylinder_masses", "Masses", "Masses and moments of inertia of both bodies."),
         ("spatial_motion", "Motion before", "Velocities and spins of both bodies."),
-        ("cylinder_contact", "Contact of two cylinders", "Gap, form, normal, ends."),
+        (
+            "cylinder_contact",
+            "Contact of two cylinders",
+            "Gap, form, normal and ends of the contact of two cylinders.",
+        ),
         ("contact_frame", "Contact frame", "Contact point, normal and two tangents."),
-        ("spatial_delassus", "Delassus numbers in space", "All six of them."),
-        ("spatial_approach", "Contact velocity before", "Components along n and tangents."),
-        ("spatial_impulse", "Impulse in space", "Components, and whether they stick."),
+        (
+            "spatial_delassus",
+            "Delassus numbers in space",
+            "The six Delassus numbers of a contact in space.",
+        ),
+        (
+            "spatial_approach",
+            "Contact velocity before",
+            "Velocity of the contact before the impact: components along "
+            "the normal and the tangents.",
+        ),
+        (
+            "spatial_impulse",
+            "Impulse in space",
+            "Impulse components, with a flag that says if the contact sticks.",
+        ),
         ("spatial_motion_after", "Motion after", "Velocities and spins after the impact."),
     )
 }

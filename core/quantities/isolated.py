@@ -15,7 +15,7 @@ ISOLATED: dict[str, Quantity] = {
         examples=("2 rad/s", "-90 deg/s"),
     ),
     "centre_along": Quantity(
-        "m", "x", "Centre along the plane", "Place of the part's centre along the plane.",
+        "m", "x", "Centre along the plane", "Position of the part's centre along the plane.",
         parameter=True, examples=("12 mm",),
     ),
     "centre_height": Quantity(
@@ -47,7 +47,8 @@ ISOLATED: dict[str, Quantity] = {
         "1", "sin, cos s", "Diagonal direction", "Sine and cosine of the diagonal angle.",
         bundle=True,
     ),
-    "half_diagonal": Quantity("m", "rho", "Half diagonal", "From the centre to the corner."),
+    "half_diagonal": Quantity("m", "rho", "Half diagonal", "Distance from the centre to the "
+    "corner."),
     "inertia_ratio": Quantity(
         "1", "kappa", "Inertia ratio",
         "Mass times squared half diagonal over the moment of inertia about the centre.",
@@ -59,11 +60,13 @@ ISOLATED: dict[str, Quantity] = {
     ),
     "resting_share_on_side": Quantity(
         "1", "p_hb", "Share that rests on a side",
-        "The same on a face of length by height, or on the round side of a cylinder.",
+        "Share of parts that come to rest on a face of length by "
+        "height, or on the round side of a cylinder.",
     ),
     "resting_share_on_end": Quantity(
         "1", "p_ab", "Share that rests on an end",
-        "The same on a face of width by height, or on an end of a cylinder.",
+        "Share of parts that come to rest on a face of width by "
+        "height, or on an end of a cylinder.",
     ),
     "touching_height": Quantity(
         "m", "rho sin(s)", "Touching height", "Height of the centre at which the corner touches."
@@ -77,7 +80,8 @@ ISOLATED: dict[str, Quantity] = {
         "Upward velocity of the centre at which the corner keeps its height.",
     ),
     "gap_normal": Quantity("m", "g_N", "Gap", "Height of the corner above the plane."),
-    "gap_tangential": Quantity("m", "g_T", "Corner place", "Place of the corner along the plane."),
+    "gap_tangential": Quantity("m", "g_T", "Corner place", "Position of the corner along the "
+    "plane."),
     "gap_normal_rate": velocity("g_N.", "Gap rate", "Velocity of the corner off the plane."),
     "gap_tangential_rate": velocity(
         "g_T.", "Slip velocity", "Velocity of the corner along the plane, to the right."

@@ -74,7 +74,7 @@ SCALES: dict[str, Quantity] = {
     ),
     "groups": Quantity("1", "", "Groups", "The dimensionless numbers of a part.", bundle=True),
     "energy": Quantity(
-        "1", "", "Energy", "What friction, impacts and the drive do over a cycle.", bundle=True
+        "1", "", "Energy", "Work of friction, impacts and the drive over a cycle.", bundle=True
     ),
     "motion": Quantity(
         "1", "", "Motion", "Motion over a period, in the scales of the drive.", bundle=True
@@ -110,7 +110,8 @@ RESULTS: dict[str, Quantity] = {
     ),
     "conveying_velocity_error": Quantity(
         "m s-1", "e(v)", "Error of the conveying velocity",
-        "The method's own estimate of its error.", error_of="conveying_velocity", compared=False,
+        "Error of the conveying velocity, estimated by the "
+        "method.", error_of="conveying_velocity", compared=False,
     ),
     "velocity_across": velocity(
         "v_y", "Velocity across",
@@ -157,9 +158,11 @@ RESULTS: dict[str, Quantity] = {
     },
     "effective_mass_ratio": number(
         "m_e/m", "Effective mass ratio",
-        "Mass that the drive feels of a part, over its own: 1 if it sticks, less if it hops.",
+        "Effective mass of a part, as the drive feels it, over its "
+        "mass: 1 if it sticks, less if it hops.",
     ),
-    "motion_status": flag("Status of the motion", "How the motion ended.", MOTION_STATUSES),
+    "motion_status": flag("Status of the motion", "Status of the motion: how the simulation "
+    "ended.", MOTION_STATUSES),
 }  # fmt: skip
 FEEDING: dict[str, Quantity] = {
     "part_gap": Quantity(
@@ -176,7 +179,8 @@ FEEDING: dict[str, Quantity] = {
         "Parts a minute that pass a place of the track; negative where they travel backwards.",
     ),
     "direction": flag(
-        "Direction of travel", "Which way the part travels: forwards, backwards, or it rests.",
+        "Direction of travel", "Direction in which the part travels: forwards, backwards, "
+        "or at rest.",
         DIRECTIONS,
     ),
 }  # fmt: skip
@@ -190,7 +194,7 @@ TUMBLING: dict[str, Quantity] = {
         "Height of the part's lowest corner above the plane at the start.", 0.0,
         parameter=True, examples=("10 mm",),
     ),
-    "tumble": Quantity("1", "", "Tumble", "How the part tumbled.", bundle=True),
+    "tumble": Quantity("1", "", "Tumble", "Motion of the tumbling part.", bundle=True),
     "final_pitch": Quantity(
         "degree", "xi_e", "Final pitch", "Pitch at the end, clockwise, with all its turns."
     ),
@@ -223,9 +227,10 @@ TUMBLING: dict[str, Quantity] = {
     "part_energy_lost": Quantity(
         "J", "E_l", "Energy that a part loses", "Energy that impacts and friction took from a part."
     ),
-    "tumbling_part": Quantity("1", "", "Tumbling part", "Its shape and size.", bundle=True),
+    "tumbling_part": Quantity("1", "", "Tumbling part",
+    "Shape and size of the tumbling part.", bundle=True),
     "throw": Quantity("1", "", "Throw", "The tumbling part, the plane, the start.", bundle=True),
-    "path_along": Quantity("m", "x", "Centre along the plane", "Place of the centre."),
+    "path_along": Quantity("m", "x", "Centre along the plane", "Position of the part's centre."),
     "path_height": Quantity("m", "y", "Height of the centre", "Height of the centre."),
     "path_pitch": Quantity("degree", "xi", "Pitch", "Pitch, clockwise, with all its turns."),
     "path_gap": Quantity("m", "g_N", "Lowest gap", "Height of the lowest corner."),
@@ -260,7 +265,9 @@ TRAJECTORY: dict[str, Quantity] = {
     "track_normal": Quantity(
         "m", "A0 sb sin(wt)", "Displacement of the track along z", "Displacement of the track."
     ),
-    "motion_mode": number("", "Mode of the motion", "What the part does on the track."),
+    "motion_mode": number("", "Mode of the motion",
+    "Mode of the part's motion: stick, forward, backward or "
+    "flight."),
 }  # fmt: skip
 
 MOTION = {**SCALES, **SETTINGS, **RESULTS, **FEEDING, **TUMBLING, **TRAJECTORY}

@@ -10,18 +10,19 @@ OPTIMUM: dict[str, Quantity] = {
         "", "Place on the front",
         "0 at the largest output, 1 at the least absolute value of the other one.",
     ),
-    "objective": number("", "Objective", "What was looked for, at the optimum."),
+    "objective": number("", "Objective", "Value of the objective at the optimum."),
     "objective_error": number(
         "", "Error of the objective",
-        "How far off the objective may be: the larger of the error that the method states of the "
+        "Uncertainty of the objective: the larger of the error that the method states of the "
         "mean velocity, and of the scatter that chance leaves where rounding decides.",
     ),
     "optimum_status": flag(
-        "Status of the optimum", "How the search ended.", OPTIMUM_STATUSES
+        "Status of the optimum", "Status of the optimum: how the search ended.", OPTIMUM_STATUSES
     ),
     "optimality_residual": number(
         "", "Optimality residual",
-        "What the first-order conditions of an optimum leave of the objective's gradient, as "
+        "Residual of the first-order optimality conditions relative "
+        "to the objective's gradient, as "
         "a share of the outputs' scale, each variable over its range.",
     ),
     "optimum_gap": number(

@@ -35,7 +35,7 @@ def _device(position: int) -> dict[str, Quantity]:
         ),
         "passed_aspect": Quantity(
             "1", f"p{position}", f"Passing aspect{at}",
-            "Number of the only aspect that the device lets pass, whatever it is.", 1.0, 3.0,
+            "Number of the only aspect that passes the device.", 1.0, 3.0,
             parameter=True, examples=("1",),
         ),
         "rail_width": size(
@@ -44,7 +44,8 @@ def _device(position: int) -> dict[str, Quantity]:
         ),
         "outlet_capacity": Quantity(
             "min-1", f"c{position}", f"Capacity{at}",
-            "Most parts a minute that pass a pressure break or outlet.", 0.0, strict=True,
+            "Maximum number of parts per minute that pass a pressure "
+            "break or outlet.", 0.0, strict=True,
             parameter=True, examples=("120 1/min",),
         ),
         "turned_share": Quantity(
@@ -54,7 +55,7 @@ def _device(position: int) -> dict[str, Quantity]:
         ),
         "turn": Quantity(
             "1", f"o{position}", f"Turn{at}",
-            "From which aspect to which: 21 from aspect 2 to aspect 1.", 12.0, 32.0,
+            "Aspects before and after turning: 21 turns aspect 2 into aspect 1.", 12.0, 32.0,
             parameter=True, examples=("21",), words=PAIRS, other_words="{}",
         ),
     }  # fmt: skip
@@ -93,17 +94,20 @@ ORIENTING: dict[str, Quantity] = {
         "m s-1", "v", "Arriving speed", "Conveying velocity of the parts before the first device.",
         0.0, strict=True, parameter=True, examples=("60 mm/s",), usual=(1e-4, 2.0),
     ),
-    "part_pitch": length("l_p", "Pitch of the parts", "From part to part in their row.", "22 mm"),
+    "part_pitch": length("l_p", "Pitch of the parts",
+    "Distance from part to part in a row.", "22 mm"),
     "wanted_aspect": Quantity(
         "1", "o*", "Wanted aspect", "Number of the aspect in which parts are to leave.", 1.0, 3.0,
         parameter=True, examples=("1",),
     ),
     "shank_diameter": length(
-        "d_s", "Diameter of the shank", "Of a part with a head, which has the diameter.", "4 mm"
+        "d_s", "Diameter of the shank",
+        "Diameter of the shank of a part with a head; `diameter` is "
+        "that of the head.", "4 mm"
     ),
     "device_order": Quantity(
         "1", "m", "Order of the devices",
-        "Which of the orders of all devices, as in a dictionary: 1 is the order of their places, "
+        "Number of the order of the devices, in lexical order: 1 is the order of their positions, "
         "the last one is backwards.", 1.0, 720.0, parameter=True, examples=("1",), count=True,
     ),
     **{
@@ -121,9 +125,12 @@ ORIENTING: dict[str, Quantity] = {
     },
     "aspect_sizes": Quantity("m", "", "Sizes", "Sizes of a part in each aspect.", bundle=True),
     "devices": Quantity("1", "D", "Devices", "The devices of a line.", bundle=True),
-    "line": Quantity("1", "e", "Line", "What passes the devices of a line.", bundle=True),
-    "tested_shares": Quantity("1", "p", "Shares by a test", "One an aspect.", bundle=True),
-    "tested_line": Quantity("1", "e", "Line by a test", "What passes it.", bundle=True),
+    "line": Quantity("1", "e", "Line", "Shares of parts that pass the devices of a "
+    "line.", bundle=True),
+    "tested_shares": Quantity("1", "p", "Shares by a test",
+    "Posterior shares, one per aspect.", bundle=True),
+    "tested_line": Quantity("1", "e", "Line by a test", "Shares that pass the line, by the drop "
+    "test.", bundle=True),
     "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
     "yield": number("eta", "Yield", "Share of the arriving parts that leave the line."),
     **_shares(),
@@ -131,15 +138,17 @@ ORIENTING: dict[str, Quantity] = {
         "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
     ),
     "purity": number("e*/eta", "Purity", "Share of the leaving parts that lie as wanted."),
-    "laps": number("1/eta", "Laps", "How often a part arrives until it passes, in the mean."),
-    "laps_variance": number("var", "Variance of the laps", "Of the laps that a part needs."),
+    "laps": number("1/eta", "Laps", "Mean number of arrivals of a part until it passes."),
+    "laps_variance": number("var", "Variance of the laps",
+    "Variance of the number of laps that a part "
+    "needs."),
     "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts pass."),
     "lap_time": Quantity(
         "s", "T", "Time of a lap", "Time from the bowl to the first device and back.", 0.0,
         strict=True, parameter=True, examples=("40 s",),
     ),
     "time_per_part": Quantity(
-        "s", "T/eta", "Time in the bowl", "How long a part circulates until it passes, in the mean."
+        "s", "T/eta", "Time in the bowl", "Mean time for which a part circulates until it passes."
     ),
     "line_yield": Quantity(
         "1", "eta", "Yield of the line",

@@ -47,7 +47,8 @@ RESTING: dict[str, Quantity] = {
         "7 mm",
     ),
     "mass_height": Quantity(
-        "m", "z_c", "Height of the centre", "Of the centre of mass above the end of diameter."
+        "m", "z_c", "Height of the centre", "Height of the centre of mass above the end of "
+        "diameter."
     ),
     "gyration": Quantity(
         "m", "k", "Gyration", "Radius of gyration of the standing part across the push."
@@ -61,15 +62,19 @@ RESTING: dict[str, Quantity] = {
     "centre_heights": Quantity(
         "m", "z", "Heights of the centre", "Height of the centre in each aspect.", bundle=True
     ),
-    "second_shares": Quantity("1", "p2", "Second estimates", "One an aspect.", bundle=True),
-    "share_errors": Quantity("1", "e", "Errors of the shares", "One an aspect.", bundle=True),
+    "second_shares": Quantity("1", "p2", "Second estimates",
+    "Posterior shares, one per aspect.", bundle=True),
+    "share_errors": Quantity("1", "e", "Errors of the shares",
+    "Posterior shares, one per aspect.", bundle=True),
     "resting_share_upright": number(
         "p_1", "Share that rests upright",
         "Share of parts that come to rest on the end of diameter, let down in any orientation with "
         "negligible momentum.",
     ),
     "resting_share_inverted": number(
-        "p_3", "Share that rests inverted", "The same on the opposite end."
+        "p_3", "Share that rests inverted",
+        "Share of parts that come to rest on the end opposite to "
+        "diameter."
     ),
     **_estimates(),
     "side_foot": number(
@@ -79,7 +84,8 @@ RESTING: dict[str, Quantity] = {
     ),
     "long_side_share": number(
         "p_w", "Share with the long side along the wall",
-        "Of flat parts that are pushed against a wall without friction.",
+        "Share of flat parts that turn their long side to a wall "
+        "when pushed against it, without friction.",
     ),
     "standing_base": Quantity(
         "m", "b", "Half base", "Half of the base of the standing part, along the push."

@@ -50,11 +50,11 @@ ROLLING: dict[str, Quantity] = {
     ),
     "axial_friction_acceleration": acceleration(
         "F_sigma/m", "Axial friction per mass",
-        "Friction along the axis per mass that pure rolling asks for; positive acts along -sigma.",
+        "Friction along the axis per mass that pure rolling requires; positive acts along -sigma.",
     ),
     "rolling_friction": force(
         "F_eta", "Friction in rolling direction",
-        "Friction that pure rolling asks for; positive acts along -eta.",
+        "Friction that pure rolling requires; positive acts along -eta.",
     ),
     "axial_friction": force(
         "F_sigma", "Friction along the axis",

@@ -13,7 +13,7 @@ ROUND_PARTS: dict[str, Quantity] = {
     ),
     "rolling_factor": Quantity(
         "1", "kap", "Rolling factor",
-        "m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 "
+        "Ratio m r^2/I about the rolling axis: 5/2 of a ball, 3/2 of a thin shell, 2 "
         "of a cylinder or disc, 1 of a hoop; follows from the diameters unless given.",
         0.0, strict=True, parameter=True, examples=("2.5",),
     ),
@@ -32,14 +32,14 @@ ROUND_PARTS: dict[str, Quantity] = {
         "Drive at its peak less gravity along the floor, along the axis or line of contact.",
     ),
     "axial_acceleration": acceleration(
-        "a_sigma", "Acceleration along the axis", "Of the centre, along the axis."
+        "a_sigma", "Acceleration along the axis", "Acceleration of the centre along the axis."
     ),
     "rolling_acceleration": acceleration(
         "a_eta", "Acceleration across the axis",
-        "Of the centre, in rolling direction, across the axis or line of contact.",
+        "Acceleration of the centre in rolling direction, across the axis or line of contact.",
     ),
     "cone_half_angle": Quantity(
-        "degree", "a", "Half angle of the cone", "Between the side of the cone and its axis."
+        "degree", "a", "Half angle of the cone", "Angle between the side of the cone and its axis."
     ),
     "centre_radius": Quantity(
         "m", "rho", "Radius at the centre", "Radius of the cone at its centre of mass."
@@ -72,7 +72,8 @@ ROUND_PARTS: dict[str, Quantity] = {
     ),
     "contact_damping_ratio": Quantity(
         "1", "zeta", "Damping ratio of the contact",
-        "Of the spring and damper of a contact that never pulls.", 0.0, parameter=True,
+        "Damping ratio of the spring and damper of a contact that "
+        "never pulls.", 0.0, parameter=True,
         examples=("0.2",),
     ),
     "lining_stiffness": Quantity(
@@ -90,31 +91,36 @@ ROUND_PARTS: dict[str, Quantity] = {
         "4 mm",
     ),
     "impact_damping": Quantity(
-        "s m-1", "b", "Damping of Hunt and Crossley", "F = k x^n (1 + b x'), by one restitution."
+        "s m-1", "b", "Damping of Hunt and Crossley",
+        "Damping b of Hunt and Crossley's law, F = k x^n (1 + b x'), "
+        "from a restitution at one speed."
     ),
     "restitution_at_impact": number(
-        "e(v)", "Restitution at the impact speed", "By Hunt and Crossley's law."
+        "e(v)", "Restitution at the impact speed",
+        "Restitution at the impact speed by Hunt and Crossley's "
+        "law."
     ),
     "damping_of_restitution": number(
         "zeta(e)", "Damping ratio of the restitution",
-        "Of a spring and damper that never pulls, as of the method regularised.",
+        "Damping ratio of a spring and damper without adhesion that gives the restitution.",
     ),
     "restitution_of_damping": number(
         "e(zeta)", "Restitution of the damping ratio",
-        "Of a spring and damper that never pulls, whatever the speed.",
+        "Restitution of a spring and damper without adhesion, at any speed.",
     ),
     "lining_frequency": Quantity(
-        "Hz", "f_c", "Natural frequency on the lining", "Of a part that swings on its lining."
+        "Hz", "f_c", "Natural frequency on the lining", "Natural frequency of a part on its lining."
     ),
     "lining_sag": Quantity(
-        "m", "m g/k", "Sag", "How far a part at rest sinks into its lining by its weight."
+        "m", "m g/k", "Sag", "Depth to which a part at rest sinks into its lining by its weight."
     ),
     "stiffness_ratio": number(
         "f_c/f", "Lining over drive", "Natural frequency on the lining over that of the drive."
     ),
-    "hertz_depth": Quantity("m", "x_max", "Depth of the impact", "Of a Hertz contact."),
+    "hertz_depth": Quantity("m", "x_max", "Depth of the impact", "Depth of a Hertz contact at the "
+    "impact."),
     "hertz_time": Quantity(
-        "s", "t_c", "Time of the impact", "How long a Hertz contact without loss lasts."
+        "s", "t_c", "Time of the impact", "Duration of a Hertz contact without loss."
     ),
     # --- motion in time
     "rolling_resistance": Quantity(
@@ -124,7 +130,7 @@ ROUND_PARTS: dict[str, Quantity] = {
         0.0, parameter=True, examples=("0.01",), usual=(1e-5, 0.2),
     ),
     "rolling_contact": Quantity(
-        "1", "", "Rolling contact", "What a round part has at floor and wall.", bundle=True
+        "1", "", "Rolling contact", "Contacts of a round part with floor and wall.", bundle=True
     ),
     "slip_groups": Quantity(
         "1", "", "Groups of the slip", "The dimensionless numbers of the slip.", bundle=True

@@ -53,7 +53,11 @@ def _platoon(n: int) -> dict[str, Quantity]:
     which = f"platoon {n}" + (", the rearmost" if n == 1 else "")
     return {
         f"platoon_size_{n}": Quantity(
-            "1", "", f"Size, platoon {n}", f"Parts of {which}; 0 if there is none.", count=True
+            "1",
+            "",
+            f"Size, platoon {n}",
+            f"Number of parts in {which}; 0 if there is none.",
+            count=True,
         ),
         f"platoon_velocity_{n}": velocity(
             "", f"Velocity, platoon {n}", f"Mean velocity of {which}; NaN if there is none."
@@ -97,7 +101,7 @@ NUMBERS = {"part_friction": _friction, "part_mass": _mass, "part_gap": _gap}
 
 ROW: dict[str, Quantity] = {
     "parts": Quantity(
-        "1", "n", "Parts", "Parts of the row.", 2.0, float(MAX_PARTS), parameter=True,
+        "1", "n", "Parts", "Number of parts in the row.", 2.0, float(MAX_PARTS), parameter=True,
         examples=("8",),
     ),
     **{
@@ -108,7 +112,7 @@ ROW: dict[str, Quantity] = {
     **{f"part_position_{n}": _position(n) for n in range(1, MAX_NUMBERED + 1)},
     "part_restitution": Quantity(
         "1", "e_p", "Restitution between parts",
-        "Velocity of parting over that of meeting where two parts strike each other.", 0.0, 1.0,
+        "Relative velocity after a collision of two parts over that before.", 0.0, 1.0,
         parameter=True, examples=("0.3",),
     ),
     "friction_spread": Quantity(
@@ -117,17 +121,18 @@ ROW: dict[str, Quantity] = {
         parameter=True, examples=("0.03",), usual=(1e-4, 0.5),
     ),
     "friction_seed": Quantity(
-        "1", "", "Seed of the friction", "Whole number: each draws another row.", 0.0, 1e9,
+        "1", "", "Seed of the friction", "Seed: each whole number samples another row.", 0.0, 1e9,
         parameter=True, examples=("1",), count=True,
     ),
     "track_stop_gap": _stop_gap("g_t", "Gap to a stop of the track", "that moves with the track"),
     "fixed_stop_gap": _stop_gap("g_f", "Gap to a fixed stop", "at rest beside the track"),
-    "mass_scale": Quantity("kg", "", "Mass scale", "What the masses of a row are counted in."),
+    "mass_scale": Quantity("kg", "", "Mass scale", "Scale of the masses of a row."),
     "mean_gap": Quantity(
         "m", "g", "Mean gap", "Mean gap between neighbours of one platoon, over time."
     ),
     "impact_energy": Quantity(
-        "J", "", "Energy of collisions", "What collisions of the parts take in a period."
+        "J", "", "Energy of collisions", "Energy that collisions of the parts dissipate in a "
+        "period."
     ),
     "stop_force_peak": Quantity(
         "N", "F_max", "Largest force on the stop", "Largest force on the stop between strokes."
@@ -158,11 +163,14 @@ ROW: dict[str, Quantity] = {
     ),
     "inflow": _rate("q", "Inflow", "Parts a minute that come onto the lane.", is_input=True),
     "lane_length": length("L", "Length of the lane", "Length of the lane.", "500 mm"),
-    "closed_time": _time("t_c", "Closed time", "Time for which the escapement holds.", "200 ms"),
-    "open_time": _time("t_o", "Open time", "Least time for which it lets go.", "100 ms"),
+    "closed_time": _time("t_c", "Closed time", "Time for which the escapement is "
+    "closed.", "200 ms"),
+    "open_time": _time("t_o", "Open time", "Minimum time for which the escapement is "
+    "open.", "100 ms"),
     "part_width": length("a", "Width of a part", "Width of a part, across the lane.", "10 mm"),
-    "bend_radius": length("R", "Radius of the bend", "Radius of the outer wall.", "200 mm"),
-    "bend_length": length("s", "Length of the bend", "Length of the row in the bend.", "200 mm"),
+    "bend_radius": length("R", "Radius of the bend", "Radius of the bend's outer wall.", "200 mm"),
+    "bend_length": length("s", "Length of the bend", "Length of the part of a row inside the "
+    "bend.", "200 mm"),
     "bend_friction": Quantity(
         "1", "mu_w", "Friction at the bend", "Coefficient of friction at the wall of the bend.",
         0.0, strict=True, parameter=True, examples=("0.3",),
@@ -178,7 +186,9 @@ ROW: dict[str, Quantity] = {
         "a_m", "Return acceleration", "Acceleration of the track backwards, under the parts."
     ),
     "lane_pitch": Quantity("m", "l", "Pitch", "Distance from part to part of a closed row."),
-    "throughput_limit": _rate("q_m", "Throughput limit", "Most parts a minute that the lane has."),
+    "throughput_limit": _rate("q_m", "Throughput limit",
+    "Maximum number of parts per minute in the "
+    "lane."),
     "throughput": _rate("", "Throughput", "Parts a minute that leave a free lane."),
     "part_spacing": Quantity("m", "", "Spacing", "Distance from part to part of a free lane."),
     "queue_velocity": velocity(
@@ -186,7 +196,9 @@ ROW: dict[str, Quantity] = {
     ),
     "fill_time": _time("", "Fill time", "Time until a closed lane is full."),
     "clear_time": _time("", "Clear time", "Time until a full lane is clear, once it is opened."),
-    "escapement_rate": _rate("", "Escapement rate", "Parts a minute, one a stroke."),
+    "escapement_rate": _rate("", "Escapement rate",
+    "Parts per minute through the escapement, one per "
+    "stroke."),
     "bend_pitch": Quantity(
         "m", "", "Pitch in the bend",
         "Distance of neighbours along the path of their centres, touching at the inner corners.",
@@ -196,7 +208,9 @@ ROW: dict[str, Quantity] = {
         "Force at the front of a row that is held in a bend while the track slips under it.",
     ),
     "sliding_line_force": Quantity(
-        "N", "C", "Line force, sliding", "The same while the row slides forward over the track."
+        "N", "C", "Line force, sliding",
+        "Force at the front of a row in a bend while the row slides "
+        "forward over the track."
     ),
     "row_mass": Quantity(
         "kg", "M", "Mass of the row", "Mass of all parts of the row.", 0.0, strict=True,
@@ -218,7 +232,8 @@ ROW: dict[str, Quantity] = {
     ),
     "mean_platoons": number(
         "", "Mean number of platoons",
-        "Of parts of random friction that slip one way only: 1 + 1/2 + ... + 1/n.",
+        "Mean number of platoons of parts with random friction that "
+        "slip one way only: 1 + 1/2 + ... + 1/n.",
     ),
     "front_velocity": Quantity(
         "m s-1", "v_f", "Velocity in front", "Mean velocity of the parts in front.", 0.0,
@@ -226,7 +241,7 @@ ROW: dict[str, Quantity] = {
     ),
     "closing_time": _time("", "Closing time", "Time until a gap to slower parts in front closes."),
     "pair_force": Quantity(
-        "N", "c", "Force between two parts", "Between two parts that slide forward."
+        "N", "c", "Force between two parts", "Force between two parts that slide forward."
     ),
     "stop_contact_fraction": number(
         "", "Contact with the stop", "Share of the time in which the row touches its stop."

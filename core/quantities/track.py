@@ -136,7 +136,7 @@ TRACK: dict[str, Quantity] = {
         "n", "Floor normal force per mass", "Floor normal force per mass that the variant uses."
     ),
     "centripetal_acceleration": acceleration(
-        "v^2/R", "Centripetal acceleration", "Acceleration that the curve asks for."
+        "v^2/R", "Centripetal acceleration", "Acceleration that the curve of the track requires."
     ),
     # --- accelerations
     "in_plane_drive_x": acceleration(
@@ -150,7 +150,7 @@ TRACK: dict[str, Quantity] = {
     ),
     "sliding_fraction": Quantity(
         "1", "1 - mu n/|D|", "Sliding fraction",
-        "Part of drive less gravity that friction leaves: 0 in stick, 1 in flight.",
+        "Share of the drive less gravity that remains after friction: 0 in stick, 1 in flight.",
     ),
     "roll_root": acceleration(
         "z", "Root of the slip balance", "Positive root of the slip balance of a cylinder; 0 if it "
@@ -238,7 +238,7 @@ TRACK: dict[str, Quantity] = {
     "wall_speed": velocity("v_wall", "Wall contact speed", "Least speed with wall contact."),
     "z_residual": acceleration(
         "az_residual", "Residual of the vertical balance",
-        "What the model leaves in the force balance normal to the floor, per mass.",
+        "Residual of the model in the force balance normal to the floor, per mass.",
     ),
     "pressure_offset_x": Quantity(
         "m", "e_x", "Centre of pressure, x", "Offset of the floor resultant along the track."

@@ -302,7 +302,7 @@ def exact_quantiles(
 ) -> NDArray[np.float64]:
     """Return quantiles of each line, ignoring NaN, shape (quantiles, lines), as numpy's `linear`.
 
-    Each value counts `times`: it stands for so many cells. A quantile between two cells is told by
+    Each value counts `times`: it stands for so many cells. A quantile between two cells is given by
     the straight line between their values.
     """
     lines = np.sort(lines, axis=-1)

@@ -55,7 +55,7 @@ def read_error(output: str, raw: object, value: float) -> float:
     Raises
     ------
     UnitError
-        If it is none.
+        If it is not a valid error.
     """
     error = share_of(value, raw, 'error = "5 %"')
     if error is None:

@@ -80,7 +80,8 @@ class SensitivityStudy(DrivenStudy):
     )
     samples: int = Field(
         4096,
-        description="Points drawn from the distributions for each design, a power of two; Sobol "
+        description="Number of points sampled from the distributions for each "
+        "design, a power of two; Sobol "
         "indices take as many again for each parameter, and once more.",
         strict=True,
         ge=FEWEST_SAMPLES,

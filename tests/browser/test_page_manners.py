@@ -69,7 +69,7 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
         ("wrong", "This key is unknown."),
         ("ключ", "A key is made of English letters, digits and signs, without spaces."),
     ]:
-        page.get_by_label("Key, kept until this tab is closed").fill(wrong)
+        page.get_by_label("Key, stored until this tab is closed").fill(wrong)
         page.get_by_role("button", name="Use it").click()
         expect(said).to_have_text(sentence)
     page.locator("#key").fill(KEY)

@@ -78,7 +78,7 @@ def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
     ("given", "message"),
     [
         ({"acceleration_along_1": 4, "acceleration_along_2": -3}, "is not 0"),
-        ({"acceleration_along_1": 4, "duration_1": 0}, "one step alone does not make a drive"),
+        ({"acceleration_along_1": 4, "duration_1": 0}, "a single step is not a complete drive"),
         ({"acceleration_along_1": 4, "duration_1": 0, "duration_2": 0}, "have no duration"),
         ({"acceleration_along_1": 4, "amplitude_along_1": 1e-4}, "also gives harmonics"),
         ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "it belongs to the plain sine"),

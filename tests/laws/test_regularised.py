@@ -218,7 +218,7 @@ def test_energy_is_kept_on_a_floor_without_loss():
 
 @pytest.mark.night
 def test_a_turned_drive_turns_the_motion():
-    """Friction is a disc: across the line of the drive nothing happens (theory 13.1)."""
+    """Friction is a disc: across the line of the drive no impact occurs (theory 13.1)."""
     given = {**GROUPS["hop"]}
     straight = motion(given, planar=False, tolerance=1e-7)
     drive = given["drive_number_along"]

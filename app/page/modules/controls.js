@@ -237,7 +237,7 @@ export class Controls {
         100 * view.band.share,
         "%",
         (value) => this.change({ band: { ...view.band, share: value / 100 } }),
-        { check: (value) => (value > 0 && value <= 90 ? "" : "It has to be above 0 % and at most 90 %") },
+        { check: (value) => (value > 0 && value <= 90 ? "" : "Give more than 0 % and at most 90 %") },
       );
       field.append(element("div", { class: "ends" }, "within ±", share, "%"));
     }

@@ -76,7 +76,7 @@ export class Notice {
           "form",
           { onsubmit: use },
           said,
-          element("label", { for: "key" }, "Key, kept until this tab is closed "),
+          element("label", { for: "key" }, "Key, stored until this tab is closed "),
           field,
           element("button", {}, "Use it"),
         ),
