@@ -19,7 +19,7 @@ from core.atlas.build import RESOLUTIONS, build
 from core.atlas.cells import exact
 from core.atlas.find import STATUS, AtlasValues, find
 from core.atlas.numbers import AXES, Numbers
-from core.atlas.practice import practical
+from core.atlas.practice import practical_numbers
 from core.atlas.read import open_atlas
 from core.dataset.netcdf import write_netcdf
 from core.plots.book_page import Chart, draw_page
@@ -101,7 +101,7 @@ def _made(path: Path, resolution: str) -> Path:
 
 def _of_practice(rng: np.random.Generator, count: int = CELLS) -> Numbers:
     """Return random atlas numbers of the practical range."""
-    found = practical(rng.random((2 * count, 7)))
+    found = practical_numbers(rng.random((2 * count, 7)))
     return Numbers(*(values[:count] for values in found))
 
 

@@ -22,7 +22,7 @@ from core.intake import prepare_content
 from core.plan.evaluate import evaluate
 from core.sweep import Sweep
 from core.sweep.lazy import open_lazily
-from core.sweep.stream import outline, stream
+from core.sweep.stream import outline_table, stream
 from core.sweep.targets import open_target
 
 OUTPUT = "transport_velocity"
@@ -43,7 +43,7 @@ def study(cells: float) -> dict[str, object]:
 
 def stored(sweep: Sweep, path: Path) -> Path:
     """Write a sweep as the command line does; return its path."""
-    target = open_target(path, sweep, outline(sweep))
+    target = open_target(path, sweep, outline_table(sweep))
     try:
         stream(sweep, target)
     finally:

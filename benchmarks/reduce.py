@@ -35,7 +35,7 @@ from core.plan.loops.lanes import LaneLoop
 from core.plan.loops.trace import traced
 from core.reduce.arrays import reduced_arrays
 from core.reduce.run import Units, cores
-from core.reduce.state import State, merged
+from core.reduce.state import State, merge_states
 from core.sweep.reduced import ReducedSweep
 from core.watch import Watch
 
@@ -258,7 +258,7 @@ def _joined(states: Iterable[tuple[int, int, State]]) -> Iterable[tuple[int, int
     known: dict[tuple[int, int], State] = {}
     for field, block, state in states:
         place = field, block
-        known[place] = merged(known[place], state) if place in known else state
+        known[place] = merge_states(known[place], state) if place in known else state
     return [(*place, state) for place, state in known.items()]
 
 

@@ -33,7 +33,7 @@ from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.tiles import Tiled
 from core.sweep import Sweep
-from core.sweep.stream import outline
+from core.sweep.stream import outline_table
 from core.sweep.targets import open_target
 
 DIFFERENT = 4  # tiles that are computed
@@ -75,7 +75,7 @@ def raw(path: Path, size: int, behind: Behind | None = None) -> None:
 
 def ours(path: Path, sweep: Sweep, tiles: list[dict[str, np.ndarray]], **options: bool) -> None:
     """Write tiles as the command line does, repeating a few."""
-    target = open_target(path, sweep, outline(sweep), **options)
+    target = open_target(path, sweep, outline_table(sweep), **options)
     by_shape = {one["regime"].shape: one for one in tiles}
     for index in target.missing:
         box = target.tiles[index].box

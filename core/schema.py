@@ -72,15 +72,15 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     def short(schema: Any) -> Any:
         """Return a schema with references in place of shared parts."""
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
-            return _mapped(schema, short)
+            return _map_children(schema, short)
         if text not in names:
             names[text] = f"shared-{len(names) + 1}"
-            shared[names[text]] = _mapped(_plain(schema), short)
+            shared[names[text]] = _map_children(_plain(schema), short)
         notes = {key: schema[key] for key in NOTES if key in schema}
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
-    whole = [_mapped(kind, short) for kind in kinds]
-    definitions = {name: _mapped(schema, short) for name, schema in named.items()}
+    whole = [_map_children(kind, short) for kind in kinds]
+    definitions = {name: _map_children(schema, short) for name, schema in named.items()}
     return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
 
 
@@ -111,7 +111,7 @@ def _below(schema: Any) -> Iterator[Schema]:
                 yield from _below(one)
 
 
-def _mapped(schema: Any, change: Any) -> Any:
+def _map_children(schema: Any, change: Any) -> Any:
     """Return a schema with each direct child changed by a function."""
     if not isinstance(schema, dict):
         return schema

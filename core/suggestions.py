@@ -90,7 +90,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
 }
 
 
-def _spoken() -> dict[str, tuple[str, ...]]:
+def _names_by_synonym() -> dict[str, tuple[str, ...]]:
     """Return the names that each synonym stands for."""
     spoken: dict[str, tuple[str, ...]] = {}
     for name, others in _SYNONYMS.items():
@@ -99,7 +99,7 @@ def _spoken() -> dict[str, tuple[str, ...]]:
     return spoken
 
 
-OTHER_NAMES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(_spoken())
+OTHER_NAMES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(_names_by_synonym())
 """Each of the other names, in small letters and with underscores, and what may be meant by it.
 
 What comes first is meant where several are known.

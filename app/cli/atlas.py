@@ -59,9 +59,9 @@ def atlas(
             console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
             raise typer.Exit(FAILED) from None
     if output is not None:
-        _carried_out(output, lambda watch: _write_atlas(output, resolution, watch))
+        _run_with_progress(output, lambda watch: _write_atlas(output, resolution, watch))
     if charts is not None:
-        _carried_out(charts, lambda watch: write_book(charts, watch=watch))
+        _run_with_progress(charts, lambda watch: write_book(charts, watch=watch))
 
 
 def _refuse_problems(
@@ -95,7 +95,7 @@ def _refuse_problems(
         refuse({Path("atlas"): problems})
 
 
-def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
+def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
     """Run a long computation with a progress bar and Ctrl-C.
 
     Print its result line, or exit with an error.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from app.cli.console import say, table, tell
-from app.cli.units import DEFAULT_DIGITS, number
+from app.cli.units import DEFAULT_DIGITS, format_number
 from core.study.shown import ShownUnits
 
 SCENES = ("scene", "variants", "methods in time", "title")
@@ -34,7 +34,7 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
     else:
         say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
     tell(scene["validity"])
-    table(PARAMETERS, [_parameter(entry, units) for entry in scene["parameters"]])
+    table(PARAMETERS, [_parameter_row(entry, units) for entry in scene["parameters"]])
     tell(
         '  In a study, write numbers with their unit, as in "0.5 mm". A number alone is in m, '
         "m/s, s, kg, N and so on, an angle in degrees."
@@ -60,18 +60,18 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
     table(REGIMES, regimes)
 
 
-def _parameter(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
+def _parameter_row(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
     """Return the row of a parameter in the table of a scene, numbers in the unit that is shown."""
     shown = units.of(parameter["unit"], 0.0)
     default = ""
     if parameter["default"] is not None:
-        default = number(shown.factor * parameter["default"], DEFAULT_DIGITS)
+        default = format_number(shown.factor * parameter["default"], DEFAULT_DIGITS)
     bounds = []
     if parameter["lower"] is not None:
         sign = ">" if parameter["lower_excluded"] else ">="
-        bounds.append(f"{sign} {number(shown.factor * parameter['lower'])}")
+        bounds.append(f"{sign} {format_number(shown.factor * parameter['lower'])}")
     if parameter["upper"] is not None:
-        bounds.append(f"<= {number(shown.factor * parameter['upper'])}")
+        bounds.append(f"<= {format_number(shown.factor * parameter['upper'])}")
     return (
         parameter["name"], parameter["symbol"], shown.unit, " ".join(bounds), default,
         parameter["description"],

@@ -13,7 +13,7 @@ from rich import box
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.layout import Rows, block_lines, folded, least_widths, plain_lines
+from app.cli.layout import Rows, block_lines, fold_line, least_widths, plain_lines
 from core.compiling import ONCE, stopwatch
 
 stdout = Console(highlight=False)
@@ -42,7 +42,7 @@ def say(text: str) -> None:
 
 def tell(text: str) -> None:
     """Print a long line: folded between words on a terminal, unfolded where a program reads it."""
-    for line in folded(text, stdout.width) if stdout.is_terminal else [text]:
+    for line in fold_line(text, stdout.width) if stdout.is_terminal else [text]:
         say(line)
 
 

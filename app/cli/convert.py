@@ -11,7 +11,7 @@ from app.cli.studies import content_of, refuse
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem, StudyError
 from core.intake import prepare_content
-from core.intake.forms import FORMS, SERVICE, placed, to_curl
+from core.intake.forms import FORMS, SERVICE, resolve_files, to_curl
 from core.suggestions import suggestion
 
 if TYPE_CHECKING:
@@ -40,10 +40,10 @@ def convert(
         refuse(
             {file: [Problem("to", f"'{to[:40]}' is not a form of a study", suggestion(to, FORMS))]}
         )
-    content = _checked(file)
+    content = _read_valid_study(file)
     folder = output.parent if output is not None else Path()
     try:
-        found = placed(content, to, folder)
+        found = resolve_files(content, to, folder)
         text = to_curl(found, service or SERVICE) if to == "curl" else FORMS[to](found)
     except StudyError as error:
         refuse({file: error.problems})
@@ -55,7 +55,7 @@ def convert(
     typer.echo(f"wrote {output}")
 
 
-def _checked(file: Path) -> Mapping[str, Any]:
+def _read_valid_study(file: Path) -> Mapping[str, Any]:
     """Return the content of a valid study file as it was typed; else print every error and exit."""
     try:
         content = content_of(file)

@@ -90,8 +90,8 @@ def drive(
         along=along,
         across=across,
         normal=normal,
-        sensor=_parts(sensor),  # type: ignore[arg-type] # their number is checked by the reader
-        mounting=_parts(mounting),  # type: ignore[arg-type]
+        sensor=_split_list(sensor),  # type: ignore[arg-type] # their number is checked by the reader
+        mounting=_split_list(mounting),  # type: ignore[arg-type]
         unit=unit,
         rate=rate,
         time=time,
@@ -99,7 +99,7 @@ def drive(
         frequency=frequency,
         harmonics=harmonics,
     )
-    fit = _fitted(recording, asked, plot)
+    fit = _fit_recording(recording, asked, plot)
     lines = toml_of(fit, recording)
     if toml:
         typer.echo(lines)
@@ -119,12 +119,12 @@ def drive(
         raise typer.Exit(FAILED) from None
 
 
-def _parts(text: str | None) -> tuple[str, ...] | None:
+def _split_list(text: str | None) -> tuple[str, ...] | None:
     """Return the entries of a list that was typed with commas; None if the option was not given."""
     return None if text is None else tuple(part.strip() for part in text.split(","))
 
 
-def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
+def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     """Return the drive fitted to a recording.
 
     Print every problem of recording and options, and exit.

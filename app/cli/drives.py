@@ -26,7 +26,7 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
     length = units.of("m", float(np.nanmax(np.abs(fit.amplitudes))))
     angle = units.of("degree", 0.0)
     rows = [
-        (axis, str(order), *_cells(fit, row, place, length.factor, angle.factor))
+        (axis, str(order), *_harmonic_cells(fit, row, place, length.factor, angle.factor))
         for row, axis in enumerate(fit.axes)
         for place, order in enumerate(fit.orders)
     ]
@@ -67,10 +67,12 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
 
 def facts(fit: Fit) -> Iterator[tuple[str, str]]:
     """Yield name and value of each result that holds for the whole fit, such as the noise."""
-    frequency, error = _rounded(fit.frequency, fit.frequency_error)
+    frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
     if fit.clock is not None:
-        clock, error = _rounded(PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error)
+        clock, error = _round_to_error(
+            PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error
+        )
         pace = "slow" if fit.clock.error > 0 else "fast"
         yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
     for name, shares in (("not explained by the fit", fit.left_over), ("drift", fit.drifting)):
@@ -86,25 +88,28 @@ def toml_of(fit: Fit, recording: Path) -> str:
     """Return the fitted drive as TOML parameters of a study, with standard errors as comments."""
     lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}"]
     lines += [f"# {name}: {text}" for name, text in facts(fit)]
-    frequency, error = _rounded(fit.frequency, fit.frequency_error)
-    lines += ["[parameters]", _line("frequency", f"{frequency} Hz", f"{error} Hz" if error else "")]
+    frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
+    lines += [
+        "[parameters]",
+        _toml_line("frequency", f"{frequency} Hz", f"{error} Hz" if error else ""),
+    ]
     for row, axis in enumerate(fit.axes):
         for place, order in enumerate(fit.orders):
             if fit.significant[row, place]:
-                amplitude, off, phase, away = _cells(fit, row, place)
+                amplitude, off, phase, away = _harmonic_cells(fit, row, place)
                 end = f"{axis}_{order}"
-                lines.append(_line(f"amplitude_{end}", f"{amplitude} um", f"{off} um"))
+                lines.append(_toml_line(f"amplitude_{end}", f"{amplitude} um", f"{off} um"))
                 why = f"{away} deg" if away else ""
-                lines.append(_line(f"phase_{end}", f"{phase} deg", why))
+                lines.append(_toml_line(f"phase_{end}", f"{phase} deg", why))
     return "\n".join(lines)
 
 
-def _line(name: str, value: str, error: str) -> str:
+def _toml_line(name: str, value: str, error: str) -> str:
     """Return one line of TOML: name, value, and the error as a comment."""
     return f'{name} = "{value}"' + (f"  # +- {error}" if error else "  # exact")
 
 
-def _cells(
+def _harmonic_cells(
     fit: Fit, row: int, position: int, length: float = MICRO, angle: float = 1.0
 ) -> tuple[str, str, str, str]:
     """Return the cells of one harmonic: amplitude and phase with errors, dashes where unknown.
@@ -114,12 +119,12 @@ def _cells(
     if not fit.significant[row, position]:
         return "-", "", "-", ""
     one = row, position
-    amplitude = _rounded(length * fit.amplitudes[one], length * fit.amplitude_errors[one])
+    amplitude = _round_to_error(length * fit.amplitudes[one], length * fit.amplitude_errors[one])
     phase, away = angle * np.degrees(fit.phases[one]), angle * np.degrees(fit.phase_errors[one])
-    return *amplitude, *_rounded(phase, away)
+    return *amplitude, *_round_to_error(phase, away)
 
 
-def _rounded(value: float, error: float) -> tuple[str, str]:
+def _round_to_error(value: float, error: float) -> tuple[str, str]:
     """Return a value and its error as texts, rounded to two digits of the error.
 
     Empty error if unknown.

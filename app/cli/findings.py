@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.cli.console import say, table, tell
-from app.cli.units import number
+from app.cli.units import format_number
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -21,7 +21,7 @@ def show_findings(result: Table, units: ShownUnits) -> None:
     """Print a calibration: unknowns with intervals, measured runs, and findings in sentences."""
     rows = []
     for name in str(result.attributes["unknowns"]).split():
-        unit, (best, median, *ends) = _read(
+        unit, (best, median, *ends) = _read_values(
             result,
             [f"{what}_{name}" for what in ("best", "median", "lower_68", "upper_68", "lower_95",
                                            "upper_95")],
@@ -36,12 +36,12 @@ def show_findings(result: Table, units: ShownUnits) -> None:
         tell(f"  {sentence}")
 
 
-def _read(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list[str]]:
+def _read_values(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list[str]]:
     """Return the unit and the texts of some single values that have a common unit."""
     values = [float(result.variables[name].values) for name in names]
     unit = str(result.variables[names[0]].attributes["units"])
     shown = units.of(unit, max(map(abs, values)))
-    return shown.unit or "-", [number(value * shown.factor, DIGITS) for value in values]
+    return shown.unit or "-", [format_number(value * shown.factor, DIGITS) for value in values]
 
 
 def _show_runs(result: Table, units: ShownUnits) -> None:
@@ -59,7 +59,7 @@ def _show_runs(result: Table, units: ShownUnits) -> None:
 
     def text(value: float) -> str:
         """Return a value in the shown unit as text; `-` for NaN."""
-        return "-" if np.isnan(value) else number(value * shown.factor, DIGITS)
+        return "-" if np.isnan(value) else format_number(value * shown.factor, DIGITS)
 
     rows = [
         (
@@ -67,7 +67,7 @@ def _show_runs(result: Table, units: ShownUnits) -> None:
             text(measured[k]),
             text(predicted[k]),
             f"{text(low[k])} to {text(high[k])}",
-            "-" if np.isnan(over[k]) else number(over[k], 2),
+            "-" if np.isnan(over[k]) else format_number(over[k], 2),
         )
         for k in range(min(len(measured), MAX_ROWS))
     ]

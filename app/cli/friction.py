@@ -9,7 +9,7 @@ import typer
 
 from app.cli import console
 from app.cli.options import Json
-from app.cli.published import check_some, joined, numbered, tell_notes
+from app.cli.published import exit_if_empty, join_texts, number_sources, tell_notes
 from core import materials
 from core.materials import shown
 
@@ -30,24 +30,24 @@ def friction(
     if as_json:
         console.document(published)
         return
-    check_some((*published["pairs"], *published["rebounds"]), asked)
-    numbers = numbered(published["sources"])
+    exit_if_empty((*published["pairs"], *published["rebounds"]), asked)
+    numbers = number_sources(published["sources"])
     if published["pairs"]:
         rows = []
         for row in published["pairs"]:
-            surface = joined(row["surface"], row["note"])
+            surface = join_texts(row["surface"], row["note"])
             either = shown(row, "coefficient") and shown(row, "coefficient") + " ?"
             static, kinetic = (
                 shown(row, "static") or either,
                 shown(row, "kinetic") or either,
             )
-            rows.append((_pair(row), surface, static, kinetic, numbers[row["source"]]))
+            rows.append((_name_pair(row), surface, static, kinetic, numbers[row["source"]]))
         console.table(PAIRS, rows)
         if any(row["coefficient"] for row in published["pairs"]):
             console.tell("  ?: the source does not say whether it is static or kinetic.")
     if published["rebounds"]:
         rebounds = [
-            (_pair(row), shown(row, "restitution"), row["note"], numbers[row["source"]])
+            (_name_pair(row), shown(row, "restitution"), row["note"], numbers[row["source"]])
             for row in published["rebounds"]
         ]
         console.table(REBOUNDS, rebounds)
@@ -58,6 +58,6 @@ def friction(
     )
 
 
-def _pair(row: Mapping[str, Any]) -> str:
+def _name_pair(row: Mapping[str, Any]) -> str:
     """Return the two materials of a row as `part on track`."""
     return f"{row['part']} on {row['track']}"

@@ -60,10 +60,10 @@ def add(
     asked = Key(
         name,
         role,
-        requests=_whole(requests),
-        jobs=_whole(jobs),
-        cells=_whole(cells),
-        bytes=_whole(most_bytes),
+        requests=_parse_limit(requests),
+        jobs=_parse_limit(jobs),
+        cells=_parse_limit(cells),
+        bytes=_parse_limit(most_bytes),
     )
     with _database() as database:
         try:
@@ -78,7 +78,7 @@ def add(
     )
 
 
-def _whole(figure: float | None) -> int | None:
+def _parse_limit(figure: float | None) -> int | None:
     """Return a limit as a number; notation such as 1e9 is allowed.
 
     Invalid text is left for the check.
@@ -104,11 +104,13 @@ def list_keys(as_json: Json = False) -> None:
         return
     rows = []
     for row in keys:
-        until = "withdrawn " + _day(row.withdrawn) if row.withdrawn else _day(row.ends)
+        until = (
+            "withdrawn " + _format_day(row.withdrawn) if row.withdrawn else _format_day(row.ends)
+        )
         if not row.withdrawn and not row.stands(now):
             until = f"over since {until}"
-        limits = [_limit(getattr(row, name)) for name in LIMITS]
-        rows.append((row.name, row.role, _day(row.created), *limits, until))
+        limits = [_format_limit(getattr(row, name)) for name in LIMITS]
+        rows.append((row.name, row.role, _format_day(row.created), *limits, until))
     console.table(("name", "role", "made", *LIMITS, "until"), rows, right=LIMITS)
 
 
@@ -172,11 +174,11 @@ def _database() -> Iterator[Database]:
         ledger.close()
 
 
-def _limit(figure: int | None) -> str:
+def _format_limit(figure: int | None) -> str:
     """Return a limit with thousands separators; `-` if there is no limit."""
     return "-" if figure is None else f"{figure:,}"
 
 
-def _day(seconds: float | None) -> str:
+def _format_day(seconds: float | None) -> str:
     """Return a time [s since the epoch] as a date; `-` if there is none."""
     return "-" if seconds is None else datetime.fromtimestamp(seconds, UTC).date().isoformat()

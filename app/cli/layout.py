@@ -18,7 +18,7 @@ def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
     told = [[*columns], *([cell or "-" for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*told, strict=True)]
     for row in told:
-        yield _aligned(row, widths)
+        yield _align_cells(row, widths)
 
 
 def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
@@ -42,24 +42,24 @@ def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]
             used += len(GAP) + wide
     widths = [natural[number] for number in first]
     below = [number for number in range(len(columns)) if number not in first]
-    yield GAP + _aligned([columns[number] for number in first], widths)
+    yield GAP + _align_cells([columns[number] for number in first], widths)
     if len(below) == 1:
         yield " " * INDENT + columns[below[0]]
     for row in rows:
-        yield from folded(GAP + _aligned([row[number] for number in first], widths), width)
+        yield from fold_line(GAP + _align_cells([row[number] for number in first], widths), width)
         for number in below:
             name = f"{columns[number]}: " if len(below) > 1 else ""
             if row[number]:
-                yield from folded(f"{' ' * INDENT}{name}{row[number]}", width)
+                yield from fold_line(f"{' ' * INDENT}{name}{row[number]}", width)
 
 
-def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
+def _align_cells(cells: Sequence[str], widths: Sequence[int]) -> str:
     """Return cells as one line, each padded to the width of its column."""
     pairs = zip(cells, widths, strict=True)
     return GAP.join(cell.ljust(width) for cell, width in pairs).rstrip()
 
 
-def folded(line: str, width: int) -> list[str]:
+def fold_line(line: str, width: int) -> list[str]:
     """Return a long line as several lines, broken between words; further lines are indented."""
     if len(line) <= width:
         return [line]

@@ -8,7 +8,7 @@ import typer
 
 from app.cli import console
 from app.cli.options import Json
-from app.cli.published import check_some, joined, numbered, tell_notes
+from app.cli.published import exit_if_empty, join_texts, number_sources, tell_notes
 from core import materials
 from core.materials import shown
 
@@ -28,12 +28,12 @@ def leaves(
     if as_json:
         console.document(published)
         return
-    check_some(published["materials"], asked)
-    numbers = numbered(published["sources"])
+    exit_if_empty(published["materials"], asked)
+    numbers = number_sources(published["sources"])
     rows = [
         (
             row["material"],
-            joined(row["form"], row["note"]),
+            join_texts(row["form"], row["note"]),
             *(shown(row, name) for name in materials.OF_LEAVES),
             numbers[row["source"]],
         )

@@ -14,7 +14,7 @@ from app.cli import console
 from app.cli.options import FAILED, Json, Units
 from app.cli.studies import refuse, refuse_existing
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
-from app.cli.units import number, units_asked
+from app.cli.units import format_number, units_asked
 from core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
 from core.atlas.numbers import AXES
 from core.atlas.read import MAKE, open_atlas
@@ -74,12 +74,12 @@ def lookup(
     means that it did not answer everything, 2 that a parameter or a file is wrong.
     """
     shown = units_asked(units)
-    table = _looked_up(atlas, assignments or [], rows, simulate=simulate)
+    table = _look_up_or_exit(atlas, assignments or [], rows, simulate=simulate)
     if output is not None:
         _write(table, output, force=force)
     lines = advice(table)
     if as_json:
-        console.document(_document(table) | {"advice": lines})
+        console.document(_to_document(table) | {"advice": lines})
     else:
         if table.variables["lookup_status"].values.size == 1:
             _show_single(table, shown)
@@ -93,11 +93,13 @@ def lookup(
         raise typer.Exit(FAILED)
 
 
-def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulate: bool) -> Table:
+def _look_up_or_exit(
+    path: Path, assignments: list[str], rows: Path | None, *, simulate: bool
+) -> Table:
     """Return the table of atlas values for the typed parameters; print every problem and exit."""
     source = rows or Path("lookup")
     refused: dict[Path, list[Problem]] = {}
-    parameters, problems = _named(assignments)
+    parameters, problems = _parse_assignments(assignments)
     if problems:
         refused[Path("lookup")] = problems
     columns: Mapping[str, tuple[float, ...]] = {}
@@ -132,7 +134,7 @@ def _looked_up(path: Path, assignments: list[str], rows: Path | None, *, simulat
     return looked_up
 
 
-def _named(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
+def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
     """Return `name=value` words as a mapping, numbers as numbers, and the problems found."""
     parameters: dict[str, str | float] = {}
     problems = []
@@ -159,7 +161,7 @@ def _write(table: Table, output: str, *, force: bool) -> None:
     write_or_exit(Path("lookup"), table, output, history)
 
 
-def _labels(table: Table, name: str) -> list[str]:
+def _flag_words(table: Table, name: str) -> list[str]:
     """Return the words of a flag variable, such as the regime of each row."""
     return [str(word) for word in FrameColumn(name, table.variables[name]).values.ravel()]
 
@@ -171,16 +173,16 @@ def _show_single(table: Table, shown: Any) -> None:
         """Return the value of a variable as a number."""
         return float(table.variables[name].values.ravel()[0])
 
-    status = _labels(table, "lookup_status")[0]
+    status = _flag_words(table, "lookup_status")[0]
     if status in ("answered", "simulated"):
         speed, error = value("conveying_velocity"), value("conveying_velocity_error")
         unit = shown.of("m s-1", abs(speed))
         how = "by simulation" if status == "simulated" else "from the atlas"
         console.say(
-            f"  speed   {number(unit.factor * speed)} {unit.unit}, "
-            f"stated error {number(unit.factor * error, 2)} {unit.unit}, {how}"
+            f"  speed   {format_number(unit.factor * speed)} {unit.unit}, "
+            f"stated error {format_number(unit.factor * error, 2)} {unit.unit}, {how}"
         )
-        console.say(f"  regime  {_labels(table, 'regime')[0].replace('_', ' ')}")
+        console.say(f"  regime  {_flag_words(table, 'regime')[0].replace('_', ' ')}")
         shares = [
             f"{word} {100 * value(f'{name}_fraction'):.1f} %"
             for name, word in WAYS
@@ -189,7 +191,7 @@ def _show_single(table: Table, shown: Any) -> None:
         console.tell(f"  shares  {', '.join(shares)} of the period")
     else:
         console.say(f"  no speed: {status.replace('_', ' ')}")
-    console.tell(f"  numbers {', '.join(f'{name} {number(value(name))}' for name in AXES)}")
+    console.tell(f"  numbers {', '.join(f'{name} {format_number(value(name))}' for name in AXES)}")
 
 
 def _show_many(table: Table, shown: Any) -> None:
@@ -207,9 +209,9 @@ def _show_many(table: Table, shown: Any) -> None:
     has_value = [bool(np.isfinite(speed)) for speed in columns[answered[0]]]
     rows = [
         (
-            *(number(float(columns[name][k])) for name in names),
-            number(unit.factor * float(columns[answered[0]][k])),
-            number(unit.factor * float(columns[answered[1]][k]), 2),
+            *(format_number(float(columns[name][k])) for name in names),
+            format_number(unit.factor * float(columns[answered[0]][k])),
+            format_number(unit.factor * float(columns[answered[1]][k]), 2),
             str(columns["regime"][k]).replace("_", " ") if has_value[k] else "-",
             str(columns["lookup_status"][k]).replace("_", " "),
         )
@@ -228,11 +230,11 @@ def _parameter_columns(table: Table) -> list[str]:
     return list(table.coordinates)
 
 
-def _document(table: Table) -> dict[str, Any]:
+def _to_document(table: Table) -> dict[str, Any]:
     """Return the looked-up values as a JSON document, in the units of files."""
     columns = {**table.coordinates, **table.variables}
     plain = {
-        name: (_labels(table, name) if "flag_values" in one.attributes else one.values.tolist())
+        name: (_flag_words(table, name) if "flag_values" in one.attributes else one.values.tolist())
         for name, one in columns.items()
     }
     return {"atlas": table.attributes["atlas"], "values": plain}

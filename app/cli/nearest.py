@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.cli.console import stdout, tell
-from app.cli.units import number
+from app.cli.units import format_number
 from core import optimise
 from core.intake import parse_json
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from core.study.shown import ShownUnits
 
 
-def measured(name: str, value: float, units: ShownUnits) -> str:
+def format_value(name: str, value: float, units: ShownUnits) -> str:
     """Return a value with its unit as readable text."""
     shown = units.of(QUANTITIES[name].unit, abs(value))
     gap = "" if shown.unit in ("", "°") else " "
-    return f"{number(shown.factor * value)}{gap}{shown.unit}"
+    return f"{format_number(shown.factor * value)}{gap}{shown.unit}"
 
 
 def nearest(result: Table, units: ShownUnits) -> list[str]:
@@ -38,23 +38,23 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
     lines = []
     for reach in reaches:
         side = "at most" if reach.upper else "at least"
-        asked = f"{side} {measured(reach.output, reach.bound, units)} is asked"
+        asked = f"{side} {format_value(reach.output, reach.bound, units)} is asked"
         lines.append(
-            f"Nearest: {reach.output} {measured(reach.output, reach.value, units)} ({asked}) "
-            f"with all other limits kept, at {listed(reach.choice, units)}."
+            f"Nearest: {reach.output} {format_value(reach.output, reach.value, units)} ({asked}) "
+            f"with all other limits kept, at {list_choice(reach.choice, units)}."
         )
     for way in others:
-        value = measured(way.output, way.value, units)
+        value = format_value(way.output, way.value, units)
         lines.append(
             f"With {way.change}: {way.output} {value} and all limits kept, at "
-            f"{listed(way.choice, units)}."
+            f"{list_choice(way.choice, units)}."
         )
     return lines
 
 
-def listed(choice: Mapping[str, float], units: ShownUnits) -> str:
+def list_choice(choice: Mapping[str, float], units: ShownUnits) -> str:
     """Return `name value unit` of each chosen variable, separated by commas."""
-    return ", ".join(f"{name} {measured(name, value, units)}" for name, value in choice.items())
+    return ", ".join(f"{name} {format_value(name, value, units)}" for name, value in choice.items())
 
 
 def is_infeasible(result: Table) -> bool:

@@ -92,7 +92,7 @@ def new(
         _check_kind(kind, answers)
         text = example_study(kind, name)
     else:
-        text = starter_study(_answered(answers, asks=is_terminal() and not yes), name)
+        text = starter_study(_collect_answers(answers, asks=is_terminal() and not yes), name)
     if file == STANDARD:
         typer.echo(text, nl=False)
         return
@@ -125,7 +125,7 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
         refuse({Path("new"): problems})
 
 
-def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
+def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
     """Return the answers to all questions that apply; print every invalid option and exit."""
     answers: dict[str, str] = {}
     problems, warnings = [], []
@@ -146,7 +146,9 @@ def _answered(options: dict[str, str], *, asks: bool) -> dict[str, str]:
             answers[question.name] = question.default
     else:
         problems += [
-            _idle(name, answers) for name in options if name not in answers and not problems
+            _problem_of_unused(name, answers)
+            for name in options
+            if name not in answers and not problems
         ]
     if problems:
         refuse({Path("new"): problems})
@@ -177,7 +179,7 @@ def _ask(question: Question) -> str:
         before = typed
 
 
-def _idle(name: str, answers: dict[str, str]) -> Problem:
+def _problem_of_unused(name: str, answers: dict[str, str]) -> Problem:
     """Return the problem of an option that was given although its question does not apply."""
     question = _BY_NAME[name]
     if question.unless in answers:

@@ -34,7 +34,7 @@ def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part
     number, count = _numbers(path, part)
     parts = parts_of(path, studies[path], target, count)
     name = f"part {number} of {count:,}"
-    with failing(path, target):
+    with report_errors(path, target):
         if parts.is_there(number):
             console.say(f"{path}: {name} is there already")
             return
@@ -49,7 +49,7 @@ def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part
 
 def join_parts(path: Path, parts: Parts, history: str) -> None:
     """Join all computed parts of a study into its result; exit and name the missing parts."""
-    with failing(path, parts.where):
+    with report_errors(path, parts.where):
         try:
             with console.progress(f"{path.name}, joining") as advance, interruption() as stopped:
                 table = parts.join(Watch(advance, stopped), history=history)
@@ -110,7 +110,7 @@ def counts_of(target: str) -> set[int]:
 
 
 @contextmanager
-def failing(path: Path, target: str) -> Iterator[None]:
+def report_errors(path: Path, target: str) -> Iterator[None]:
     """Print errors of files and clusters raised in the block, and exit with code 1."""
     try:
         yield

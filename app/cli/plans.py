@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.cli.console import say, table, tell
-from app.cli.units import DEFAULT_DIGITS, number, units_asked
+from app.cli.units import DEFAULT_DIGITS, format_number, units_asked
 from core.plan.grid import from_si
 from core.quantities import QUANTITIES
 
@@ -68,7 +68,7 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
         names = []
         for name, fact in facts["defaults"].items():
             shown = units.of(fact["unit"], abs(fact["value"]))
-            value = number(shown.factor * fact["value"], DEFAULT_DIGITS)
+            value = format_number(shown.factor * fact["value"], DEFAULT_DIGITS)
             names.append(f"{name} = {value} {shown.unit}".rstrip())
         tell(f"  by default: {', '.join(names)}")
 

@@ -11,17 +11,17 @@ from app.cli import console
 from app.cli.options import FAILED
 
 
-def numbered(sources: Iterable[str]) -> dict[str, str]:
+def number_sources(sources: Iterable[str]) -> dict[str, str]:
     """Return the number under which a table cites each source."""
     return {name: str(number) for number, name in enumerate(sources, 1)}
 
 
-def joined(*texts: str) -> str:
+def join_texts(*texts: str) -> str:
     """Return the texts that are not empty, joined into one cell of a table."""
     return "; ".join(text for text in texts if text)
 
 
-def check_some(rows: Collection[Any], asked: str) -> None:
+def exit_if_empty(rows: Collection[Any], asked: str) -> None:
     """Exit with a message if no rows match the words that were asked for."""
     if not rows:
         console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
@@ -32,6 +32,6 @@ def tell_notes(notes: Iterable[str], sources: Mapping[str, Mapping[str, str]]) -
     """Print the notes on a table of published values, and its numbered sources."""
     for line in notes:
         console.tell(f"- {line}")
-    for name, number in numbered(sources).items():
+    for name, number in number_sources(sources).items():
         source = sources[name]
         console.tell(f"  {number}: {source['title']}. {source['by']}. {source['address']}")

@@ -74,15 +74,15 @@ class Question:
                 near = nearest(text, self.choices)
                 raise UnitError(message, f"Did you mean '{near}'?" if near else choice)
             return chosen
-        read_number(self.parameter, QUANTITIES[self.parameter], typed(text))
+        read_number(self.parameter, QUANTITIES[self.parameter], parse_typed(text))
         return text
 
     def warning(self, text: str) -> str:
         """Return a line that asks to confirm an unusual number; empty if the number is usual."""
-        return " ".join(questions({"parameters": {self.parameter: typed(text)}}))
+        return " ".join(questions({"parameters": {self.parameter: parse_typed(text)}}))
 
 
-def typed(text: str) -> float | int | str:
+def parse_typed(text: str) -> float | int | str:
     """Return a typed answer as TOML holds it: a number without unit becomes a plain number."""
     for number in (int, float):
         try:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from app.cli.console import fail, say, table, tell
 from app.cli.findings import show_findings
-from app.cli.nearest import is_infeasible, listed, measured, nearest
+from app.cli.nearest import format_value, is_infeasible, list_choice, nearest
 from app.cli.uncertain import is_short, is_uncertain, show_design
-from app.cli.units import DIGITS, ends, units_asked
+from app.cli.units import DIGITS, shown_range, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
 from core.intake import parse_json
 from core.kinds import is_whole, not_verified, share_left_out
@@ -40,7 +40,7 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
     shares = {}
     if "regime" in result.variables:
         shares = regime_shares(_regimes_computed(result))
-    return _facts(path, target, result, cells, found, shares)
+    return _result_document(path, target, result, cells, found, shares)
 
 
 def streamed_facts(
@@ -54,7 +54,7 @@ def streamed_facts(
     found |= {name: _finite_ends(one) for name, one in _outputs(result).items() if not one.dims}
     regime = result.variables["regime"]
     shares = shares_of(passed.regimes) if regime.dims else regime_shares(regime.values)
-    return _facts(path, target, result, cells, found, shares)
+    return _result_document(path, target, result, cells, found, shares)
 
 
 def show_result(
@@ -125,8 +125,8 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
         return []
     middles = {name: nominal(one) for name, one in study.intervals().items()}
     return [
-        f"Outputs are those at {listed(middles, units)}; the objective and the margins of limits "
-        "count the whole range."
+        f"Outputs are those at {list_choice(middles, units)}; the objective and the margins of "
+        "limits count the whole range."
     ]
 
 
@@ -147,7 +147,7 @@ def _knee(result: Table, units: ShownUnits) -> str:
         for name, value in values.items()
         if name.startswith("best_")
     }
-    return f"Knee of the front: {listed(both, units)}, at {listed(choice, units)}."
+    return f"Knee of the front: {list_choice(both, units)}, at {list_choice(choice, units)}."
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
@@ -162,11 +162,11 @@ def _fastest(result: Table, units: ShownUnits) -> str:
         return ""
     index = np.unravel_index(np.nanargmax(speed.values), speed.values.shape)
     where = ", ".join(
-        f"{name} {measured(name, float(result.coordinates[name].values[k]), units)}"
+        f"{name} {format_value(name, float(result.coordinates[name].values[k]), units)}"
         for name, k in zip(speed.dims, index, strict=True)
         if name in QUANTITIES and result.coordinates[name].values.ndim
     )
-    top = measured("conveying_velocity", float(speed.values[index]), units)
+    top = format_value("conveying_velocity", float(speed.values[index]), units)
     return f"Fastest: {top} at {where}." if where else ""
 
 
@@ -185,7 +185,7 @@ def _outputs(result: Table) -> dict[str, TableVariable]:
     return {n: v for n, v in result.variables.items() if "flag_values" not in v.attributes}
 
 
-def _facts(
+def _result_document(
     path: Path,
     target: str,
     result: Table,
@@ -229,14 +229,14 @@ def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -
     if all("value" in column for column in outputs.values()):
         rows = []
         for name, column in outputs.items():
-            unit, value, _ = ends(column["unit"], column["value"], column["value"], units)
+            unit, value, _ = shown_range(column["unit"], column["value"], column["value"], units)
             rows.append((name, value, unit))
         table(("output", "value", "unit"), rows)
         return
     ranges = []
     for name, column in outputs.items():
         pair = (column["value"],) * 2 if "value" in column else (column["least"], column["largest"])
-        unit, least, largest = ends(column["unit"], *pair, units)
+        unit, least, largest = shown_range(column["unit"], *pair, units)
         ranges.append((name, least, largest, unit, ", ".join(column["dimensions"]) or "none"))
     table(("output", "least", "largest", "unit", "dimensions"), ranges)
 

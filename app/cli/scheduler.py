@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import distributed
 
 from app.cli import console
-from app.cli.parts import counts_of, failing, join_parts, parts_of, single_study
+from app.cli.parts import counts_of, join_parts, parts_of, report_errors, single_study
 from app.cli.studies import interruption
 from app.jobs.cluster import by_name
 from app.jobs.parts import compute_part, sensible_count
@@ -38,7 +38,7 @@ def run_on_scheduler(
     missing = [part for part in range(count) if not parts.is_there(part)]
     console.say(f"{path}: {len(missing):,} of {count:,} parts to compute on {address}")
     with (
-        failing(path, target),
+        report_errors(path, target),
         distributed.Client(address, timeout=20) as client,  # type: ignore[no-untyped-call]
         interruption() as interrupted,
         console.progress(path.name) as advance,

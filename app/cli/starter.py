@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import tomlkit
 
-from app.cli.questions import QUESTIONS, typed
+from app.cli.questions import QUESTIONS, parse_typed
 from core.intake.forms import to_toml
 from core.kinds import KINDS
 from core.quantities import QUANTITIES
@@ -170,7 +170,7 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
             if question.parameter in more.get("uncertain", {}) or question.name in more.get("", ()):
                 continue
             _say(table, question.says)
-            value = typed(answers[question.name])
+            value = parse_typed(answers[question.name])
             if question.values > 1:
                 value = _range(value, question.values)
             table.add(question.parameter, value)
@@ -218,7 +218,7 @@ def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
     """Return the variables of an optimisation whose largest amplitude is given."""
     largest = answers.get("amplitude")
     if largest is None:  # a stroke, from end to end
-        stroke = typed(answers["peak_to_peak"])
+        stroke = parse_typed(answers["peak_to_peak"])
         half = read_number("peak_to_peak", QUANTITIES["peak_to_peak"], stroke) / 2
         largest = f"{1e3 * half:.6g} mm"
     if answers.get("path") == "ellipse":

@@ -18,7 +18,7 @@ from core.errors import Problem, VibrafeedError
 from core.kinds import is_whole, not_verified
 from core.plan.prepared import Prepared
 from core.sweep.size import bytes_in_file
-from core.sweep.stream import outline, stream
+from core.sweep.stream import outline_table, stream
 from core.sweep.targets import is_complete, is_zarr, open_target
 from core.watch import Watch
 
@@ -48,7 +48,7 @@ def run_streamed(
     started = time.perf_counter()
     with interruption() as interrupted:
         with console.progress(f"{path.name}, verifying") as advance:
-            table = outline(sweep, Watch(advance, interrupted, deadline))
+            table = outline_table(sweep, Watch(advance, interrupted, deadline))
         if not is_whole(table):
             console.fail(f"{path}: it was stopped while cells were verified; nothing is written.")
             return False, False, None

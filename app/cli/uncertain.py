@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.cli.console import say, table, tell
-from app.cli.units import number
+from app.cli.units import format_number
 from core.dataset.regimes import percent_with_error
 from core.quantities import QUANTITIES
 from core.sensitivity.variables import QUANTILE, UNCERTAIN
@@ -49,21 +49,21 @@ def show_design(result: Table, units: ShownUnits) -> None:
     for name, one in result.variables.items():
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()
-            words = _demand(one.attributes, units)
+            words = _demand_in_words(one.attributes, units)
             tell(f"  {words}: {percent_with_error(one.values.item(), error)}")
     for name in result.variables:
         if name.endswith("_left_out"):
             _show_output(result, name.removesuffix("_left_out"), units)
 
 
-def _demand(attributes: Mapping[str, Any], units: ShownUnits) -> str:
+def _demand_in_words(attributes: Mapping[str, Any], units: ShownUnits) -> str:
     """Return a demand in words, its bounds in the shown units."""
     if "regime" in attributes:
         return f"probability of {attributes['regime']}"
     output = str(attributes["output"])
     bounds = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
     shown = units.of(QUANTITIES[output].unit, max(map(abs, bounds.values())))
-    told = (f"{key.replace('_', ' ')} {number(shown.factor * value)} {shown.unit}".rstrip()
+    told = (f"{key.replace('_', ' ')} {format_number(shown.factor * value)} {shown.unit}".rstrip()
             for key, value in bounds.items())  # fmt: skip
     return f"probability of {output} {' and '.join(told)}"
 
@@ -92,7 +92,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
         if part in columns:
             error = columns.get(f"{part}_error")
             errors = None if error is None else error.values
-            parts.append(f"{part} {_value(columns[part].values, shown, errors)}")
+            parts.append(f"{part} {_format_value(columns[part].values, shown, errors)}")
     say("")
     tell(f"  {' '.join(filter(None, (output, shown.unit and f'({shown.unit})')))}: "
          + ", ".join(parts))  # fmt: skip
@@ -100,7 +100,8 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
         shares = result.coordinates[QUANTILE].values
         values = columns[QUANTILE].values
         told = (
-            f"{100 * q:g} % below {_value(v, shown)}" for q, v in zip(shares, values, strict=True)
+            f"{100 * q:g} % below {_format_value(v, shown)}"
+            for q, v in zip(shares, values, strict=True)
         )
         tell(f"  {', '.join(told)}")
     if left > 0:
@@ -117,7 +118,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
                     width = None if error is None else float(error.values[row])
                     cells.append(percent_with_error(value, width))
                 else:
-                    cells.append(_value(value, shown))
+                    cells.append(_format_value(value, shown))
             rows.append((parameter, *cells))
         headings = [COLUMNS[part] for part in by_parameter]
         table(("parameter", *headings), rows, right=headings)
@@ -127,12 +128,12 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
         tell(f"  {rows[most][0]} matters most: a narrower tolerance of it narrows {output} most.")
 
 
-def _value(value: Array, shown: Shown, error: Array | None = None) -> str:
+def _format_value(value: Array, shown: Shown, error: Array | None = None) -> str:
     """Return a value in the shown unit as text, with its error if given."""
-    text = number(shown.factor * float(value))
-    return text if error is None else f"{text} ± {number(shown.factor * float(error), 2)}"
+    text = format_number(shown.factor * float(value))
+    return text if error is None else f"{text} ± {format_number(shown.factor * float(error), 2)}"
 
 
 def _percent(share: float) -> str:
     """Return a share in per cent as text."""
-    return f"{number(100 * share, 3)} %"
+    return f"{format_number(100 * share, 3)} %"

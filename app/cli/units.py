@@ -33,7 +33,7 @@ def units_asked(text: str | None, otherwise: str = "") -> ShownUnits:
         return refuse({Path("--units"): [Problem("units", error.message, error.fix)]})
 
 
-def number(value: float | None, digits: int = DIGITS) -> str:
+def format_number(value: float | None, digits: int = DIGITS) -> str:
     """Return a number with `digits` significant digits, whole numbers in full; `-` for NaN."""
     if value is None or not math.isfinite(value):
         return "-"
@@ -46,7 +46,7 @@ def number(value: float | None, digits: int = DIGITS) -> str:
     return f"{value:.{digits}g}"
 
 
-def ends(
+def shown_range(
     unit: str, least: float | None, largest: float | None, units: ShownUnits
 ) -> tuple[str, str, str]:
     """Return the unit for an output's values, and its smallest and largest value in that unit."""
@@ -58,4 +58,8 @@ def ends(
     if 0 < span < size:
         digits = SPAN_DIGITS + math.floor(math.log10(size)) - math.floor(math.log10(span))
         digits = min(max(DIGITS, digits), MAX_DIGITS)
-    return shown.unit, number(shown.factor * least, digits), number(shown.factor * largest, digits)
+    return (
+        shown.unit,
+        format_number(shown.factor * least, digits),
+        format_number(shown.factor * largest, digits),
+    )

@@ -107,20 +107,20 @@ def validate(
             console.say(f"wrote {output}: {len(found):,} problems")
         return
     if theirs is None:
-        outcomes, program = _own(catalogue.cases(letters, random, seed))
+        outcomes, program = _own_outcomes(catalogue.cases(letters, random, seed))
     else:
-        outcomes, program = _others(theirs, letters)
+        outcomes, program = _outcomes_of_other_program(theirs, letters)
     form = form or (SUFFIXES.get(output.suffix.lower()) if output else None) or Form.TEXT
     if form is Form.JSON:
         _write(document(outcomes, program), output)
     elif form is Form.MARKDOWN or output:
-        page = (markdown if form is Form.MARKDOWN else _text)(outcomes, program)
+        page = (markdown if form is Form.MARKDOWN else _outcomes_as_text)(outcomes, program)
         if output:
             write_text(output, page)
         else:
             typer.echo(page, nl=False)
     else:
-        _tell(outcomes, program, listed=bool(family))
+        _print_outcomes(outcomes, program, listed=bool(family))
     if output:
         console.say(sentence(outcomes, program))
         console.say(f"wrote {output}")
@@ -133,7 +133,7 @@ def _read(path: Path) -> ProgramAnswers:
     return read_answers(path)
 
 
-def _own(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
+def _own_outcomes(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
     """Return the outcomes of this program and its name; exit if it was stopped."""
     with console.progress("validate") as advance, interruption() as interrupted:
         outcomes = run_cases(problems, Watch(advance, interrupted))
@@ -143,7 +143,9 @@ def _own(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
     return outcomes, f"vibrafeed {core.__version__}"
 
 
-def _others(program: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
+def _outcomes_of_other_program(
+    program: ProgramAnswers, letters: Sequence[str]
+) -> tuple[list[Outcome], str]:
     """Return the outcomes of another program's answers in the asked families, and its name."""
     asked = [problem for problem in program.cases if problem.family in letters]
     if not asked:
@@ -152,7 +154,7 @@ def _others(program: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outco
     return judge_results(asked, program.values), program.program
 
 
-def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
+def _print_outcomes(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
     """Print outcomes: each problem, or one row per family and the wrong ones."""
     failed = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
@@ -168,7 +170,7 @@ def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
         )
 
 
-def _text(outcomes: Sequence[Outcome], program: str) -> str:
+def _outcomes_as_text(outcomes: Sequence[Outcome], program: str) -> str:
     """Return outcomes as plain lines of text: a row per family, then every problem."""
     families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
     lines = [

@@ -77,7 +77,7 @@ class Admission:
             If the key has as many jobs as it may.
         """
         key = identifier(prepared.study, process)
-        block_cells, blocks, needed = self._measured(prepared, process)
+        block_cells, blocks, needed = self._measure_job(prepared, process)
         self._quota.look(key, needed, who)
         if self.store.manifest(key) is None:
             try:
@@ -138,7 +138,7 @@ class Admission:
             prepared = self.store.get(job.key)
         except (NotFoundError, StudyError):
             return False
-        block_cells, blocks, needed = self._measured(prepared, job.process)
+        block_cells, blocks, needed = self._measure_job(prepared, job.process)
         self._quota.look(job.key, needed)
         with self.ledger.transaction():
             if self.store.manifest(job.key) is None:
@@ -157,7 +157,7 @@ class Admission:
         self._wake()
         return True
 
-    def _measured(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
+    def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
         """Return cells of a block, number of blocks, and the largest number of bytes on disk.
 
         Blocks and the result are on the disk at the same time, for a moment.

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from app.jobs.errors import TornBlockError
-from app.jobs.studies import Studies, kept
+from app.jobs.studies import Studies, durable_file
 from core.plan.pieces import Computed
 
 DIGEST = 32  # bytes of a SHA-256, in front of a block
@@ -54,7 +54,7 @@ class Blocks(Studies):
             path.parent.parent.mkdir(exist_ok=True)
             path.parent.mkdir(exist_ok=True)
             try:
-                with kept(path) as temporary, temporary.open("wb") as file:
+                with durable_file(path) as temporary, temporary.open("wb") as file:
                     file.write(digest)
                     file.write(content)
             except FileNotFoundError:  # whoever finished the study has just removed its blocks

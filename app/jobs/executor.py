@@ -115,9 +115,9 @@ class Executor:
         kept = False
         try:
             while True:
-                call = await self._submitted(function, arguments)
+                call = await self._submit(function, arguments)
                 try:
-                    return await self._followed(call, began)
+                    return await self._await_result(call, began)
                 except KilledWorker as error:
                     if error.last_worker.address not in self._killed:
                         raise WorkersDieError(
@@ -146,7 +146,7 @@ class Executor:
         """Return the reason why new work has to wait, such as busy workers; None if it has not."""
         return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
-    async def _submitted(self, function: Callable[..., float], arguments: Any) -> _Call:
+    async def _submit(self, function: Callable[..., float], arguments: Any) -> _Call:
         """Submit a call to the cluster and register it."""
         client = await self._client()
         future = client.submit(by_name(function), *arguments, pure=False)
@@ -165,7 +165,7 @@ class Executor:
             if not event.done():
                 event.set_result(None)
 
-    async def _followed(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
+    async def _await_result(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
         """Wait for the result of a call; raise if the cluster, or the call's worker, is lost."""
         announced = False
         while True:
@@ -190,11 +190,11 @@ class Executor:
 
     def _see_off(self, call: _Call, slot: Slot) -> None:
         """Watch an abandoned call in the background until it ends, then free its slot."""
-        task = asyncio.create_task(self._ended(call, slot))
+        task = asyncio.create_task(self._await_end(call, slot))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
 
-    async def _ended(self, call: _Call, slot: Slot) -> None:
+    async def _await_end(self, call: _Call, slot: Slot) -> None:
         """Wait until an abandoned call ends, killing its worker if need be; then free the slot."""
         try:
             either: set[asyncio.Future[Any]] = {call.result, call.begun}

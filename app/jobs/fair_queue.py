@@ -105,9 +105,11 @@ class FairQueue:
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         while self._waiting and len(self._taken) < self._slots:
-            lasting = sum(self._lasts(slot.seconds, slot) for slot in self._taken)
+            lasting = sum(self._is_long(slot.seconds, slot) for slot in self._taken)
             no_more = self._slots > 1 and lasting >= self._slots - 1
-            fits = [waiter for waiter in self._waiting if not (no_more and self._lasts(waiter[2]))]
+            fits = [
+                waiter for waiter in self._waiting if not (no_more and self._is_long(waiter[2]))
+            ]
             if not fits:
                 return
             chosen = min(fits, key=lambda waiter: (self._had[waiter[1]] + waiter[2], waiter[0]))
@@ -118,16 +120,16 @@ class FairQueue:
             self._had[share] += seconds
             got.set_result(slot)
 
-    def _lasts(self, seconds: float, slot: Slot | None = None) -> bool:
+    def _is_long(self, seconds: float, slot: Slot | None = None) -> bool:
         """True if work counts as long, by its expected time or the time it has run."""
         run = 0.0 if slot is None else time.monotonic() - slot.since
         return max(seconds, run) > self._longest
 
-    def _held(self, share: str) -> int:
+    def _slots_of(self, share: str) -> int:
         """Return the number of slots that an account uses."""
         return sum(place.share == share for place in self._taken)
 
     def _forget(self, share: str) -> None:
         """Remove the record of an account that neither uses a slot nor waits."""
-        if not self._held(share) and all(one[1] != share for one in self._waiting):
+        if not self._slots_of(share) and all(one[1] != share for one in self._waiting):
             self._had.pop(share, None)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from app.jobs.manifest import ZARR
-from app.jobs.studies import kept
+from app.jobs.studies import durable_file
 from core.dataset.shards import UNFINISHED
 
 LIST = f"{ZARR}.sha256"
@@ -18,7 +18,7 @@ KEPT = 8  # lists; one of 100,000 shards takes some 20 MB
 def write_list(folder: Path, digests: Mapping[str, str]) -> None:
     """Write the file that lists the digests of a study's Zarr group."""
     lines = (f"{digest}  {ZARR}/{key}\n" for key, digest in sorted(digests.items()))
-    with kept(folder / LIST) as temporary:
+    with durable_file(folder / LIST) as temporary:
         temporary.write_text("".join(lines), encoding="ascii")
 
 

@@ -17,7 +17,7 @@ from app.jobs.errors import LostStoreError
 from app.jobs.groups import LIST, read_list
 from app.jobs.integrity import has_digest
 from app.jobs.manifest import MANIFEST, ZARR, Manifest
-from app.jobs.studies import kept
+from app.jobs.studies import durable_file
 from core.dataset.files import PART, sync
 from core.dataset.shards import open_store, plain_errors
 
@@ -51,7 +51,7 @@ class RemoteResults:
     def send(self, key: str, folder: Path) -> None:
         """Upload the result in a study's folder, unless it is in the store; raise `OSError`."""
         manifest = (folder / MANIFEST).read_bytes()
-        with _plainly():
+        with _plain_errors():
             store = self._store(key)
             if _get(store, MANIFEST) == manifest:
                 return
@@ -89,7 +89,7 @@ class RemoteResults:
 
     def _fetch(self, key: str, folder: Path) -> bool:
         """Download all files of a result and its manifest; False if it is not stored or damaged."""
-        with _plainly():
+        with _plain_errors():
             store = self._store(key)
             packed = _get(store, MANIFEST)
             if packed is None:
@@ -109,7 +109,7 @@ class RemoteResults:
                         target.replace(there / f"old-{path.name}")
                     path.replace(target)
         sync(folder)
-        with kept(folder / MANIFEST) as temporary:
+        with durable_file(folder / MANIFEST) as temporary:
             temporary.write_bytes(packed)
         return True
 
@@ -160,7 +160,7 @@ def _write(store: ObjectStore, name: str, folder: Path) -> bool:
 
 
 @contextlib.contextmanager
-def _plainly() -> Iterator[None]:
+def _plain_errors() -> Iterator[None]:
     """Turn all errors of the object store into `LostStoreError`; the log gets the original."""
     try:
         with plain_errors():

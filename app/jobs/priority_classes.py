@@ -57,7 +57,7 @@ class PriorityClasses:
     def price(self, item: Work) -> float:
         """Return the expected time of an item on one core [s]."""
         if item.key not in self._prices:
-            self._prices[item.key] = self._priced(item)
+            self._prices[item.key] = self._expected_seconds(item)
             while len(self._prices) > MAX_KNOWN:
                 self._prices.popitem(last=False)
         return self._prices[item.key]
@@ -66,7 +66,7 @@ class PriorityClasses:
         """Return the expected time of one block of an item on one core [s]."""
         return self.price(item) / max(1, item.blocks)
 
-    def _priced(self, item: Work) -> float:
+    def _expected_seconds(self, item: Work) -> float:
         """Return the expected time of an item [s], from its stored study."""
         if item.process not in KINDS:
             return item.blocks * SECONDS

@@ -74,11 +74,13 @@ class Quota:
             If they do not fit then; nothing has been removed.
         """
         promised = self._promised(key, needed)
-        own = self._own_leaving(promised, key, who)
+        own = self._own_studies_to_remove(promised, key, who)
         pinned = set()
         if own or max(self._lacking(promised)) > 0:  # long to find out where there is much
             pinned = self.ownership.of_others(who.name)
-        leaving = [] if is_there else self._leaving(promised, needed, pinned, set(own) - pinned)
+        leaving = (
+            [] if is_there else self._studies_to_remove(promised, needed, pinned, set(own) - pinned)
+        )
         for other in own:
             self.ownership.let_go(other, who.name)
         for other in {*leaving, *(set(own) - pinned)}:
@@ -90,7 +92,7 @@ class Quota:
             if not is_there:
                 self._since = {**self._since, key: needed}
 
-    def _leaving(
+    def _studies_to_remove(
         self, promised: Mapping[str, int], needed: int, pinned: set[str], own: set[str]
     ) -> list[str]:
         """Return the studies to remove for a new one; raise `NoRoomError` if they are too few.
@@ -126,7 +128,7 @@ class Quota:
             )
         return leaving
 
-    def _own_leaving(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
+    def _own_studies_to_remove(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
         """Return the studies that an owner gives up so that a new one fits; else raise."""
         if self._beyond(promised, key, who) <= 0:
             return []

@@ -39,7 +39,7 @@ from app.jobs.manifest import (
     fingerprint,
 )
 from app.jobs.object_store import RemoteResults
-from app.jobs.studies import kept
+from app.jobs.studies import durable_file
 from core.dataset.document import to_document
 from core.dataset.files import PART, partial
 from core.dataset.netcdf import write_netcdf
@@ -183,13 +183,13 @@ class Store(Blocks):
             values = sum(variable.values.size for variable in table.variables.values())
             if values <= MAX_JSON_VALUES:
                 document = to_document(table.with_price({}))
-                with kept(folder / JSON) as temporary:
+                with durable_file(folder / JSON) as temporary:
                     temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))
                 names.append(JSON)
             if more is not None:
                 with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
                     for path in more(folder / NETCDF, Path(scratch)):
-                        with kept(folder / path.name) as temporary:
+                        with durable_file(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
             return names
@@ -242,7 +242,7 @@ class Store(Blocks):
             names = write(folder)
             files = {name: _known(folder, name) for name in names}
             manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
-            with kept(folder / MANIFEST) as temporary:
+            with durable_file(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)
             return manifest

@@ -58,7 +58,7 @@ class Studies:
             self.note_use(key)
             return key, False
         path.parent.mkdir(parents=True, exist_ok=True)
-        with kept(path) as temporary:
+        with durable_file(path) as temporary:
             temporary.write_text(study.canonical(), encoding="utf-8")
         return key, True
 
@@ -145,7 +145,7 @@ class Studies:
 
 
 @contextlib.contextmanager
-def kept(path: Path) -> Iterator[Path]:
+def durable_file(path: Path) -> Iterator[Path]:
     """Yield a temporary name; the finished file takes its name and both are flushed to disk."""
     with whole(path) as temporary:
         yield temporary

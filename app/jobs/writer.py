@@ -72,7 +72,7 @@ class Writer:
         await asyncio.to_thread(self._store.add, sweep.study)
         directory = str(self._settings.data_directory.resolve())
         most = TIMES * self._settings.max_execution_seconds
-        await self._process_pool(written, directory, key, seconds=most, look=look)
+        await self._process_pool(write_sweep_file, directory, key, seconds=most, look=look)
         manifest = await asyncio.to_thread(self._store.manifest, key)
         if manifest is None:
             raise NoRoomError("The file has just been removed to make room; request it again.")
@@ -109,7 +109,7 @@ class Writer:
             raise LimitError("seconds in one reply", math.ceil(seconds), math.floor(most), fix)
 
 
-def written(directory: str, key: str) -> None:
+def write_sweep_file(directory: str, key: str) -> None:
     """Compute a stored sweep and write its file; runs in a process of the pool."""
     store = Store(Path(directory))
     if store.manifest(key) is not None:  # somebody else asked for it, too

@@ -23,14 +23,16 @@ from core.plan.prepared import Prepared
 from core.watch import Watch
 
 
-def converted(body: bytes, to: str, base: str) -> str:
+def convert_study(body: bytes, to: str, base: str) -> str:
     """Return a study converted to another format; `base` is the service's address for curl."""
     content = cast(dict[str, Any], read_json(body))
     prepare_content(content)
     return to_curl(content, base) if to == "curl" else FORMS[to](content)
 
 
-def executed(name: str, body: bytes, settings: Settings, most_cells: int | None) -> bytes | None:
+def execute_at_once(
+    name: str, body: bytes, settings: Settings, most_cells: int | None
+) -> bytes | None:
     """Return the JSON reply to a short study; None if the study is to become a job.
 
     That is what is thought to take long, and what has not ended within `max_execution_seconds`.

@@ -45,10 +45,10 @@ class Compress:
         named = b"gzip" if is_taken and not is_file else b"identity"
         others = [pair for pair in scope["headers"] if pair[0] != b"accept-encoding"]
         scope["headers"] = [*others, (b"accept-encoding", named)]
-        await self.app(scope, receive, _weakened(send))
+        await self.app(scope, receive, _weaken_etag(send))
 
 
-def _weakened(send: Send) -> Send:
+def _weaken_etag(send: Send) -> Send:
     """Return a `send` that adapts the headers of a compressed reply: weak ETag, no ranges."""
 
     async def weakened(message: Message) -> None:

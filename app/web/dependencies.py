@@ -57,7 +57,7 @@ async def base_of(request: Request) -> str:
     return str(request.base_url).rstrip("/")
 
 
-def once(*several: str) -> params.Depends:
+def refuse_repeated(*several: str) -> params.Depends:
     """Return a dependency that refuses repeated query parameters, except the named ones."""
 
     async def check(request: Request) -> None:

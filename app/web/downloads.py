@@ -19,7 +19,7 @@ from starlette.types import Receive, Scope, Send
 
 from app.jobs.errors import NotFoundError
 from app.jobs.integrity import Integrity
-from app.web.outgoing import expect
+from app.web.outgoing import reserve_bytes
 from app.web.replies import problem_document
 
 PIECE = 1 << 20  # as fast as sendfile, where the 64 KiB of FileResponse take three times as long
@@ -113,7 +113,7 @@ def file_reply(
     if request.method == "HEAD":
         stop = start
     else:
-        expect(request, min(stop - start, 2 * PIECE))  # one is read while the last is sent
+        reserve_bytes(request, min(stop - start, 2 * PIECE))  # one is read while the last is sent
     checked = None if check is None or digest is None else (check, digest)
     return _FileResponse(path, start, stop, status, headers, media_type, checked)
 

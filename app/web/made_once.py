@@ -39,7 +39,7 @@ class MadeOnce:
         making = self._making.get(name)
         if making is None:
             making = self._making[name] = asyncio.create_task(self._make(name, make))
-            making.add_done_callback(_seen)
+            making.add_done_callback(_retrieve_exception)
         return await asyncio.shield(making)  # another may wait for it when this client has left
 
     async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
@@ -53,7 +53,7 @@ class MadeOnce:
         return made
 
 
-def _seen(making: asyncio.Task[tuple[bytes, str]]) -> None:
+def _retrieve_exception(making: asyncio.Task[tuple[bytes, str]]) -> None:
     """Retrieve a task's exception, so that asyncio does not warn if nobody awaited it."""
     if not making.cancelled():
         making.exception()

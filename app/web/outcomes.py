@@ -47,7 +47,7 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
             raise BusyError(f"The results of the job {job.id} are being fetched; ask again.")
         manifest = admission.store.manifest(job.key) if found else None
     if manifest is None:
-        raise _mended(admission, job)
+        raise _recompute(admission, job)
     return manifest
 
 
@@ -57,18 +57,18 @@ def check_of(admission: Admission, job: Job, path: Path) -> Check:
     def broken(status: os.stat_result) -> Exception:
         """Remove the damaged result, queue its job again, and return the error for the client."""
         admission.store.remove_file(job.key, path, status)
-        return _mended(admission, job)
+        return _recompute(admission, job)
 
     return Check(admission.store.integrity, broken)
 
 
-def lost(admission: Admission, job: Job, path: Path) -> Exception:
+def error_for_missing_file(admission: Admission, job: Job, path: Path) -> Exception:
     """Return the error for a file that is missing from a result, and have it computed again."""
     admission.store.remove_file(job.key, path)
-    return _mended(admission, job)
+    return _recompute(admission, job)
 
 
-def _mended(admission: Admission, job: Job) -> Exception:
+def _recompute(admission: Admission, job: Job) -> Exception:
     """Queue a job again whose result is missing; return the error for the client."""
     if job.state == "successful" and admission.mend(job):
         return NotReadyError(

@@ -89,7 +89,7 @@ class _Share:
         self._unsent.give_back(self.size)
 
 
-def expect(request: Request, size: int) -> None:
+def reserve_bytes(request: Request, size: int) -> None:
     """Reserve the bytes of a reply before making it; raise `BusyError` if there are too many."""
     enlarge: Callable[[int], None] = request.state.enlarge
     enlarge(size)
@@ -110,12 +110,12 @@ class Outgoing:
         share = _Share(self.unsent)
         scope.setdefault("state", {})["enlarge"] = share.enlarge
         try:
-            await self.app(scope, receive, _bounded(scope, receive, send, share))
+            await self.app(scope, receive, _hold_back_head(scope, receive, send, share))
         finally:
             share.close()
 
 
-def _bounded(scope: Scope, receive: Receive, send: Send, share: _Share) -> Send:
+def _hold_back_head(scope: Scope, receive: Receive, send: Send, share: _Share) -> Send:
     """Return a `send` that holds back the head of a reply until its body is counted."""
     head: Message | None = None
     is_refused = False

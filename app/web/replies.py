@@ -48,7 +48,7 @@ BINARY = {"type": "string", "format": "binary"}
 ETAG = {"ETag": {"schema": {"type": "string"}}}
 
 
-def kept(
+def cached_replies(
     description: str, content: Mapping[str, Mapping[str, Any]], *, in_ranges: bool = False
 ) -> dict[int | str, dict[str, Any]]:
     """Return OpenAPI replies with an ETag, including 304; `content` has schemas by media type.

@@ -114,7 +114,7 @@ async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
         yield
 
 
-async def calculated(
+async def calculate_in_process(
     request: Request, function: Callable[..., _T], *arguments: Any, seconds: float
 ) -> _T:
     """Run a function in a process; end it at the time limit, or when the client leaves.
@@ -142,6 +142,6 @@ async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
         yield
 
 
-def placed() -> params.Depends:
+def hold_slot() -> params.Depends:
     """Return a dependency that holds a place for a route, from its body to its reply."""
     return cast(params.Depends, Depends(_placed, scope="function"))

@@ -12,7 +12,7 @@ from fastapi import Request
 from fastapi.responses import Response, StreamingResponse
 
 from app.settings import Settings
-from app.web.outgoing import expect
+from app.web.outgoing import reserve_bytes
 from core.dataset.formats import FORMATS
 from core.dataset.frame import Frame
 from core.extras import installing
@@ -35,7 +35,7 @@ def tables_there() -> dict[str, str]:
     return {form: kind for form, kind in TABLES.items() if form not in _missing()}
 
 
-def missing() -> str:
+def missing_packages() -> str:
     """Return sentences that say how to install the packages of unavailable table formats."""
     lacking = [f"{form}: {installing(*PACKAGES[form])}." for form in _missing()]
     return " ".join(lacking)
@@ -46,7 +46,7 @@ def _missing() -> list[str]:
     return [form for form, (package, _) in PACKAGES.items() if find_spec(package) is None]
 
 
-def written_by(form: str) -> str:
+def writer_version(form: str) -> str:
     """Return the format and the version of the package that writes it, for the ETag."""
     if form not in PACKAGES:
         return form
@@ -64,7 +64,7 @@ async def table_reply(
 ) -> Response:
     """Return a table as a reply in pieces, each written in a thread."""
     values = [one.values for one in frame.table.variables.values()]
-    expect(request, sum(array.nbytes for array in values) + min(IN_WORK, 500 * frame.rows))
+    reserve_bytes(request, sum(array.nbytes for array in values) + min(IN_WORK, 500 * frame.rows))
     write = FORMATS[f".{form}"].pieces
     assert write is not None
     pieces = write(frame)

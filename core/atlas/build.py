@@ -75,12 +75,12 @@ def build(resolution: str = "full", watch: Watch | None = None) -> Table:
     """
     watch = watch or Watch()
     axes = choose_nodes(*RESOLUTIONS[resolution], watch)
-    cells = _rounded(_computed(axes, watch))
-    errors = {name: _rounded_up(e) for name, e in zip(AXES, _errors(cells, axes), strict=True)}
-    return _labelled(resolution, axes, cells, errors, _rounded_up(_share_error(cells, axes)))
+    cells = _round_cells(_compute_nodes(axes, watch))
+    errors = {name: _round_up_error(e) for name, e in zip(AXES, _errors(cells, axes), strict=True)}
+    return _label_table(resolution, axes, cells, errors, _round_up_error(_share_error(cells, axes)))
 
 
-def _computed(axes: Axes, watch: Watch) -> Cells:
+def _compute_nodes(axes: Axes, watch: Watch) -> Cells:
     """Return the computed cells of all nodes, slab by slab."""
     shape = tuple(one.size for one in axes)
     rows = max(1, SLAB // int(np.prod(shape[1:])))
@@ -94,13 +94,13 @@ def _computed(axes: Axes, watch: Watch) -> Cells:
     return Cells(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
 
 
-def _rounded(cells: Cells) -> Cells:
+def _round_cells(cells: Cells) -> Cells:
     """Return cells rounded to the stored digits, so that every processor gives the same."""
     shares = [np.round(getattr(cells, name), SHARE_DIGITS) for name in SHARES]
     return Cells._make((np.round(cells.velocity, VELOCITY_DIGITS), *shares, cells.pattern))
 
 
-def _rounded_up(error: NDArray[np.float64]) -> NDArray[np.float64]:
+def _round_up_error(error: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return an error rounded up to the stored digits."""
     # A second difference of rounded values is a number of few digits and a rounding.
     scale = 10.0**ERROR_DIGITS
@@ -146,7 +146,7 @@ def _bend(
     return np.asarray(np.moveaxis(bend * np.square(wide) / 4.0, 0, axis))
 
 
-def _labelled(
+def _label_table(
     resolution: str,
     axes: Axes,
     cells: Cells,

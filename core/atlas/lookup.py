@@ -134,11 +134,11 @@ def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool =
     StudyError
         With every problem of the parameters.
     """
-    prepared = _prepared(parameters)
+    prepared = _prepare_simulation(parameters)
     known = _before_motion(prepared, prepared.grid.si())
     shape = tuple(prepared.grid.shape.values())
     coordinates = coordinates_of(prepared.plan, prepared.grid)
-    return _looked_up(
+    return _look_up_cells(
         atlas, prepared, known, tuple(prepared.grid.axes), shape, coordinates, simulate
     )
 
@@ -184,7 +184,7 @@ def lookup_rows(
     # Every row has the same plan: the first one's.
     first = {name: float(values[0]) for name, values in arrays.items() if values.size}
     try:
-        prepared = _prepared({**shared, **first})
+        prepared = _prepare_simulation({**shared, **first})
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
     _refuse(problems)
@@ -198,7 +198,7 @@ def lookup_rows(
         name: TableVariable((ROW,), values, quantity_attributes(name))
         for name, values in arrays.items()
     }
-    found = _looked_up(atlas, prepared, known, (ROW,), (rows,), coordinates, simulate)
+    found = _look_up_cells(atlas, prepared, known, (ROW,), (rows,), coordinates, simulate)
     return Table(found.coordinates, {**table, **found.variables}, found.attributes)
 
 
@@ -242,7 +242,7 @@ def _span(values: NDArray[np.float64]) -> str:
     return f"is {least}" if least == largest else f"is {least} to {largest}"
 
 
-def _prepared(parameters: Mapping[str, Any]) -> Simulation:
+def _prepare_simulation(parameters: Mapping[str, Any]) -> Simulation:
     """Return the simulation of some parameters; raise `StudyError` for cases outside any atlas."""
     content = {
         "kind": "simulate",
@@ -317,7 +317,7 @@ def _before_motion(prepared: Simulation, parameters: Mapping[str, Array]) -> Kno
     return known
 
 
-def _looked_up(
+def _look_up_cells(
     atlas: Atlas,
     prepared: Simulation,
     known: Known,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.atlas.cells import exact
 from core.atlas.numbers import AXES, HOP, HOP_AFTER_HOP, Numbers
-from core.atlas.practice import practical, spread_out
+from core.atlas.practice import practical_numbers, spread_points
 from core.watch import Watch
 
 POPULATION = 20_000  # points that tell how often an interval is asked for
@@ -31,8 +31,8 @@ def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
     """
     watch = watch or Watch()
     axes = list(_first())
-    lines = practical(spread_out(probes))
-    asked = practical(spread_out(POPULATION))
+    lines = practical_numbers(spread_points(probes))
+    asked = practical_numbers(spread_points(POPULATION))
     costs = [_costs(axis, nodes[:-1], nodes[1:], lines) for axis, nodes in enumerate(axes)]
     while True:
         watch.check()

@@ -25,7 +25,7 @@ ONE_FRICTION = 0.5
 """Share of the cells with one coefficient of friction: who knows no two gives one."""
 
 
-def practical(shares: NDArray[np.float64]) -> Numbers:
+def practical_numbers(shares: NDArray[np.float64]) -> Numbers:
     """Return atlas numbers of practical parts and drives, from shares of their ranges.
 
     Parameters
@@ -48,7 +48,7 @@ def practical(shares: NDArray[np.float64]) -> Numbers:
     return Numbers(*(values[inside] for values in numbers))
 
 
-def spread_out(count: int) -> NDArray[np.float64]:
+def spread_points(count: int) -> NDArray[np.float64]:
     """Return evenly spread points of the unit cube in seven dimensions, shape (count, 7)."""
     dims = 7
     root = 1.0

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibrate.scatter import Likelihood, summed
+from core.calibrate.scatter import Likelihood, log_sum
 from core.mechanics.arrays import Array
 from core.watch import Watch
 
@@ -123,7 +123,7 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
     tried = len(boxes)
     while True:
         log = _log_mass(likelihood, boxes)
-        log_mass = summed(log)
+        log_mass = log_sum(log)
         score = _score(likelihood, boxes, log)
         left = float(score.sum())
         order = np.argsort(-score)

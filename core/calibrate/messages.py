@@ -31,7 +31,7 @@ def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
     return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
 
 
-def rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
+def format_rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
     """Return a value as text, rounded to the digits that its standard deviation justifies."""
     shown = units.of(unit, abs(value))
     value, deviation = shown.factor * value, abs(shown.factor * deviation)
@@ -97,7 +97,9 @@ class Findings:
         for unknown in self.model.unknowns:
             deviation = self._value(f"deviation_{unknown.name}")
             best, low, high = (
-                rounded(self._value(f"{what}_{unknown.name}"), deviation, unknown.unit, self.units)
+                format_rounded(
+                    self._value(f"{what}_{unknown.name}"), deviation, unknown.unit, self.units
+                )
                 for what in ("best", "lower_95", "upper_95")
             )
             told_best = "" if several or unknown.name in self.unsettled else f"best {best}; "

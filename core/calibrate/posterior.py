@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from core.calibrate.boxes import Explored, PosteriorBoxes, points_of
-from core.calibrate.scatter import Likelihood, summed
+from core.calibrate.scatter import Likelihood, log_sum
 from core.mechanics.arrays import Array
 
 POINTS = 60_000  # within the boxes, about
@@ -107,7 +107,7 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
     variance = (boxes.variance + boxes.rough)[where]
     shown = boxes.shown[where]
     log = likelihood.log(value, variance, shown, points)
-    density = summed(log)
+    density = log_sum(log)
     whole = density + boxes.log_volume[where]
     top = whole.max()
     weights = np.exp(whole - top) if np.isfinite(top) else np.ones(len(whole))
@@ -182,7 +182,7 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
         away = share[some] - boxes.centre[at]
         value = boxes.value[at] + np.einsum("prk,pk->pr", boxes.slope[at], away)
         variance = (boxes.variance + boxes.rough)[at]
-        whole[some] = summed(likelihood.log(value, variance, boxes.shown[at], points[some]))
+        whole[some] = log_sum(likelihood.log(value, variance, boxes.shown[at], points[some]))
     top = whole.max()
     whole = np.maximum(whole - (top if np.isfinite(top) else 0.0), LEAST_LOG)
     return whole.reshape(grid.shape[:-1])
@@ -212,18 +212,18 @@ def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
 
 def marginal(posterior: Posterior, axis: Array, k: int) -> Array:
     """Return the posterior density of one unknown at evenly spaced values, per its unit."""
-    found = np.pad(_binned(posterior, [axis], [k]), len(SMOOTH) // 2, mode="symmetric")
+    found = np.pad(_bin_mass(posterior, [axis], [k]), len(SMOOTH) // 2, mode="symmetric")
     return np.asarray(np.convolve(found, SMOOTH, mode="valid")) / (axis[1] - axis[0])
 
 
 def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:
     """Return the posterior density of two unknowns at evenly spaced values, per their units."""
-    found = _binned(posterior, [axes[first], axes[second]], [first, second])
+    found = _bin_mass(posterior, [axes[first], axes[second]], [first, second])
     steps = [axes[k][1] - axes[k][0] for k in (first, second)]
     return found / (steps[0] * steps[1])
 
 
-def _binned(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
+def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
     """Return the mass in the cells of a grid of some unknowns.
 
     Each point shares its weight among the values beside it, so that the density is as smooth as

@@ -13,11 +13,11 @@ from core.calibrate.model import OUTPUTS, Model, Runs, Unknown
 from core.calibrate.scatter import Likelihood, Scatter
 from core.errors import Problem, StudyError
 from core.mechanics.arrays import Array
-from core.motion.prepare import choose_system, who_uses
+from core.motion.prepare import choose_system, fix_for_unused_setting
 from core.motion.systems import CONTACTS
 from core.plan.grid import Grid
 from core.plan.plan import plan_scene
-from core.plan.prepared import broken_constraints, placed
+from core.plan.prepared import broken_constraints, locate_problem
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.scenes.scene import STATIC_ABOVE_KINETIC
@@ -61,10 +61,12 @@ def prepare(study: CalibrateStudy) -> Calibration:
         outputs = (*OUTPUTS, *(("feed_rate",) if output == "feed_rate" else ()))
         plan = plan_scene(scene, method, outputs, tuple(named))
     except StudyError as error_:
-        raise StudyError([*problems, *(placed(one, study) for one in error_.problems)]) from None
+        raise StudyError(
+            [*problems, *(locate_problem(one, study) for one in error_.problems)]
+        ) from None
     grid = Grid.of({**values, **spans})
     broken = broken_constraints(_without_order(scene, spans), method, grid)
-    problems += (placed(one, study) for one in broken)
+    problems += (locate_problem(one, study) for one in broken)
     problems += _too_few(study, unknowns)
     if problems:
         raise StudyError(problems)
@@ -262,7 +264,7 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
     for name in study.settings():
         if name not in needed:
             message = f"the method {method} does not use it"
-            yield Problem(name, message, who_uses(scene, name))
+            yield Problem(name, message, fix_for_unused_setting(scene, name))
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:

@@ -49,7 +49,7 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
     explored = explore(likelihood, prepared.points, watch.part(share))
     posterior = posterior_of(likelihood, explored)
     axes = axes_of(posterior)
-    arrays = _summed_up(prepared, posterior)
+    arrays = _summary_statistics(prepared, posterior)
     arrays |= _best(prepared, posterior, axes, watch)
     arrays |= _by_run(prepared, posterior, arrays)
     arrays |= _densities(prepared, posterior, axes)
@@ -92,7 +92,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
     return Table(_coordinates(prepared, arrays), variables, dataset_attributes)
 
 
-def _summed_up(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
+def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
     """Return means, deviations, intervals, correlations, and the scatter of the runs."""
     model, arrays = prepared.model, dict[str, Array]()
     points = posterior.points

@@ -157,7 +157,7 @@ class Likelihood:
         return np.asarray(np.stack(columns, axis=1), dtype=np.float64)
 
 
-def summed(log: Array) -> Array:
+def log_sum(log: Array) -> Array:
     """Return the logarithm of a sum over the last axis, given logarithms of the terms."""
     top = log.max(axis=-1, keepdims=True)
     top = np.where(np.isfinite(top), top, 0.0)

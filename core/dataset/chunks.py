@@ -121,7 +121,7 @@ class ChunkFile:
         encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
         for name in tile.field.names:
             encode, values = self._encoder(name), arrays[name]
-            boxes = [inside(chunk, tile.box) for chunk in chunks]
+            boxes = [slice_in_tile(chunk, tile.box) for chunk in chunks]
             room = self._buffer(name, (len(chunks), *layout.chunk), values.dtype)
             data = self._pool.map(encode, repeat(values), boxes, room)
             encoded[name] = zip(chunks, data, strict=True)
@@ -174,7 +174,7 @@ def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[An
     return buffer
 
 
-def inside(chunk: Box, tile: Box) -> Box:
+def slice_in_tile(chunk: Box, tile: Box) -> Box:
     """Return the slice of a chunk within the array of its tile."""
     return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
 

@@ -88,7 +88,7 @@ class Frame:
 
         Numbers have all their digits; what has no value is an empty field.
         """
-        yield ",".join(map(_quoted, map(heading, self.columns))).encode() + b"\r\n"
+        yield ",".join(map(_quote_field, map(heading, self.columns))).encode() + b"\r\n"
         # What is repeated is put into words once.
         texts = [
             FrameColumn(c.name, c.variable, _texts(c.values)) if c.values.size < self.rows else c
@@ -193,7 +193,7 @@ def _texts(values: NDArray[Any]) -> NDArray[Any]:
     flat = values.reshape(-1)
     write: Callable[[Any], str] = repr
     if flat.dtype == object:
-        write = _quoted
+        write = _quote_field
     elif flat.dtype.kind == "f" and np.isnan(flat).any():
         write = _number
     found = np.empty(flat.size, dtype=object)
@@ -206,7 +206,7 @@ def _number(value: float) -> str:
     return repr(value) if value == value else ""
 
 
-def _quoted(text: object) -> str:
+def _quote_field(text: object) -> str:
     """Return a text as a CSV field, quoted if necessary."""
     told = str(text)
     return '"' + told.replace('"', '""') + '"' if set(told) & set(',"\r\n') else told

@@ -55,9 +55,9 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
         "data": {named[n]: _array(v) for n, v in variables.items()},
         "dimensions": {named[n]: _list(map(named.__getitem__, v.dims)) for n, v in
                        variables.items()},
-        "units": _texts(variables, named, "units"),
-        "labels": _texts(variables, named, "long_name"),
-        "descriptions": _texts(variables, named, "comment"),
+        "units": _text_attributes(variables, named, "units"),
+        "labels": _text_attributes(variables, named, "long_name"),
+        "descriptions": _text_attributes(variables, named, "comment"),
         "flags": {named[n]: _flags(v) for n, v in variables.items()
                   if "flag_values" in v.attributes},
         "study": str(table.attributes.get("study", "")),
@@ -102,7 +102,7 @@ def _list(texts: Iterable[str]) -> NDArray[Any]:
     return cells
 
 
-def _texts(
+def _text_attributes(
     variables: Mapping[str, TableVariable], named: Mapping[str, str], attribute: str
 ) -> dict[str, str]:
     """Return a text attribute of each variable, by MATLAB name."""

@@ -192,18 +192,18 @@ class _Archive(ZipFile):
 
     def writestr(self, name: Any, data: Any, *others: Any) -> None:
         """Write data into the archive without a date."""
-        super().writestr(_dateless(name), data, *others)
+        super().writestr(_dateless_entry(name), data, *others)
 
     def write(self, filename: Any, arcname: Any = None, *others: Any) -> None:
         """Write a file into the archive without a date."""
         with (
             Path(filename).open("rb") as source,
-            self.open(_dateless(str(arcname)), "w", force_zip64=True) as entry,
+            self.open(_dateless_entry(str(arcname)), "w", force_zip64=True) as entry,
         ):
             shutil.copyfileobj(source, entry)
 
 
-def _dateless(name: str) -> ZipInfo:
+def _dateless_entry(name: str) -> ZipInfo:
     """Return the archive entry of a file, with a fixed date."""
     info = ZipInfo(name, NEVER.timetuple()[:6])
     info.compress_type = ZIP_DEFLATED

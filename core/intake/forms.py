@@ -89,7 +89,7 @@ FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
 }
 
 
-def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
+def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
     """Return content whose files of recordings and observations are found from the new place.
 
     A file names it from its own `folder`; a program from the current one; a service, which reads no

@@ -41,7 +41,7 @@ def with_drive(content: Content, files: bool) -> Resolved:
     if not names_recording(content):
         return Resolved(content)
     try:
-        record, fit = _measured(content["drive"], files=files)
+        record, fit = _measured_drive(content["drive"], files=files)
     except StudyError as error:
         without = {name: value for name, value in content.items() if name != "drive"}
         return Resolved(without, error.problems)
@@ -77,7 +77,7 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
         ) from None
 
 
-def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
+def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
     """Return the record of a measured drive, and the fit to its recording."""
     fields = _read(drive)
     source = _source(fields, files)
@@ -98,17 +98,17 @@ def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, mea
 
 def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
     """Return the record of a fit: numbers, name and SHA-256 of the recording."""
-    shares: dict[Any, float] = dict(zip(fit.axes, map(_kept, fit.left_over), strict=True))
+    shares: dict[Any, float] = dict(zip(fit.axes, map(_rounded_number, fit.left_over), strict=True))
     return MeasuredDrive(
         name=name,
         sha256=digest,
         left_over=shares,
-        clock_error=None if fit.clock is None else _kept(fit.clock.error),
-        numbers={name: _kept(value) for name, value in fit.parameters().items()},
+        clock_error=None if fit.clock is None else _rounded_number(fit.clock.error),
+        numbers={name: _rounded_number(value) for name, value in fit.parameters().items()},
     )
 
 
-def _kept(value: float) -> float:
+def _rounded_number(value: float) -> float:
     """Return a number rounded to the digits that a record keeps."""
     return float(f"{value:.{DIGITS}g}")
 

@@ -13,7 +13,7 @@ VISITS = 12  # of the extreme value, where it is not held for a run
 STEPS = 4.0  # of the sensor: crests that differ by less may be one
 
 
-def clipped(
+def clipping_problems(
     path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
 ) -> list[Problem]:
     """Return a problem for each end of the range at which a channel is clipped.

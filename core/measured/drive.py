@@ -186,7 +186,7 @@ class Fit:
                 if significant:
                     named[f"amplitude_{axis}_{order}"] = float(np.abs(wave))
                     named[f"phase_{axis}_{order}"] = float(
-                        np.degrees(wrapped(float(np.angle(wave))))
+                        np.degrees(wrap_angle(float(np.angle(wave))))
                     )
         return named
 
@@ -221,6 +221,6 @@ class Fit:
         return 2.0 * np.pi * self.recorded_frequency * since
 
 
-def wrapped(angle: float | Array) -> Array:
+def wrap_angle(angle: float | Array) -> Array:
     """Return an angle reduced to [-pi, pi)."""
     return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi

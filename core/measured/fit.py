@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from core.measured.drive import Clock, Fit, Tilt, wrapped
+from core.measured.drive import Clock, Fit, Tilt, wrap_angle
 from core.measured.fundamental import DRIFT, fundamental, orders_below
-from core.measured.harmonics import Array, Samples, Solution, solved
+from core.measured.harmonics import Array, Samples, Solution, solve_least_squares
 from core.measured.noise import Noise, covariance_of, hurdle, noise_of
 from core.measured.read import RecordingTable
 from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
@@ -47,24 +47,26 @@ def fit_signal(signal: Signal) -> Fit:
     check_orders(signal, samples, start)
     if signal.harmonics is not None:
         orders = orders[: signal.harmonics]
-    solution, noise = _weighted(samples, start, orders, DRIFT, signal.resolution)
+    solution, noise = _solve_weighted(samples, start, orders, DRIFT, signal.resolution)
     significant, degree = _significant(samples, solution, noise)
     if signal.harmonics is None:
         orders = tuple(np.array(orders)[significant.any(axis=0)].tolist()) or (1,)
-    solution, noise = _weighted(samples, solution.frequency, orders, degree, signal.resolution)
+    solution, noise = _solve_weighted(
+        samples, solution.frequency, orders, degree, signal.resolution
+    )
     significant, _ = _significant(samples, solution, noise)
     check_fit(signal, samples, solution, noise, bool(significant.any()))
     fit = _stated(signal, samples, solution, noise, significant)
     return fit if signal.harmonics is None else replace(fit, significant=np.ones_like(significant))
 
 
-def _weighted(
+def _solve_weighted(
     samples: Samples, start: float, orders: tuple[int, ...], degree: int, resolution: Array
 ) -> tuple[Solution, Noise]:
     """Return the solution with each axis weighted by its noise, and the noise."""
-    even = solved(samples, start, orders, degree)
+    even = solve_least_squares(samples, start, orders, degree)
     weights = noise_of(samples, even, resolution).weights
-    solution = solved(samples, even.frequency, orders, degree, weights)
+    solution = solve_least_squares(samples, even.frequency, orders, degree, weights)
     # The weights that were used, not those that would be next: the errors are those of this fit.
     return solution, noise_of(samples, solution, resolution)._replace(weights=weights)
 
@@ -118,9 +120,11 @@ def _stated(
         frequency_error=error if line is None else 0.0,
         clock=None if line is None else Clock(solution.frequency / line - 1.0, error / line),
         amplitudes=np.abs(displacement),
-        phases=wrapped(np.angle(displacement)),
+        phases=wrap_angle(np.angle(displacement)),
         significant=significant,
-        covariance=_turned(covariance, solution, displacement, theta, (largest, lowest), line),
+        covariance=_covariance_of_displacements(
+            covariance, solution, displacement, theta, (largest, lowest), line
+        ),
         constant=solution.drift[:, 0],
         drift=drift,
         left_over=np.sqrt(np.mean(solution.residual**2, axis=1)) / periodic,
@@ -132,7 +136,7 @@ def _stated(
     )
 
 
-def _turned(
+def _covariance_of_displacements(
     covariance: Array,
     solution: Solution,
     displacement: NDArray[np.complex128],

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from scipy.fft import next_fast_len
 
-from core.measured.harmonics import Array, Samples, Solution, solved
+from core.measured.harmonics import Array, Samples, Solution, solve_least_squares
 from core.measured.noise import density_near, hurdle
 from core.measured.recording import MAX_ORDERS
 
@@ -65,11 +65,11 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
         lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
         return near or strongest_line(start, lowest, highest).frequency
     if line is not None and (near := _part_near(frequency, line)) is not None:
-        solution = solved(samples, near, orders_below(samples, near), DRIFT)
+        solution = solve_least_squares(samples, near, orders_below(samples, near), DRIFT)
         left = np.mean(solution.residual**2, axis=1).sum()
         if left <= MAX_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
             return solution.frequency
-    solution = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+    solution = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
     while (lower := _lower(samples, solution)) is not None:
         solution = lower
     return solution.frequency
@@ -91,7 +91,7 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
     lowest = max(lowest, SLOWEST / samples.duration)
     allowed = (places >= lowest) & (places <= min(highest, NYQUIST_SHARE * rate))
     peak = int(np.argmax(np.where(allowed, power, -1.0)))
-    wave = solved(samples, float(places[peak]), (1,), 0)
+    wave = solve_least_squares(samples, float(places[peak]), (1,), 0)
     strength = np.abs(wave.waves[:, 0]) ** 2 / 2.0
     spectrum = np.fft.rfft(wave.residual) / np.sqrt(count)
     place = np.array([wave.frequency * samples.duration])
@@ -124,7 +124,7 @@ def _lower(samples: Samples, solution: Solution) -> Solution | None:
             return None
         if abs(part * ratio - whole) > part * error:
             continue
-        lower = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+        lower = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
         gained = (
             np.mean(solution.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
         )

@@ -86,7 +86,7 @@ def columns(samples: Samples, frequency: float, orders: tuple[int, ...], degree:
     return np.hstack([legvander(samples.times / samples.half, degree), waves])
 
 
-def solved(
+def solve_least_squares(
     samples: Samples,
     frequency: float,
     orders: tuple[int, ...],

@@ -38,7 +38,7 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
         )
         return None
     if all(np.ndim(part) == 0 for part in parts):
-        return _turned(parts, problems)
+        return _rotation_of_angles(parts, problems)
     try:
         matrix = np.array(parts, dtype=np.float64)
     except (TypeError, ValueError):
@@ -56,7 +56,7 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
     return Rotation.from_matrix(matrix).as_matrix()
 
 
-def _turned(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
+def _rotation_of_angles(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
     """Return the rotation matrix of three angles; None, with problems, if one is invalid."""
     angles = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):

@@ -116,12 +116,12 @@ def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
         derivative[axis, size + 1 :: 2, 0] = turned[axis].real
 
     weighted = noise.weights[:, None, None] * derivative
-    bread = _summed(weighted, gram @ derivative)
+    bread = _sum_products(weighted, gram @ derivative)
     meat = np.zeros_like(bread)
     for index, density in enumerate(noise.densities):
         own = group == index
         part = weighted[:, own]
-        meat += _summed(np.tensordot(density, part, 1), gram[np.ix_(own, own)] @ part)
+        meat += _sum_products(np.tensordot(density, part, 1), gram[np.ix_(own, own)] @ part)
     # Weights and waves differ by many powers of ten: a scaled matrix is inverted.
     scale = 1.0 / np.sqrt(np.maximum(np.diag(bread), np.finfo(float).tiny))
     inverse = np.linalg.pinv(bread * np.outer(scale, scale), hermitian=True)
@@ -131,6 +131,6 @@ def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
     return (covariance + covariance.T) / 2.0
 
 
-def _summed(stack: Array, other: Array) -> Array:
+def _sum_products(stack: Array, other: Array) -> Array:
     """Return sum_j A_j' B_j of two stacks of matrices."""
     return stack.reshape(-1, stack.shape[-1]).T @ other.reshape(-1, other.shape[-1])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
-from core.measured.clipped import clipped
+from core.measured.clipped import clipping_problems
 from core.measured.mounting import Angles, direction
 from core.measured.read import RecordingColumn, RecordingTable, read_table
 from core.measured.times import read_times
@@ -190,7 +190,7 @@ def _channel(
     if column is None:
         return None
     factor = _factor(path, name, column, unit, problems)
-    problems += clipped(path, name, column.values, table.lines)
+    problems += clipping_problems(path, name, column.values, table.lines)
     if factor is None:
         return None
     gaps = np.diff(np.unique(column.values))

@@ -15,7 +15,7 @@ from core.measured.fundamental import (
     stands_out,
     strongest_line,
 )
-from core.measured.harmonics import Samples, Solution, solved
+from core.measured.harmonics import Samples, Solution, solve_least_squares
 from core.measured.noise import Noise
 from core.measured.recording import LEAST_SAMPLES, Signal
 
@@ -187,7 +187,9 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
     """Return the harmonics' rms with its variance in a part of the samples, for each axis."""
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
-    fit = solved(piece, solution.frequency, solution.orders, solution.degree, free=False)
+    fit = solve_least_squares(
+        piece, solution.frequency, solution.orders, solution.degree, free=False
+    )
     squares = np.abs(fit.waves) ** 2
     rms = np.sqrt(squares.sum(axis=1) / 2.0)
     # rms^2 = sum(p^2 + q^2)/2, and p and q have the variance 2 S/n.

@@ -65,7 +65,7 @@ def drive_number_normal(*, wave: Wave) -> Array:
 
 def throw_number(*, wave: Wave, load_number: Array) -> Array:
     """Return the throw number, the largest upward drive acceleration over the load number [1]."""
-    most = np.maximum(waves.largest(wave, waves.NORMAL, "push"), 0.0)
+    most = np.maximum(waves.largest_over_period(wave, waves.NORMAL, "push"), 0.0)
     return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
 
 
@@ -74,7 +74,7 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
 
     Infinite (regime `unbounded`) for a part that moves though the track does not move along x.
     """
-    v, fastest = motion.velocity, waves.largest(wave, waves.ALONG, "speed")
+    v, fastest = motion.velocity, waves.largest_over_period(wave, waves.ALONG, "speed")
     beyond = np.where(np.isnan(v), np.nan, np.copysign(np.inf, v))
     return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
 

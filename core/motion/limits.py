@@ -44,7 +44,7 @@ LIMITS = {
         "largest acceleration of the track {} over a period [m s-2]",
         lambda *, gravity: gravity,
         1.0,
-        lambda wave, axis: waves.largest(wave, axis, "push size"),
+        lambda wave, axis: waves.largest_over_period(wave, axis, "push size"),
     ),
     "stroke": Limit(
         "stroke of the drive {}, peak to peak [m]",

@@ -172,7 +172,7 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
     for name in settings:
         if name not in needed:
             message = f"the method {method} does not use it"
-            yield Problem(name, message, who_uses(scene, name))
+            yield Problem(name, message, fix_for_unused_setting(scene, name))
     if "contact_stiffness" in settings and LINING in study.values():
         message = f"it follows from {LINING}, mass and frequency"
         yield Problem("contact_stiffness", message, f"Remove it, or {LINING}")
@@ -260,7 +260,7 @@ def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
     return ("motion_status", *more)
 
 
-def who_uses(scene: Scene, setting: str) -> str:
+def fix_for_unused_setting(scene: Scene, setting: str) -> str:
     """Return the fix for a setting that the method in force ignores."""
     users = [name for name in scene.variants if setting in scene.variant_defaults.get(name, {})]
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"

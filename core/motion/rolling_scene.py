@@ -210,7 +210,7 @@ def rolling_scenes(
             source=SOURCE,
             validity=VALIDITY + more,
             variants={
-                method.name: (*own, *_followed(method, slips=name != DISC))
+                method.name: (*own, *_equations_of_method(method, slips=name != DISC))
                 for method in METHODS["rolling"].values()
             },
             default_variant="events",
@@ -241,7 +241,7 @@ def rolling_scenes(
     }  # fmt: skip
 
 
-def _followed(method: Method, *, slips: bool) -> tuple[Equation, ...]:
+def _equations_of_method(method: Method, *, slips: bool) -> tuple[Equation, ...]:
     """Return the equations of the motion by a method, and those of its results."""
     equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
     if slips:

@@ -57,7 +57,7 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
         "fixed_stop_gap or track_stop_gap put a stop in front of the row, friction_spread draws "
         "the frictions of its parts; with height, tipping is where friction can tip a part.",
         variants={
-            name: (*in_space, *_given_by(numbered(())), *_followed(method))
+            name: (*in_space, *_equations_of_parts(numbered(())), *_equations_of_method(method))
             for name, method in METHODS["row"].items()
         },
         default_variant="events",
@@ -81,12 +81,12 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
     )
 
 
-def _followed(method: Any) -> tuple[Equation, ...]:
+def _equations_of_method(method: Any) -> tuple[Equation, ...]:
     """Return the equations of the motion by a method, and of its results."""
     return (Equation("motion", method.follow(BLOCK_ON_FLOOR), method.source), *RESULTS)
 
 
-def _given_by(parts: NumberedParts) -> tuple[Equation, ...]:
+def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
     """Return the equations that give the parts of a row and their scales."""
     own = (
         Equation("friction_static", own_static, SOURCE),
@@ -110,7 +110,7 @@ def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Probl
             one
             for equation in equations
             if equation.gives != "mass_scale"
-            for one in (_given_by(parts) if equation.gives == "row" else (equation,))
+            for one in (_equations_of_parts(parts) if equation.gives == "row" else (equation,))
         )
         for name, equations in system.variants.items()
     }

@@ -41,8 +41,8 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         return prepared.compute(watch)
     known = _evaluate(prepared, watch)
     plan = prepared.plan
-    arrays = {name: _squeezed(prepared, name, known[name]) for name in plan.outputs}
-    arrays["regime"] = _squeezed(prepared, "regime", regimes(plan, known))
+    arrays = {name: _drop_unused_axes(prepared, name, known[name]) for name in plan.outputs}
+    arrays["regime"] = _drop_unused_axes(prepared, "regime", regimes(plan, known))
     if prepared.derived is not None:
         asked, part = prepared.derived, plan.part(prepared.derived.outputs, ())
         found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
@@ -109,7 +109,7 @@ def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Tr
     )
 
 
-def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
+def _drop_unused_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
     """Return values without the grid axes that the quantity does not depend on."""
     if not values.ndim:
         return values

@@ -37,22 +37,22 @@ def on_soft_floor(name: str, names: Collection[str]) -> Scene:
         return _plain(name)
     system = SYSTEMS[name]
     if FALLING in parameters:
-        system = _falling(system, parameters)
+        system = _with_falling_restitution(system, parameters)
     if LINING in parameters:
-        system = _lined(system)
-    return _damped(system, parameters)
+        system = _with_lining(system)
+    return _with_damping_ratio(system, parameters)
 
 
 @cache
 def _plain(name: str) -> Scene:
     """Return a conveying system with damping from the restitution."""
-    return _damped(SYSTEMS[name], ())
+    return _with_damping_ratio(SYSTEMS[name], ())
 
 
 # --- restitution that falls with speed
 
 
-def _falling(system: Scene, parameters: Collection[str]) -> Scene:
+def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scene:
     """Return a system with Hunt and Crossley's law, given one restitution at one speed."""
     law = Equation("impact_damping", soft_contact.impact_damping, SOURCE)
 
@@ -132,7 +132,7 @@ def contact_stiffness(*, lining_stiffness: Array, mass: Array, frequency: Array)
     return lining_stiffness / (mass * np.square(2 * np.pi * frequency))
 
 
-def _lined(system: Scene) -> Scene:
+def _with_lining(system: Scene) -> Scene:
     """Return a system with a springy lining.
 
     Methods with rigid contacts say where it is too soft for them; a sprung floor has its stiffness.
@@ -172,7 +172,7 @@ def _lined(system: Scene) -> Scene:
 # --- a spring and a damper
 
 
-def _damped(system: Scene, parameters: Collection[str]) -> Scene:
+def _with_damping_ratio(system: Scene, parameters: Collection[str]) -> Scene:
     """Return a system whose sprung floors take either damping ratio or restitution."""
     equations: tuple[Equation, ...] = (
         Equation("damping_of_restitution", soft_contact.damping_of_restitution, SOURCE),

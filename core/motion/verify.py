@@ -151,15 +151,15 @@ def compare(
     outputs = [name for name in got if name in has and QUANTITIES[name].compared]
     judging = [name for name in (VELOCITY, ERROR, "motion_status") if name in has]
     count = next(iter(got.values())).size
-    theirs = _followed(scene, method, (*outputs, *judging, *SPEED), cells, count, watch)
+    theirs = _follow_cells(scene, method, (*outputs, *judging, *SPEED), cells, count, watch)
     ours = got
     if not set(judging) <= set(got):  # what was not asked for is computed again
         silent = None if watch is None else replace(watch, progress=None)
-        ours = {**_followed(scene, plan.variant, tuple(judging), cells, count, silent), **got}
+        ours = {**_follow_cells(scene, plan.variant, tuple(judging), cells, count, silent), **got}
     both = ours["motion_status"], theirs["motion_status"]
     evaluated = both[1] != STATUS["not_computed"]
     exact = np.isin(both[0], EXACT_MEANS) & np.isin(both[1], EXACT_MEANS)
-    apart, stated = _apart(ours, theirs)
+    apart, stated = _velocity_difference(ours, theirs)
     means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~exact & np.isfinite(stated)
     other = exact & _other_multiple(got, theirs)
     agreement = Comparison(
@@ -214,7 +214,7 @@ def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
     return dict(reasons.most_common())
 
 
-def _followed(
+def _follow_cells(
     scene: Scene,
     method: str,
     outputs: tuple[str, ...],
@@ -233,7 +233,9 @@ def _followed(
     }
 
 
-def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Array, Array]:
+def _velocity_difference(
+    ours: Mapping[str, Array], theirs: Mapping[str, Array]
+) -> tuple[Array, Array]:
     """Return the difference of mean velocities less both stated errors; else infinity."""
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])

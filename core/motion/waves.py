@@ -51,14 +51,14 @@ class Wave(NamedTuple):
 
     def columns(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
         """Return one row per cell: the two counts, then harmonics and steps."""
-        parts = [_widened(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
+        parts = [_broadcast_cells(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
         counts = np.empty((2, *shape))
         counts[0], counts[1] = self.harmonics.shape[2], self.steps.shape[1]
         flat = [part.reshape(-1, np.prod(shape, dtype=int)) for part in (counts, *parts)]
         return np.concatenate(flat).T
 
 
-def _widened(part: Array, own: int, shape: tuple[int, ...]) -> Array:
+def _broadcast_cells(part: Array, own: int, shape: tuple[int, ...]) -> Array:
     """Return an array broadcast from the right to a shape, its own leading axes kept."""
     axes, cells = part.shape[:own], part.shape[own:]
     missing = (1,) * (len(shape) - len(cells))
@@ -167,7 +167,7 @@ def step_speeds(wave: Wave, axis: int) -> Array:
 # --- how much
 
 
-def largest(wave: Wave, axis: int, of: str) -> Array:
+def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
     """Return the largest value over a period of a quantity of the drive, shape (cells,).
 
     `of` names the quantity: a key of `COURSES`, such as ``"push"`` or ``"speed"``. Every extreme is
@@ -184,15 +184,17 @@ def largest(wave: Wave, axis: int, of: str) -> Array:
 
 def stroke(wave: Wave, axis: int) -> Array:
     """Return the stroke of the track along an axis, peak to peak, in g/w^2."""
-    return largest(wave, axis, "place") + largest(wave, axis, "place back")
+    return largest_over_period(wave, axis, "place") + largest_over_period(wave, axis, "place back")
 
 
 def jerk(wave: Wave, axis: int) -> Array:
     """Return the largest absolute derivative of the push; infinite where it jumps."""
     if wave.steps.shape[1]:
-        jumps = largest(wave, axis, "push") + largest(wave, axis, "push back")
+        jumps = largest_over_period(wave, axis, "push") + largest_over_period(
+            wave, axis, "push back"
+        )
         return np.where(jumps > 0.0, np.inf, jumps)
-    return largest(wave, axis, "jerk size")
+    return largest_over_period(wave, axis, "jerk size")
 
 
 COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {

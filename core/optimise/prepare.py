@@ -19,7 +19,7 @@ from core.optimise.search import MAX_VARIABLES
 from core.optimise.slopes import MAX_SENSITIVE
 from core.plan.grid import Grid, to_si
 from core.plan.plan import choose_scene
-from core.plan.prepared import Chosen, placed, plan_study
+from core.plan.prepared import Chosen, locate_problem, plan_study
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.scenes.graph import behind
@@ -57,7 +57,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
-        problems += (placed(of_other_drive(each, scene), study) for each in error.problems)
+        problems += (locate_problem(of_other_drive(each, scene), study) for each in error.problems)
     problems += _unknown_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
@@ -99,7 +99,7 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
     try:
         chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
-        raise StudyError(placed(each, study) for each in error.problems) from None
+        raise StudyError(locate_problem(each, study) for each in error.problems) from None
     scene = chosen[0]
     if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
         fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"

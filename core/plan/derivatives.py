@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
 from core.mechanics.arrays import Array
-from core.plan.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
+from core.plan.duals import Dual, NotDifferentiableError, slope_of, unbox, value_of
 from core.plan.plan import Plan
 from core.quantities.derivative import DERIVATIVE_STATUSES
 from core.scenes import Equation
@@ -116,14 +116,14 @@ def derivatives(
     values = values_of(plan, cells, parameters)
     results: Derivatives = {}
     for parameter in parameters:
-        middle = _carried(plan, values, parameter, rules or {})
+        middle = _carry_derivative(plan, values, parameter, rules or {})
         doubtful = np.zeros(values[parameter].shape, dtype=bool)
         for carried in middle.values():
             doubtful |= carried.is_doubtful
         sides: list[dict[str, _Slope]] = []
         if doubtful.any():
             near = {name: value[doubtful] for name, value in values.items()}
-            sides = _beside(plan, near, parameter, rules or {})
+            sides = _derivatives_beside(plan, near, parameter, rules or {})
         for output, carried in middle.items():
             derived = _between_switches(carried)
             if sides:
@@ -166,7 +166,7 @@ class _Slope(NamedTuple):
         return np.asarray(open_ & unsure & np.isfinite(self.value))
 
 
-def _carried(
+def _carry_derivative(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> dict[str, _Slope]:
     """Return value, derivative and status of each output by one parameter."""
@@ -182,7 +182,7 @@ def _carried(
         if equation.gives in rules:
             known[equation.gives], rule_status = rules[equation.gives](arguments)
         else:
-            known[equation.gives] = unboxed(_run(equation, arguments, parameter))
+            known[equation.gives] = unbox(_run(equation, arguments, parameter))
         before = [status[name] for name in equation.inputs if name in status]
         switches = [DERIVATIVE_STATUS["both_sides"] * _by_cell(where, cells) for where in ties]
         status[equation.gives] = reduce(np.maximum, [rule_status, *before, *switches])
@@ -242,14 +242,14 @@ def _size(at: Array) -> Array:
     return np.where(at == 0, 1.0, np.abs(at))
 
 
-def _beside(
+def _derivatives_beside(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> list[dict[str, _Slope]]:
     """Return the derivatives at two points below and two above each cell, in ascending order."""
     at = values[parameter]
     step = SIDE * _size(at)
     return [
-        _carried(plan, {**values, parameter: at + away * step}, parameter, rules)
+        _carry_derivative(plan, {**values, parameter: at + away * step}, parameter, rules)
         for away in (-WIDER, -1, 1, WIDER)
     ]
 

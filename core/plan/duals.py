@@ -74,7 +74,7 @@ class Dual(NDArrayOperatorsMixin):
         out = kwargs.pop("out", ())
         if method != "__call__" or kwargs or any(not isinstance(o, Dual) for o in out):
             raise NotDifferentiableError(f"numpy.{name}: no rule for this call")
-        arguments = [unboxed(x) for x in inputs]
+        arguments = [unbox(x) for x in inputs]
         values = [value_of(x) for x in arguments]
         slopes = [slope_of(x) for x in arguments]
         if ufunc is np.frexp:
@@ -97,14 +97,14 @@ class Dual(NDArrayOperatorsMixin):
     ) -> Any:
         name = function.__name__
         if name in SHAPES_ONLY:
-            return function(*_mapped(value_of, args), **kwargs)
+            return function(*_map_arguments(value_of, args), **kwargs)
         rule = ARRAY_RULES.get(name)
         if rule is None:
             raise NotDifferentiableError(f"numpy.{name} has no rule for its derivative")
-        return rule(self.ties, function, _mapped(unboxed, args), kwargs)
+        return rule(self.ties, function, _map_arguments(unbox, args), kwargs)
 
 
-def unboxed(x: Any) -> Any:
+def unbox(x: Any) -> Any:
     """Return the `Dual` inside an array made by `np.asarray`; anything else unchanged."""
     if isinstance(x, np.ndarray) and x.dtype == object and x.ndim == 0:
         return x.item()
@@ -121,10 +121,10 @@ def slope_of(x: Any) -> Any:
     return x.slope if isinstance(x, Dual) else 0.0
 
 
-def _mapped(of: Callable[[Any], Any], args: Any) -> Any:
+def _map_arguments(of: Callable[[Any], Any], args: Any) -> Any:
     """Return arguments with a function applied to each, also inside lists and tuples."""
     if isinstance(args, list | tuple):
-        return tuple(_mapped(of, x) for x in args)
+        return tuple(_map_arguments(of, x) for x in args)
     return of(args)
 
 
@@ -144,9 +144,9 @@ def _clip(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
     """Return dual numbers chosen by a condition."""
-    condition, *values = _mapped(value_of, args)
+    condition, *values = _map_arguments(value_of, args)
     return Dual(
-        np.where(condition, *values), np.where(condition, *_mapped(slope_of, args[1:])), ties
+        np.where(condition, *values), np.where(condition, *_map_arguments(slope_of, args[1:])), ties
     )
 
 
@@ -164,13 +164,15 @@ def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 def _linear(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
     """Return a linear function of dual numbers, applied to values and derivatives."""
     return Dual(
-        function(*_mapped(value_of, args), **kwargs), function(*_slopes(args), **kwargs), ties
+        function(*_map_arguments(value_of, args), **kwargs),
+        function(*_slopes(args), **kwargs),
+        ties,
     )
 
 
 def _cross(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
     """Return the vector product of dual numbers."""
-    (a, b), (da, db) = _mapped(value_of, args), _slopes(args)
+    (a, b), (da, db) = _map_arguments(value_of, args), _slopes(args)
     slope = function(da, b, **kwargs) + function(a, db, **kwargs)
     return Dual(function(a, b, **kwargs), slope, ties)
 

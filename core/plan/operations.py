@@ -68,7 +68,7 @@ def _chain(factor: Callable[[Any, Any], Any]) -> Function:
     return lambda f, x, dx: _times(factor(f, x), dx)
 
 
-def _divided(m: Any, above: Any, below: Any) -> Any:
+def _divide(m: Any, above: Any, below: Any) -> Any:
     """Return a quotient with floating-point rules: infinite over 0, NaN for 0/0."""
     if below == 0:
         return m.nan if above == 0 or m.isnan(above) else m.sign(above) * m.inf
@@ -160,7 +160,7 @@ _ROWS = (
         np.divide,
         lambda f, a, b, da, db: _times(1 / b, da) - _times(f / b, db),
         "{} / {}",
-        _divided,
+        _divide,
     ),
     Operation(
         np.power,
@@ -171,7 +171,7 @@ _ROWS = (
     Operation(np.negative, _chain(lambda f, x: -1.0), "-{}", lambda m, x: -x),
     Operation(np.square, _chain(lambda f, x: 2 * x), "{0} * {0}", lambda m, x: x * x),
     Operation(
-        np.reciprocal, _chain(lambda f, x: -f * f), "1.0 / {}", lambda m, x: _divided(m, 1, x)
+        np.reciprocal, _chain(lambda f, x: -f * f), "1.0 / {}", lambda m, x: _divide(m, 1, x)
     ),
     Operation(np.sqrt, _chain(lambda f, x: 0.5 / f), "sqrt({})", lambda m, x: m.sqrt(x)),
     Operation(

@@ -286,7 +286,7 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
     return [name for name in names if name]
 
 
-def placed(problem: Problem, study: Study) -> Problem:
+def locate_problem(problem: Problem, study: Study) -> Problem:
     """Return a problem of a plan with the path of its cause in the study."""
     section, _, name = problem.place.partition(".")
     if section == "parameters":

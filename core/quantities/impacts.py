@@ -5,7 +5,7 @@ from __future__ import annotations
 from core.quantities.quantity import Quantity, velocity
 
 
-def _body(body: str) -> dict[str, Quantity]:
+def _quantities_of_body(body: str) -> dict[str, Quantity]:
     """Return the quantities of one of two colliding bodies."""
 
     def quantity(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
@@ -281,4 +281,4 @@ BUNDLES = {
     )
 }
 
-IMPACTS = {**_body("1"), **_body("2"), **BOTH, **BUNDLES}
+IMPACTS = {**_quantities_of_body("1"), **_quantities_of_body("2"), **BOTH, **BUNDLES}

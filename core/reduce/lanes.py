@@ -15,7 +15,7 @@ from core.plan.loops.lanes import LaneOrder
 from core.reduce.kernels import folding
 from core.reduce.kernels.bits import LEAST, MOST
 from core.reduce.state import State
-from core.reduce.sums import LEVELS, carried
+from core.reduce.sums import LEVELS, propagate_carries
 
 Ends = Mapping[str, tuple[int, int]]
 """Where a box or a tile starts and ends on each axis."""
@@ -210,7 +210,7 @@ class Totals:
             low, high = (int(levels[0]), int(levels[1])) if levels[1] >= 0 else (0, 0)
             # One digit more has room for what is carried.
             state[f"{name}.low"] = np.array([low])
-            state[f"{name}.digits"] = carried(digits[low : high + 2])
+            state[f"{name}.digits"] = propagate_carries(digits[low : high + 2])
             state[f"{name}.beyond"] = beyond
         return state
 

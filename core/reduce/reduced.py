@@ -25,7 +25,7 @@ from core.plan.pieces import Computed, price
 from core.plan.prepared import Prepared
 from core.plan.price import in_words
 from core.reduce.labels import attributes_of, unit_of
-from core.reduce.state import State, merged
+from core.reduce.state import State, merge_states
 from core.study.reduction import QUANTILE, Reduction
 from core.study.simulate_study import SimulateStudy
 from core.study.sweep_study import SweepStudy
@@ -232,7 +232,7 @@ class ReducedParts(Parts):
             records.append(record.fields)
             for block, values in _blocks(record.arrays).items():
                 if block == known:
-                    state = merged(state, values)
+                    state = merge_states(state, values)
                     continue
                 if known is not None:
                     yield (*known, state)

@@ -17,7 +17,7 @@ from core.reduce import cutting
 from core.reduce.boxes import Boxes
 from core.reduce.cutting import Box
 from core.reduce.questions import fields_of
-from core.reduce.state import STOPPED, State, merged
+from core.reduce.state import STOPPED, State, merge_states
 from core.study.reduction import Reduction
 from core.watch import Watch
 
@@ -112,7 +112,7 @@ class Units:
                         before.field,
                         before.block,
                     ):
-                        state = result if state is None else merged(state, result)
+                        state = result if state is None else merge_states(state, result)
                     else:
                         if before is not None and state is not None:
                             yield before.field, before.block, state

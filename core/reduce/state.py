@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.reduce.sums import added
+from core.reduce.sums import add_sums
 
 STOPPED = "it was stopped before all cells were evaluated, so there is no result"
 """Of a reduction: what some of its cells tell is no answer."""
@@ -26,7 +26,7 @@ State = dict[str, NDArray[Any]]
 """
 
 
-def merged(first: State, second: State) -> State:
+def merge_states(first: State, second: State) -> State:
     """Return the combined state of two sets of cells: counts, extremes, sums, histograms.
 
     The kinds of arrays are those of `State`; the order of the two does not matter.
@@ -43,7 +43,7 @@ def merged(first: State, second: State) -> State:
         if kind == "ends":
             result[name] = _ends(mine, yours)
         elif kind == "low":
-            low, digits = added(
+            low, digits = add_sums(
                 (int(mine[0]), first[f"{of}.digits"]), (int(yours[0]), second[f"{of}.digits"])
             )
             result |= {name: np.array([low]), f"{of}.digits": digits}

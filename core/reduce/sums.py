@@ -15,7 +15,7 @@ LEVELS = 2098 // DIGIT + 4
 Integers = NDArray[np.int64]
 
 
-def carried(sums: Integers) -> Integers:
+def propagate_carries(sums: Integers) -> Integers:
     """Return exact sums with carries propagated, from level 0 up."""
     sums = sums.copy()
     half = 1 << (DIGIT - 1)
@@ -26,14 +26,14 @@ def carried(sums: Integers) -> Integers:
     return sums
 
 
-def added(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple[int, Integers]:
+def add_sums(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple[int, Integers]:
     """Return the sum of two exact sums, each with its lowest level."""
     low = min(first[0], second[0])
     high = max(level + len(sums) for level, sums in (first, second))
     total = np.zeros((high - low, first[1].shape[1]), np.int64)
     for level, sums in (first, second):
         total[level - low : level - low + len(sums)] += sums
-    return low, carried(total)
+    return low, propagate_carries(total)
 
 
 def means(low: int, sums: Integers, counts: Integers) -> NDArray[np.float64]:

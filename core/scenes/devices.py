@@ -149,15 +149,15 @@ class DeviceLine:
         for device in orienting.devices_in_order(order, len(matrices)):
             pick = [device == k for k in range(len(matrices))]
             chosen.append(
-                [[_picked(pick, [m[i][j] for m in matrices]) for j in places] for i in places]
+                [[_pick(pick, [m[i][j] for m in matrices]) for j in places] for i in places]
             )
             at.append(
-                None if all(o is None for o in outlets) else _picked(pick, capacities)
+                None if all(o is None for o in outlets) else _pick(pick, capacities)
             )  # fmt: skip
         return chosen, at
 
 
-def _picked(pick: list[Any], values: list[Array]) -> Array:
+def _pick(pick: list[Any], values: list[Array]) -> Array:
     """Return the chosen one of several values, for each cell."""
     picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):

@@ -102,7 +102,7 @@ def any_line(shape: str) -> tuple[Equation, ...]:
     )
 
 
-def fitted(scene: Scene, parameters: Collection[str]) -> Scene:
+def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
     """Return the scene fitted to a study: with its devices and its drop test."""
     names = {*parameters}
     numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
@@ -124,13 +124,15 @@ def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Sc
     )
     return replace(
         SCENE,
-        variants={shape: _with(shape, devices, ordered, tested) for shape in SHAPES},
+        variants={
+            shape: _equations_with_devices(shape, devices, ordered, tested) for shape in SHAPES
+        },
         defaults={name: value for name, value in SCENE.defaults.items() if name != "devices"},
         constraints=(*SCENE.constraints, order),
     )
 
 
-def _with(
+def _equations_with_devices(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
 ) -> tuple[Equation, ...]:
     """Return the equations of a shape with some devices, and a drop test if given."""
@@ -181,5 +183,5 @@ SCENE = Scene(
             for shape in ("cylinder", "prism")
         ),
     ),
-    fit=fitted,
+    fit=fit_to_study,
 )  # fmt: skip

@@ -16,7 +16,7 @@ from core.motion.systems import CONTACTS, methods_of
 from core.optimise.prepare import choose_problem_scene
 from core.plan.grid import Grid, to_si
 from core.plan.plan import Plan
-from core.plan.prepared import Chosen, Prepared, placed, plan_study
+from core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
 from core.plan.price import pace
 from core.plan.sketch import Sketch
 from core.quantities import FLAGS, REGIMES
@@ -189,7 +189,7 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     try:
         plan, _ = plan_study(study, asked, chosen, spans)
     except StudyError as error:
-        told = [*problems, *(placed(one, study) for one in error.problems)]
+        told = [*problems, *(locate_problem(one, study) for one in error.problems)]
         raise StudyError(told) from None
     problems += _problems_of_regimes(study, plan)
     if problems:

@@ -21,7 +21,7 @@ CONFIDENCE = 0.95
 
 
 @cache
-def wide(replicates: int = REPLICATES) -> float:
+def student_factor(replicates: int = REPLICATES) -> float:
     """Return Student's factor for a 95 % interval of the mean of so many replicates."""
     return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, replicates - 1))
 
@@ -40,4 +40,4 @@ def jackknife(sums: Array, estimate: Callable[[Array], Array]) -> tuple[Array, A
     without = np.stack([estimate(whole - sums[:, k]) for k in range(count)])
     spread = (without - without.mean(axis=0)) ** 2
     error = np.sqrt((count - 1) / count * spread.sum(axis=0))
-    return estimate(whole), wide(count) * error
+    return estimate(whole), student_factor(count) * error

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, Mask
-from core.sensitivity.replicates import jackknife, wide
+from core.sensitivity.replicates import jackknife, student_factor
 
 LEVELS = 129
 """Quantiles that make up the picture of a distribution, from the least to the largest value."""
@@ -60,7 +60,7 @@ def quantiles(values: Array, shares: Array) -> Estimate:
     found = quantile(flat, shares)
     each = quantile(values, shares)
     # Where one scrambling has no value at all, there is no telling how far they lie apart.
-    return Estimate(found, wide(count) * each.std(axis=-1, ddof=1) / np.sqrt(count))
+    return Estimate(found, student_factor(count) * each.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
 def quantile(values: Array, shares: Array) -> Array:
@@ -86,7 +86,7 @@ def probability(met: Mask) -> Estimate:
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)
-    error = wide(replicates) * each.std(axis=-1, ddof=1) / np.sqrt(replicates)
+    error = student_factor(replicates) * each.std(axis=-1, ddof=1) / np.sqrt(replicates)
     return Estimate(each.mean(axis=-1), np.maximum(error, 1 / (replicates * count)))
 
 

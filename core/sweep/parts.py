@@ -17,7 +17,7 @@ from core.plan.parts import Parts, identity
 from core.plan.pieces import price
 from core.plan.prepared import Prepared
 from core.plan.tiles import Tiled
-from core.sweep.stream import outline, stream
+from core.sweep.stream import outline_table, stream
 from core.watch import Watch
 
 TRIED = 3  # tiles from which the time of all is told
@@ -52,7 +52,7 @@ class Shards(Parts):
 
     def begin(self) -> None:
         """Write the metadata of the group, so that readers can open it while it grows."""
-        growing = self._growing(outline(self.sweep.unverified()))
+        growing = self._growing(outline_table(self.sweep.unverified()))
         try:
             growing.show()
         finally:
@@ -68,7 +68,7 @@ class Shards(Parts):
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
         """Compute and write some tiles; return the digests of their shards."""
         sweep = self.sweep.unverified()
-        growing = self._growing(outline(sweep))
+        growing = self._growing(outline_table(sweep))
         try:
             target = _Range(growing, start, stop)
             stream(sweep, target, watch)
@@ -83,7 +83,7 @@ class Shards(Parts):
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
         """Finish the group and return its table."""
-        table = outline(self.sweep, watch)
+        table = outline_table(self.sweep, watch)
         growing = self._growing(table, history)
         try:
             told = self._check(watch, lambda record: _is_there(growing, record))

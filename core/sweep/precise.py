@@ -81,7 +81,7 @@ class Number(NDArrayOperatorsMixin):
         operation = OPERATIONS.get(ufunc)
         if method != "__call__" or settings or operation is None or operation.digits is None:
             raise TypeError(f"numpy.{ufunc.__name__} is not known to {DIGITS} digits")
-        return _applied(operation, inputs)
+        return _apply_operation(operation, inputs)
 
     def __bool__(self) -> bool:
         return bool(self.value != 0)
@@ -99,7 +99,7 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
         """Apply a numpy function with 50 digits."""
         operation = OPERATIONS.get(ufunc)
         if method == "__call__" and operation is not None and operation.digits is not None:
-            result = _applied(operation, inputs)
+            result = _apply_operation(operation, inputs)
             if out is None:
                 return result
             np.copyto(np.asarray(out[0]), np.asarray(result))
@@ -114,7 +114,7 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
         return _labelled(super().__array_function__(func, types, args, kwargs))
 
 
-def _applied(operation: Operation, inputs: Sequence[Any]) -> Any:
+def _apply_operation(operation: Operation, inputs: Sequence[Any]) -> Any:
     """Return the results of an operation on numbers, or on truth values."""
     results = _of_elements(operation, len(inputs))(*map(np.asarray, inputs))
     return np.asarray(results).astype(np.bool_) if operation.gives_truth else _labelled(results)

@@ -75,7 +75,7 @@ def cut(
     LimitError
         If it has more than `most` values.
     """
-    return carried_out(prepare_cut(sweep, output=output, axes=axes, at=at, most=most))
+    return compute_slice(prepare_cut(sweep, output=output, axes=axes, at=at, most=most))
 
 
 def prepare_cut(
@@ -106,7 +106,7 @@ def prepare_cut(
     return SliceCut(output, plan, grid)
 
 
-def carried_out(prepared: SliceCut) -> dict[str, Any]:
+def compute_slice(prepared: SliceCut) -> dict[str, Any]:
     """Return the computed values of a prepared slice."""
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid)

@@ -55,7 +55,7 @@ class Target(Protocol):
         """Finish the result and make it visible."""
 
 
-def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
+def outline_table(sweep: Prepared, watch: Watch | None = None) -> Table:
     """Return the table of a sweep of any size without the values of its arrays.
 
     Shapes, types and attributes are those of `tabulate`, with cells verified that are evaluated

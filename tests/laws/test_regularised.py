@@ -18,7 +18,7 @@ from core.motion.methods.regularised import (
     SOFTER,
     SOLVERS,
     TWICE_COARSER,
-    followed,
+    follow_run,
 )
 from core.motion.methods.regularised.laws import PEAK, Cell, laws
 from core.motion.result import STATUS
@@ -56,7 +56,7 @@ def mean_of(name: str, slip_speed: float = 1e-4, contact_stiffness: float = 1e8)
     drive, gravity = (
         (given[f"{of}_number_along"], given[f"{of}_number_normal"]) for of in ("drive", "gravity")
     )
-    _, orbit, _ = followed(Cell(law, drive, gravity), "Radau", 1e-7, 60)
+    _, orbit, _ = follow_run(Cell(law, drive, gravity), "Radau", 1e-7, 60)
     assert orbit.status == "periodic"
     return orbit.velocity
 

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from app.web.calculations import converted
-from app.web.dependencies import BaseOf, Body, SettingsOf, once
+from app.web.calculations import convert_study
+from app.web.dependencies import BaseOf, Body, SettingsOf, refuse_repeated
 from app.web.execution import PROCESSES, AnyStudy
 from app.web.replies import component, problems
-from app.web.shares import calculated, placed
+from app.web.shares import calculate_in_process, hold_slot
 
 router = APIRouter(tags=["processes"])
 
@@ -40,7 +40,7 @@ TEXT = "text/plain"
             },
         }
     },
-    dependencies=[once(), placed()],
+    dependencies=[refuse_repeated(), hold_slot()],
 )
 async def convert(
     request: Request,
@@ -53,7 +53,7 @@ async def convert(
     ],
 ) -> Response:
     """Check a study, and return it as `vibrafeed convert` writes it; curl asks this service."""
-    text = await calculated(
-        request, converted, body, to, base, seconds=settings.max_execution_seconds
+    text = await calculate_in_process(
+        request, convert_study, body, to, base, seconds=settings.max_execution_seconds
     )
     return Response(text, media_type=TEXT)

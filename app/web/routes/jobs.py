@@ -17,7 +17,7 @@ from pydantic import AfterValidator
 from app.jobs.admission import Admission, is_readable
 from app.jobs.keys import NOBODY, Key, Keys
 from app.jobs.ledger import ACTIVE, STATES, Wanted
-from app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, once
+from app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, refuse_repeated
 from app.web.documents import (
     JobList,
     StatusInfo,
@@ -26,7 +26,7 @@ from app.web.documents import (
 from app.web.execution import PROCESSES
 from app.web.outcomes import find_job, no_such_job
 from app.web.replies import json_reply, problems
-from app.web.shares import placed
+from app.web.shares import hold_slot
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -40,7 +40,7 @@ MAX_LISTED = 1000
 NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
 
 
-def interval(text: str | None) -> tuple[float | None, float | None]:
+def parse_interval(text: str | None) -> tuple[float | None, float | None]:
     """Return start and end [s since the epoch] of a time or an interval; None for an open end.
 
     Raises
@@ -62,14 +62,14 @@ def interval(text: str | None) -> tuple[float | None, float | None]:
     return ends[0], ends[-1]
 
 
-def checked(text: str | None) -> str | None:
+def check_interval(text: str | None) -> str | None:
     """Return the text unchanged if it is a time or an interval; else raise `ValueError`."""
-    interval(text)
+    parse_interval(text)
     return text
 
 
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"),
-            dependencies=[once("processID", "status", "type")])  # fmt: skip
+            dependencies=[refuse_repeated("processID", "status", "type")])  # fmt: skip
 def list_jobs(
     admission: AdmissionOf,
     base: BaseOf,
@@ -92,7 +92,7 @@ def list_jobs(
             description="Only jobs posted at this time (RFC 3339) or in this interval, as in "
             "`2026-01-01T00:00:00Z/..`.",
         ),
-        AfterValidator(checked),
+        AfterValidator(check_interval),
     ] = None,
     least: Annotated[
         int | None,
@@ -118,7 +118,7 @@ def list_jobs(
     """Return jobs, the latest first."""
     seen_by = None if who.sees_all else who.name
     known = [name for name in process if name in PROCESSES]
-    wanted = Wanted(tuple(known), tuple(status), interval(created), (least, longest), seen_by)
+    wanted = Wanted(tuple(known), tuple(status), parse_interval(created), (least, longest), seen_by)
     jobs = []
     if (known or not process) and (not kind or "process" in kind):
         jobs = admission.ledger.jobs(wanted, limit=limit + 1, offset=offset)
@@ -161,7 +161,7 @@ def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
 
 @router.patch("/{number}", summary="Share a job, or stop sharing", response_model=StatusInfo,
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
-              openapi_extra=SHARING_BODY, dependencies=[placed()])  # fmt: skip
+              openapi_extra=SHARING_BODY, dependencies=[hold_slot()])  # fmt: skip
 def share_job(
     number: Number, body: Body, admission: AdmissionOf, base: BaseOf, who: WhoOf
 ) -> Response:

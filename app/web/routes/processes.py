@@ -21,7 +21,7 @@ from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, Job
 from app.settings import Settings
 from app.web.accept import preferred
-from app.web.calculations import check_study, executed, read_study
+from app.web.calculations import check_study, execute_at_once, read_study
 from app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
 from app.web.documents import (
     CONFORMANCE,
@@ -41,7 +41,7 @@ from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
-from app.web.shares import calculated, slot_of
+from app.web.shares import calculate_in_process, slot_of
 from core.errors import StoppedError
 
 router = APIRouter(tags=["processes"])
@@ -125,13 +125,13 @@ async def execute(
     if wishes.wait is not None:
         seconds = min(wishes.wait, int(settings.max_wait_seconds))
         wishes = replace(wishes, wait=seconds)  # as it is applied
-        job = await _waited(admission, job, seconds, request.app.state.stopping.is_set)
+        job = await _wait_for_job(admission, job, seconds, request.app.state.stopping.is_set)
     if job.state in ACTIVE or wishes.wait is None:
         reply = json_reply(status_info(job, base), 201)
     else:
         reply = await asyncio.to_thread(results_reply, admission, job, base)
     reply.headers["Location"] = f"{base}/jobs/{job.id}"
-    applied = _applied(wishes)
+    applied = _applied_preferences(wishes)
     if applied:
         reply.headers["Preference-Applied"] = applied
     return reply
@@ -166,9 +166,13 @@ async def _dataset_in_time(
     """Return the dataset of a study as JSON; None if it takes too long for one request."""
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
-        return await calculated(request, executed, name, body, settings, who.cells, seconds=seconds)
+        return await calculate_in_process(
+            request, execute_at_once, name, body, settings, who.cells, seconds=seconds
+        )
     except StoppedError:  # its process was ended, perhaps before the study was read
-        await calculated(request, check_study, name, body, settings, seconds=settings.grace_seconds)
+        await calculate_in_process(
+            request, check_study, name, body, settings, seconds=settings.grace_seconds
+        )
         return None
 
 
@@ -179,7 +183,7 @@ def _post(name: str, body: bytes, settings: Settings, admission: Admission, who:
     return admission.post(prepared, name, who)
 
 
-async def _waited(
+async def _wait_for_job(
     admission: Admission, job: Job, seconds: float, stopping: Callable[[], bool]
 ) -> Job:
     """Wait until a job ends, a time has passed, or the service stops; return the job."""
@@ -194,7 +198,7 @@ async def _waited(
     return job
 
 
-def _applied(wishes: Preferences) -> str:
+def _applied_preferences(wishes: Preferences) -> str:
     """Return the Preference-Applied header of the preferences that were honoured."""
     words = ["respond-async"] if wishes.respond_async else []
     if wishes.wait is not None:

@@ -19,17 +19,17 @@ from app.web.accept import form_for
 from app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
 from app.web.documents import NETCDF_TYPE, Results, media_type_of
 from app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
-from app.web.outcomes import check_of, find_job, lost, manifest_of, results_reply
-from app.web.replies import BINARY, OBJECT, kept, problems, without_length
+from app.web.outcomes import check_of, error_for_missing_file, find_job, manifest_of, results_reply
+from app.web.replies import BINARY, OBJECT, cached_replies, problems, without_length
 from app.web.routes.zarr import ZarrKey
 from app.web.tables import (
     TABLES,
     ResultForm,
-    missing,
+    missing_packages,
     most_rows,
     table_reply,
     tables_there,
-    written_by,
+    writer_version,
 )
 from core.dataset.frame import Frame
 from core.dataset.read import read_netcdf
@@ -66,7 +66,7 @@ def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Respons
     summary="Download the dataset of a job",
     response_class=Response,
     responses={
-        **kept(
+        **cached_replies(
             "The dataset",
             {
                 NETCDF_TYPE: BINARY,
@@ -99,7 +99,7 @@ async def get_dataset(
 
     Ranges of NetCDF and JSON can be asked for.
     """
-    chosen = form or form_for(request, FORMS | tables_there(), missing=missing())
+    chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
     found = await run_in_threadpool(_stored_table, request, admission, number, chosen)
     if isinstance(found, Response):
         reply = found
@@ -135,7 +135,7 @@ def _stored_table(
     path = admission.store.folder(job.key) / name
     check = check_of(admission, job, path)
     if form in TABLES:
-        etag = etag_of(digest, written_by(form))
+        etag = etag_of(digest, writer_version(form))
         known = not_modified(request, etag, ASK_AGAIN)
         if known is None and request.method == "HEAD":
             known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
@@ -157,7 +157,7 @@ def _stored_table(
     summary="Read a large result as a Zarr group, also while it grows",
     response_class=Response,
     responses={
-        **kept(
+        **cached_replies(
             "A document, or a shard",
             {"application/octet-stream": BINARY, "application/json": OBJECT},
             in_ranges=True,
@@ -183,7 +183,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     digest = None if manifest is None else admission.store.digest(job.key, path, manifest)
     if not file.is_file():
         if digest is not None:
-            raise lost(admission, job, file)
+            raise error_for_missing_file(admission, job, file)
         raise NotFoundError(f"The group of this job has no key '{path[:80]}', or not yet.")
     is_document = path.endswith(".json")
     return file_reply(
@@ -203,7 +203,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     summary="Download a further file of a job",
     response_class=Response,
     responses={
-        **kept(
+        **cached_replies(
             "The file", {"text/markdown": {"type": "string"}, "image/png": BINARY}, in_ranges=True
         ),
         **NO_RESULT,

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from app.jobs.errors import NotFoundError
 from app.web.made_once import made_once
-from app.web.replies import OBJECT, json_reply, kept, problems
+from app.web.replies import OBJECT, cached_replies, json_reply, problems
 from core.catalogue import describe, describe_all
 from core.scenes import SCENES
 from core.schema import study_schema
@@ -41,7 +41,7 @@ def list_scenes() -> Response:
     summary="Describe a scene",
     response_model=None,
     responses={
-        **kept("The scene", {"application/json": OBJECT}),
+        **cached_replies("The scene", {"application/json": OBJECT}),
         **problems(s404="No such scene", s422="No such variant or method"),
     },
 )
@@ -78,7 +78,7 @@ async def describe_scene(
     "/schema",
     summary="JSON Schema of a study",
     response_model=None,
-    responses=kept("The schema", {"application/json": OBJECT}),
+    responses=cached_replies("The schema", {"application/json": OBJECT}),
 )
 async def schema(request: Request) -> Response:
     """Return the JSON Schema of a study, as `vibrafeed schema` prints it."""

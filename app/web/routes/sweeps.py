@@ -27,24 +27,24 @@ from app.web.dependencies import (
     SweepKey,
     WhoOf,
     WriterOf,
-    once,
+    refuse_repeated,
 )
 from app.web.documents import NETCDF_TYPE
 from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
-from app.web.outgoing import expect
-from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
-from app.web.shares import look_at, placed, slot_of
+from app.web.outgoing import reserve_bytes
+from app.web.replies import BINARY, cached_replies, component, json_reply, problems, without_length
+from app.web.shares import hold_slot, look_at, slot_of
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import (
     TABLES,
     SliceForm,
-    missing,
+    missing_packages,
     most_rows,
     table_reply,
     tables_there,
-    written_by,
+    writer_version,
 )
 from core.dataset.frame import Frame
 from core.errors import LimitError
@@ -52,7 +52,7 @@ from core.intake import prepare_content, read_json
 from core.plan.prepared import Prepared
 from core.study import SweepStudy
 from core.study.grid_study import PARAMETERS
-from core.sweep.slice import SliceCut, carried_out, prepare_cut, table_of
+from core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
@@ -100,7 +100,7 @@ AXIS_VALUES = {
         ),
     },
     openapi_extra=STUDY_BODY,
-    dependencies=[placed()],
+    dependencies=[hold_slot()],
 )
 def post_sweep(
     request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
@@ -115,7 +115,7 @@ def post_sweep(
     key, is_new = admission.keep(sweep, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        _described(admission, key, sweep, who),
+        _describe_sweep(admission, key, sweep, who),
         201 if is_new else 200,
         headers={"Location": location},
     )
@@ -134,7 +134,7 @@ def post_sweep(
 @router.head("/{key}", include_in_schema=False)
 def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
-    return json_reply(_described(admission, key, admission.store.sweep(key), who))
+    return json_reply(_describe_sweep(admission, key, admission.store.sweep(key), who))
 
 
 @router.patch(
@@ -147,16 +147,16 @@ def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
         **NO_SHARING,
     },
     openapi_extra=SHARING_BODY,
-    dependencies=[placed()],
+    dependencies=[hold_slot()],
 )
 def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -> Response:
     """Let all keys read a sweep, or those only who have posted it."""
     sweep = admission.store.sweep(key)
     admission.share_sweep(key, read_sharing(body), who)
-    return json_reply(_described(admission, key, sweep, who))
+    return json_reply(_describe_sweep(admission, key, sweep, who))
 
 
-def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
+def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
     """Return the description of a sweep; its owner also sees how it is shared."""
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
     shared = admission.ownership.is_shared(who.name if is_own else None, key)
@@ -168,7 +168,7 @@ def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dic
     summary="Read values over one or two axes",
     response_model=dict[str, Any],
     responses={
-        **kept("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
+        **cached_replies("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
         **problems(
             s404="No such sweep",
             s406="No format that Accept allows",
@@ -178,9 +178,9 @@ def _described(admission: Admission, key: str, sweep: Prepared, who: Key) -> dic
         ),
     },
     openapi_extra=AXIS_VALUES,
-    dependencies=[once()],
+    dependencies=[refuse_repeated()],
 )
-@router.head("/{key}/slice", include_in_schema=False, dependencies=[once()])
+@router.head("/{key}/slice", include_in_schema=False, dependencies=[refuse_repeated()])
 async def get_slice(
     request: Request,
     key: SweepKey,
@@ -208,8 +208,8 @@ async def get_slice(
         for name, value in request.query_params.multi_items()
         if name not in ("output", "axes", "format")
     }
-    chosen = form or form_for(request, FORMS | tables_there(), missing=missing())
-    written = written_by(chosen) if chosen in TABLES else chosen
+    chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
+    written = writer_version(chosen) if chosen in TABLES else chosen
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, written, output, axes, *words)
     sweep = await run_in_threadpool(store.sweep, key)
@@ -228,7 +228,7 @@ async def get_slice(
 
         def content() -> bytes:
             """Compute the slice and return it in the chosen format."""
-            piece = carried_out(prepare())
+            piece = compute_slice(prepare())
             return binary(piece) if chosen == "binary" else orjson.dumps(piece, option=NUMPY)
 
         media_type = (FORMS | TABLES)[chosen]
@@ -236,16 +236,16 @@ async def get_slice(
             await to_thread.run_sync(prepare)
             reply = without_length(media_type)
         elif chosen in TABLES:
-            expect(request, BYTES_A_VALUE * min(values, most))
+            reserve_bytes(request, BYTES_A_VALUE * min(values, most))
             rows = most_rows(settings, chosen, most)
             async with turn:
                 frame = await to_thread.run_sync(
-                    lambda: Frame.of(table_of(sweep, carried_out(prepare())), most=rows),
+                    lambda: Frame.of(table_of(sweep, compute_slice(prepare())), most=rows),
                     limiter=lane,
                 )
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:
-            expect(request, BYTES_A_VALUE * min(values, most))
+            reserve_bytes(request, BYTES_A_VALUE * min(values, most))
             async with turn:
                 made = await to_thread.run_sync(content, limiter=lane)
             reply = Response(made, media_type=media_type)
@@ -259,7 +259,7 @@ async def get_slice(
     summary="Download a sweep as NetCDF",
     response_class=Response,
     responses={
-        **kept("A CF-1.11 NetCDF-4 file", {NETCDF_TYPE: BINARY}, in_ranges=True),
+        **cached_replies("A CF-1.11 NetCDF-4 file", {NETCDF_TYPE: BINARY}, in_ranges=True),
         **problems(
             s404="No such sweep",
             s409="The sweep is another version's: post it again",
@@ -335,9 +335,9 @@ def binary(piece: dict[str, Any]) -> bytes:
         return {**place, "shape": list(array.shape)}
 
     header = {**piece}
-    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
+    header["axes"] = [{**axis, "values": hold_slot(axis["values"])} for axis in piece["axes"]]
     for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
-        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
+        header[name] = {"dims": piece[name]["dims"], "data": hold_slot(piece[name]["data"])}
     text = orjson.dumps(header)
     text += b" " * (-len(text) % 8)
     return b"".join((len(text).to_bytes(8, "little"), text, *values))

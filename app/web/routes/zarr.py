@@ -11,8 +11,8 @@ from fastapi.responses import RedirectResponse, Response
 from app.jobs.errors import NotFoundError
 from app.web.dependencies import SweepKey, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
-from app.web.outgoing import expect
-from app.web.replies import BINARY, OBJECT, kept, problems
+from app.web.outgoing import reserve_bytes
+from app.web.replies import BINARY, OBJECT, cached_replies, problems
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
@@ -45,7 +45,7 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
     response_class=Response,
     responses={
         # Bytes first: generated clients take the first for all.
-        **kept(
+        **cached_replies(
             "A document, or the values of a chunk, little-endian, not compressed",
             {"application/octet-stream": BINARY, "application/json": OBJECT},
         ),
@@ -102,5 +102,5 @@ def get_zarr(
     if request.method == "HEAD":
         headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
         return Response(headers=headers, media_type=media_type)
-    expect(request, length)
+    reserve_bytes(request, length)
     return content_reply(views.read(key, path, chunks), etag=etag, media_type=media_type)

@@ -161,13 +161,13 @@ def row_motion(
         table_ = np.full((len(rows), width), np.nan)
         status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
         rest = ~as_one & supported
-        held = _merged(rows[rest], alike[rest], room)
+        held = _merge_equal_parts(rows[rest], alike[rest], room)
         kernel = _by_events if steps is None else _stepped(steps)
         if rest.any():
             table_[rest], status[rest] = run_cells(
                 kernel, held, columns=width, piece=16, watch=watch
             )
-        _spread(table_, rows, alike & rest, room, columns)
+        _spread_to_parts(table_, rows, alike & rest, room, columns)
         if as_one.any():
             of_rows, of_parts, status[as_one] = _as_one(groups, rows, shape, as_one, room, watch)
             table_[as_one] = np.concatenate([np.stack(of_rows, axis=1), *of_parts], axis=1)
@@ -228,7 +228,7 @@ def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
     return np.arange(room) < counts[:, np.newaxis]
 
 
-def _merged(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
+def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
     """Return rows in which touching parts of one friction are replaced by a single part."""
     masses, gaps = (rows[:, _HEAD + k * room : _HEAD + (k + 1) * room] for k in (2, 3))
     inside = _inside(rows, room)
@@ -240,7 +240,9 @@ def _merged(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
     return merged
 
 
-def _spread(table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, columns: int) -> None:
+def _spread_to_parts(
+    table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, columns: int
+) -> None:
     """Fill the columns of each part in rows that were followed as a single part."""
     as_one = alike & np.isnan(table_[:, columns + 1]) & ~np.isnan(table_[:, columns])
     inside = _inside(rows, room)[as_one]

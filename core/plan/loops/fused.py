@@ -107,7 +107,7 @@ class Fused:
     ) -> None:
         """Compute arrays with common axes, task by task."""
         program, grid = self._programs[dims], self._grid
-        operands = laid_out(program, self._traced, self._values, grid)
+        operands = lay_out_operands(program, self._traced, self._values, grid)
         sizes = [grid.shape[name] for name in dims]
         strides = np.array(
             [math.prod(sizes[dims.index(name) + 1 :]) for name in program.order.outer],
@@ -154,7 +154,7 @@ def run_stages(
     program : Program
         The loops.
     operands : mapping of int to ndarray or number
-        What numpy has made for them, by `laid_out`.
+        What numpy has made for them, by `lay_out_operands`.
     ranges : tuple of ndarray
         Ends of the row and of each loop around it, strides, and with lanes the numbers of cells.
     results : sequence of ndarray
@@ -182,7 +182,9 @@ def run_stages(
                 columns[node.number] = node.function(*inputs)  # type: ignore[misc]
 
 
-def laid_out(program: Program, traced: Traced, values: Values, grid: Grid) -> dict[int, Any]:
+def lay_out_operands(
+    program: Program, traced: Traced, values: Values, grid: Grid
+) -> dict[int, Any]:
     """Return the operands of a program's loops, ordered by loop axes and row."""
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)

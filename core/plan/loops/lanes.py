@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.grid import Grid
-from core.plan.loops.fused import Values, laid_out, mark_compiled, missing, run_stages
+from core.plan.loops.fused import Values, lay_out_operands, mark_compiled, missing, run_stages
 from core.plan.loops.program import MAX_VALUES, edge_of, program_of
 from core.plan.loops.source import LONGEST_ROW
 from core.plan.loops.trace import Traced
@@ -180,7 +180,7 @@ class LaneLoop:
     def prepare(self) -> None:
         """Compute with numpy the inputs of the loop; call it once before any run."""
         with np.errstate(all="ignore"):
-            self._inputs = laid_out(self._program, self._traced, self._values, self._grid)
+            self._inputs = lay_out_operands(self._program, self._traced, self._values, self._grid)
 
     def run(
         self,

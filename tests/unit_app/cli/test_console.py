@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from app.cli import app, console
 from app.cli.layout import block_lines, plain_lines
-from app.cli.units import ends, number
+from app.cli.units import format_number, shown_range
 from core.study.shown import ShownUnits, read_shown
 
 STUDY = """
@@ -67,13 +67,17 @@ def row(output: str, name: str) -> list[str]:
     ],
 )
 def test_numbers_have_four_digits_and_whole_ones_all(value, text):
-    assert number(value) == text
+    assert format_number(value) == text
 
 
 def test_the_least_and_the_largest_value_never_look_alike():
-    assert ends("m s-1", 0.0123456, 0.0123466, ShownUnits()) == ("mm/s", "12.3456", "12.3466")
-    assert ends("m", None, None, ShownUnits()) == ("mm", "-", "-")
-    assert ends("m s-1", 0.5, 0.5, read_shown(["m/min"])) == ("m/min", "30", "30")
+    assert shown_range("m s-1", 0.0123456, 0.0123466, ShownUnits()) == (
+        "mm/s",
+        "12.3456",
+        "12.3466",
+    )
+    assert shown_range("m", None, None, ShownUnits()) == ("mm", "-", "-")
+    assert shown_range("m s-1", 0.5, 0.5, read_shown(["m/min"])) == ("m/min", "30", "30")
 
 
 def test_one_design_is_one_column_in_units_of_the_trade(study):

@@ -132,14 +132,14 @@ def of_one_run(content: Any, where: Path) -> Path:
     """Return the result of a study that is in no parts, without what its run cost."""
     from core.dataset.netcdf import write_netcdf
     from core.kinds import tabulate
-    from core.sweep.stream import outline, stream
+    from core.sweep.stream import outline_table, stream
     from core.sweep.targets import open_target
 
     prepared = prepare_content(content)
     if where.suffix == ".nc":
         write_netcdf(tabulate(prepared), where)
         return where
-    growing = open_target(where, prepared, outline(prepared))
+    growing = open_target(where, prepared, outline_table(prepared))
     stream(prepared, growing)
     growing.close()
     return where

@@ -11,7 +11,7 @@ from core.atlas.cells import exact, regime_of
 from core.atlas.find import STATUS, find
 from core.atlas.lookup import advice, lookup_grid, lookup_rows
 from core.atlas.numbers import AXES, Numbers, numbers_of, rests
-from core.atlas.practice import practical
+from core.atlas.practice import practical_numbers
 from core.atlas.read import of_table
 from core.atlas.rows import read_rows
 from core.dataset.netcdf import write_netcdf
@@ -89,7 +89,7 @@ def test_held_out_cells_lie_within_the_stated_error(atlas, everywhere):
     if everywhere:
         numbers = Numbers(*(rng.uniform(a.least, a.largest, 6000) for a in AXES.values()))
     else:
-        numbers = practical(rng.random((6000, 7)))
+        numbers = practical_numbers(rng.random((6000, 7)))
     found, right = find(atlas, numbers), exact(numbers)
     answered = found.status == STATUS["answered"]
     assert answered.mean() > 0.6
@@ -105,7 +105,7 @@ def test_held_out_cells_lie_within_the_stated_error(atlas, everywhere):
 
 
 def test_what_is_not_answered_has_no_number(atlas):
-    numbers = practical(np.random.default_rng(5).random((4000, 7)))
+    numbers = practical_numbers(np.random.default_rng(5).random((4000, 7)))
     numbers.throw_number[:10] = 3.73
     numbers.friction_ratio[10:20] = 1.7
     numbers.angle_number[20] = np.inf

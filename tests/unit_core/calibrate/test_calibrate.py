@@ -463,13 +463,13 @@ def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):
 
 
 def test_a_study_of_a_file_is_converted_with_it(tmp_path):
-    from core.intake.forms import placed
+    from core.intake.forms import resolve_files
 
     (tmp_path / "runs.csv").write_text(LINES)
     content = {**study(str(tmp_path / "runs.csv")), "kind": "calibrate"}
-    sent = placed(content, "curl", tmp_path)["observations"]
+    sent = resolve_files(content, "curl", tmp_path)["observations"]
     assert sent[0] == {"amplitude": "0.1 mm", "conveying_velocity": "6.5 mm/s", "error": "5 %"}
-    assert placed(content, "toml", tmp_path)["observations"] == "runs.csv"
+    assert resolve_files(content, "toml", tmp_path)["observations"] == "runs.csv"
 
 
 # --- pictures

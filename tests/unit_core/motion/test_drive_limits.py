@@ -45,7 +45,7 @@ def test_no_look_at_a_sum_of_sines_is_larger(orders: int, of: str) -> None:
     harmonics[:, :, orders - 1, ::5] *= 1e-9
     harmonics[:, :, orders - 1, ::7] = 0.0
     wave = waves.Wave(harmonics, np.zeros((4, 0, CELLS)))
-    found, looked = waves.largest(wave, waves.ALONG, of), densely(wave, of)
+    found, looked = waves.largest_over_period(wave, waves.ALONG, of), densely(wave, of)
     np.testing.assert_allclose(found, looked, rtol=1e-12, atol=1e-12 * np.abs(looked).max())
 
 
@@ -58,7 +58,7 @@ def test_no_look_at_steps_is_larger(of: str) -> None:
     last = np.diff(steps[waves.ENDS], axis=0, prepend=0.0)
     steps[:3] -= (steps[:3] * last).sum(axis=1, keepdims=True) / (2 * np.pi)
     wave = waves.Wave(np.zeros((3, 2, 0, CELLS)), steps)
-    found, looked = waves.largest(wave, waves.ALONG, of), densely(wave, of)
+    found, looked = waves.largest_over_period(wave, waves.ALONG, of), densely(wave, of)
     np.testing.assert_allclose(found, looked, rtol=1e-9)  # a corner is met to the width of looks
     assert (found >= looked * (1 - 1e-12)).all()
 

@@ -14,7 +14,7 @@ from core.reduce.boxes import exact_quantiles, values_of
 from core.reduce.kernels import others
 from core.reduce.kernels.folding import COUNT_BITS, fold_counts
 from core.reduce.lanes import EMPTY, BoxLanes, Totals
-from core.reduce.state import State, merged
+from core.reduce.state import State, merge_states
 from core.reduce.sums import means
 
 CHANCE = np.random.default_rng(16)
@@ -65,7 +65,7 @@ def test_sums_of_single_cells_are_exact_however_they_are_joined(values: np.ndarr
         order = np.random.default_rng(seed).permutation(len(states))
         total = states[order[0]]
         for k in order[1:]:
-            total = merged(total, states[k])
+            total = merge_states(total, states[k])
         some = values[:300].tolist()
         assert mean_of(total)[0] == float(sum(map(Fraction, some)) / len(some))
     bound = (
@@ -99,7 +99,7 @@ def test_boxes_of_whole_tiles_join_to_the_same_bits() -> None:
     ]
     joined = parts[-1]
     for part in parts[:-1]:
-        joined = merged(joined, part)
+        joined = merge_states(joined, part)
     assert len(parts) > 2
     assert mean_of(joined).tobytes() == mean_of(whole).tobytes()
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import vibrafeed
 from core.errors import StudyError
 from core.intake import forms, parse_study, read_content, read_json, read_toml
-from core.intake.forms import FORMS, placed, to_curl
+from core.intake.forms import FORMS, resolve_files, to_curl
 from core.kinds import KINDS
 from core.study.drive import names_recording
 
@@ -116,15 +116,15 @@ def test_a_recording_is_found_from_where_the_form_is_used(tmp_path):
     recording.parent.mkdir()
     recording.write_text("t,ax\n0,1\n")
     content = {**PLANE, "drive": {"file": str(recording), "along": "ax"}}
-    beside = placed(content, "toml", tmp_path / "studies")["drive"]["file"]
+    beside = resolve_files(content, "toml", tmp_path / "studies")["drive"]["file"]
     assert beside == "../data/drive.csv"
-    assert placed(content, "python", tmp_path)["drive"]["file"] == str(recording)
-    sent = placed(content, "curl", tmp_path)["drive"]
+    assert resolve_files(content, "python", tmp_path)["drive"]["file"] == str(recording)
+    sent = resolve_files(content, "curl", tmp_path)["drive"]
     assert sent == {"along": "ax", "data": "t,ax\n0,1\n"}
     recording.unlink()
     with pytest.raises(StudyError, match="cannot be read"):
-        placed(content, "curl", tmp_path)
-    assert placed(PLANE, "curl", tmp_path) == PLANE
+        resolve_files(content, "curl", tmp_path)
+    assert resolve_files(PLANE, "curl", tmp_path) == PLANE
 
 
 def test_the_forms_are_those_that_the_command_names():

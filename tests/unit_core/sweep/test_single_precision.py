@@ -9,7 +9,7 @@ from core.errors import StudyError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.sweep.lazy import open_lazily
-from core.sweep.stream import outline, stream
+from core.sweep.stream import outline_table, stream
 from core.sweep.targets import open_target
 
 STUDY = {
@@ -47,7 +47,7 @@ def test_tiles_and_views_have_the_same_values(tmp_path, monkeypatch, name):
     monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", 100)
     sweep = prepare_content(SINGLE, "sweep")
     whole = tabulate(sweep)
-    target = open_target(tmp_path / name, sweep, outline(sweep))
+    target = open_target(tmp_path / name, sweep, outline_table(sweep))
     assert stream(sweep, target)[1]
     target.close()
     opened = xarray.open_zarr if name.endswith(".zarr") else xarray.open_dataset

@@ -18,7 +18,7 @@ from core.errors import VibrafeedError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.tiles import Tiled
-from core.sweep.stream import outline, stream
+from core.sweep.stream import outline_table, stream
 from core.sweep.targets import is_complete, open_target
 from core.watch import Watch
 from tools import tool
@@ -56,7 +56,7 @@ def streamed(sweep, path, *, stop_after=None, **options):
     """Stream a sweep to a path; return whether it is whole, and the tiles that were there."""
     asked = iter(range(10**9))
     watch = Watch(stop=lambda: stop_after is not None and next(asked) >= stop_after)
-    target = open_target(path, sweep, outline(sweep), **options)
+    target = open_target(path, sweep, outline_table(sweep), **options)
     there = target.done
     try:
         return stream(sweep, target, watch)[1], there
@@ -141,9 +141,9 @@ def test_what_is_damaged_is_made_again(sweep, damage, tmp_path):
 
 
 def test_two_runs_do_not_write_one_file(sweep, tmp_path):
-    one = open_target(tmp_path / "a.nc", sweep, outline(sweep))
+    one = open_target(tmp_path / "a.nc", sweep, outline_table(sweep))
     with pytest.raises(BlockingIOError):
-        open_target(tmp_path / "a.nc", sweep, outline(sweep))
+        open_target(tmp_path / "a.nc", sweep, outline_table(sweep))
     one.close()
 
 
@@ -190,6 +190,6 @@ def test_the_outline_of_a_huge_sweep_takes_no_memory():
         name: {"start": 1, "stop": 2, "num": 3000} for name in ("frequency", "amplitude", "beta")
     }
     study = {**STUDY, "verify": 2, "parameters": {**STUDY["parameters"], **axes}}
-    table = outline(prepare_content(study))
+    table = outline_table(prepare_content(study))
     assert table.variables["regime"].values.size > 10**11
     assert table.attributes["verified_cells"] == 2

@@ -64,7 +64,7 @@ LOOSER = 10.0
 """Factor of the tolerance for the estimate of the integrator's error."""
 
 
-def followed(
+def follow_run(
     cell: Cell, solver: str, tolerance: float, max_periods: int, watch: Watch | None = None
 ) -> tuple[RegularisedRun, Orbit, float]:
     """Return the run, the repeating motion, and the distance at which states count as equal."""
@@ -103,7 +103,7 @@ def _cell_motion(
     if frictionless and any(cell.gravity[:-1]):
         return {**nothing, "status": "runaway"}
 
-    run, orbit, closeness = followed(cell, solver, tolerance, max_periods, watch)
+    run, orbit, closeness = follow_run(cell, solver, tolerance, max_periods, watch)
     unfinished = {**nothing, "velocity": orbit.velocity, "status": orbit.status}
     if orbit.status != "periodic":
         return unfinished
