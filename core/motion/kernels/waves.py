@@ -27,6 +27,35 @@ MAX_ITERATIONS = 80
 """Of Halley's iteration in a bracket: halving alone ends after 53."""
 
 
+class WaveColumns(NamedTuple):
+    """Where the numbers of a wave stand in a row, as `core.motion.waves.Wave.columns` writes them.
+
+    `along` and `normal` are the first columns of the sines of each order, of which the cosines
+    follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which
+    they end. What is across the track stands between. Both counts are 0 of a row without a wave.
+    """
+
+    orders: int
+    steps: int
+    along: int
+    normal: int
+    levels: int
+    normal_levels: int
+    ends: int
+
+
+@borrowing
+def wave_columns(row: Floats, start: int) -> WaveColumns:
+    """Return the columns of the wave that stands in a row from a column on."""
+    orders, steps = 0, 0
+    if row.size > start:
+        orders, steps = int(row[start]), int(row[start + 1])
+    along, levels = start + 2, start + 2 + 6 * orders
+    return WaveColumns(
+        orders, steps, along, along + 4 * orders, levels, levels + 2 * steps, levels + 3 * steps
+    )
+
+
 class SineSum(NamedTuple):
     """A sum of sines: its table, the rows of its coefficients there, and its highest order."""
 

@@ -22,6 +22,7 @@ from core.motion.methods import events
 from core.motion.methods.events import motion_by_events
 from core.motion.price import Price, Priced
 from core.motion.result import ANSWERED, STATUS
+from core.motion.waves import NORMAL, of_columns
 from core.quantities.row import MAX_NUMBERED
 from core.scenes import Constraint
 from core.watch import Watch
@@ -153,7 +154,7 @@ def row_motion(
     rows, shape = _cells(groups, parts, periods)
     room, columns = len(parts.friction), RowMotion._fields.index("part_velocity")
     width = columns + 2 * room
-    alike, supported = _alike(rows, room), rows[:, _head("max_periods")] > 0.0
+    alike, supported = _alike(rows, room), rows[:, compiled.rows.AT.max_periods] > 0.0
     as_one = alike & supported & (parts.stop == "none" and steps is None)
     if as_one.all():
         means, each, status = _as_one(groups, rows, shape, as_one, room, watch)
@@ -180,12 +181,18 @@ def row_motion(
 
 def _waved(rows: Array) -> NDArray[np.bool_]:
     """Return a mask of the rows whose drive is a wave beyond steps along the track."""
-    start = _HEAD + 4 * int(rows[0, _head("room")])
-    if rows.shape[1] == start:
+    tables = compiled.rows
+    columns = rows[:, tables.HEAD + len(tables.OWN) * int(rows[0, tables.AT.room]) :]
+    if not columns.size:
         return np.zeros(len(rows), dtype=bool)
-    steps, first = int(rows[0, start + 1]), start + 2 + 6 * int(rows[0, start])
-    normal = rows[:, first + 2 * steps : first + 3 * steps]
-    return np.not_equal(rows[:, start], 0.0) | normal.any(axis=1)
+    wave = of_columns(columns)
+    return wave.steps[NORMAL].any(axis=0) | (wave.harmonics.shape[2] > 0)
+
+
+def _own(rows: Array, room: int, number: int) -> Array:
+    """Return a number of `Own` of each part, a view of shape (rows, room)."""
+    start = compiled.rows.HEAD + number * room
+    return rows[:, start : start + room]
 
 
 def _by_events(
@@ -216,27 +223,28 @@ def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
     """Return a mask of the rows whose parts all have one friction."""
     inside = _inside(rows, room)
     alike = np.ones(len(rows), dtype=bool)
-    for k in (0, 1):
-        part = rows[:, _HEAD + k * room : _HEAD + (k + 1) * room]
+    for number in (compiled.rows.OWN.static, compiled.rows.OWN.kinetic):
+        part = _own(rows, room, number)
         alike &= ((part == part[:, :1]) | ~inside).all(axis=1)
     return alike
 
 
 def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
     """Return a mask (rows, parts) of the parts that exist in each row."""
-    counts = rows[:, _head("parts")].astype(int)
+    counts = rows[:, compiled.rows.AT.parts].astype(int)
     return np.arange(room) < counts[:, np.newaxis]
 
 
 def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
     """Return rows in which touching parts of one friction are replaced by a single part."""
-    masses, gaps = (rows[:, _HEAD + k * room : _HEAD + (k + 1) * room] for k in (2, 3))
+    own = compiled.rows.OWN
+    masses, gaps = _own(rows, room, own.mass), _own(rows, room, own.gap)
     inside = _inside(rows, room)
     closed = (gaps[:, :-1] == 0.0) | ~inside[:, 1:]
     whole = alike & closed.all(axis=1)
     merged = rows.copy()
-    merged[whole, _HEAD + 2 * room] = np.where(inside, masses, 0.0).sum(axis=1)[whole]
-    merged[whole, _head("parts")] = 1.0
+    _own(merged, room, own.mass)[whole, 0] = np.where(inside, masses, 0.0).sum(axis=1)[whole]
+    merged[whole, compiled.rows.AT.parts] = 1.0
     return merged
 
 
@@ -261,7 +269,8 @@ def _as_one(
 
     The columns of `RowMotion` for each row, those for each part (rows, room), and the statuses.
     """
-    static, kinetic = (rows[:, _HEAD + k * room].reshape(shape) for k in (0, 1))
+    own = compiled.rows.OWN
+    static, kinetic = (_own(rows, room, n)[:, 0].reshape(shape) for n in (own.static, own.kinetic))
     one = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
     settings: dict[str, Any] = dict(events.EVENTS.defaults)
     motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
@@ -272,7 +281,7 @@ def _as_one(
     answered = np.isin(flat["status"], [STATUS[name] for name in ANSWERED])
     nothing = np.where(answered, 0.0, np.nan)
     inside = _inside(rows[alike], room)
-    gaps = rows[alike, _HEAD + 3 * room : _HEAD + 4 * room - 1]
+    gaps = _own(rows[alike], room, own.gap)[:, :-1]
     contacts = inside[:, 1:].sum(axis=1)
     apart = np.where(inside[:, 1:], gaps, 0.0)
     touching = 1.0 - (apart > 0.0).sum(axis=1) / contacts
@@ -286,18 +295,6 @@ def _as_one(
         for value in (flat["velocity"], nothing + 1.0)
     ]
     return columns, each, flat["status"]
-
-
-_HEAD_NAMES = (
-    "drive_number_along", "drive_number_normal", "gravity_number_along", "gravity_number_normal",
-    "part_restitution", "max_periods", "stop", "stop_gap", "room", "parts",
-)  # fmt: skip
-_HEAD = len(_HEAD_NAMES)
-
-
-def _head(name: str) -> int:
-    """Return the column of a field in the kernel's rows."""
-    return _HEAD_NAMES.index(name)
 
 
 def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, tuple[int, ...]]:
@@ -317,14 +314,11 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
     drive = (groups.drive_number_along, groups.drive_number_normal)
     if wave is not None:
         drive = (np.zeros(wave.cells), np.zeros(wave.cells))
-    rows, shape = table(
-        (
-            *drive, groups.gravity_number_along,
-            groups.gravity_number_normal, parts.restitution, max_periods,
-            float(STOPS.index(parts.stop)), parts.stop_gap, float(room),
-            parts.number, *static, *kinetic, *parts.mass, *parts.gap,
-        )
+    head = compiled.rows.Head(
+        *drive, groups.gravity_number_along, groups.gravity_number_normal, parts.restitution,
+        max_periods, float(STOPS.index(parts.stop)), parts.stop_gap, float(room), parts.number,
     )  # fmt: skip
+    rows, shape = table((*head, *static, *kinetic, *parts.mass, *parts.gap))
     if wave is not None:
         rows = np.concatenate([rows, wave.columns(shape)], axis=1)
     return rows, shape
@@ -356,7 +350,7 @@ def _course(contacts: Contacts) -> FollowCourse:
         else:
             times = np.array(asked.samples)
         rows, _ = _cells(asked.arguments["groups"], asked.arguments["row"], np.asarray(PERIODS))
-        parts = int(rows[0, _head("parts")])
+        parts = int(rows[0, compiled.rows.AT.parts])
         contacts = parts - (asked.arguments["row"].stop == "none")
         places, gaps = np.empty((times.size, parts)), np.empty((times.size, contacts))
         waved = bool(_waved(rows)[0])
@@ -364,8 +358,8 @@ def _course(contacts: Contacts) -> FollowCourse:
         path(rows[0], times * pace, places, gaps)
         pitch = np.asarray(asked.known["length"]).item() if "length" in asked.known else 0.0
         room = len(asked.arguments["row"].friction)
-        first = _HEAD + 3 * room
-        starts = np.r_[0.0, np.cumsum(rows[0, first : first + parts - 1])]
+        gap = _own(rows, room, compiled.rows.OWN.gap)[0, : parts - 1]
+        starts = np.r_[0.0, np.cumsum(gap)]
         scale = asked.scale("length_scale")
         values = {
             f"part_position_{n + 1}": (places[:, n] + starts[n]) * scale + n * pitch

@@ -17,7 +17,14 @@ from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import GROUPS, Cell
 from core.motion.kernels.planar.flow import MAX_ITERATIONS, TURN, arc
-from core.motion.kernels.waves import SineSum, halley, is_near_root, passages, value_and_slope
+from core.motion.kernels.waves import (
+    SineSum,
+    halley,
+    is_near_root,
+    passages,
+    value_and_slope,
+    wave_columns,
+)
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
 """Kinds of acceleration."""
@@ -77,7 +84,8 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
     way are 0 and 1: a wave is not mirrored as `upright` mirrors a sine.
     """
     table = waves.table
-    orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
+    columns = wave_columns(row, GROUPS)
+    orders, steps = columns.orders, columns.steps
     gs, gn = cell.gravity_number_along, cell.gravity_number_normal
     mu_s, mu_k = cell.friction_static, cell.friction_kinetic
     alike = mu_s == mu_k
@@ -86,17 +94,13 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
         abs(cell.drive_number_along), abs(cell.drive_number_normal),
         FORWARD if alike else STATIC_FORWARD, BACKWARD if alike else STATIC_BACKWARD,
     )  # fmt: skip
-    at = GROUPS + 2
-    if steps > 0:
-        at += 6 * orders
-        for step in range(steps):
-            table[ENDS, step] = row[at + 3 * steps + step]
-            fill_kinds(drive, 0, step, row[at + step], row[at + 2 * steps + step])
-    else:
-        for part in range(2):  # sines, cosines
-            for k in range(orders):
-                place = at + part * orders + k
-                fill_kinds(drive, part, k + 1, row[place], row[place + 4 * orders])
+    for step in range(steps):
+        table[ENDS, step] = row[columns.ends + step]
+        along, normal = row[columns.levels + step], row[columns.normal_levels + step]
+        fill_kinds(drive, 0, step, along, normal)
+    for place in range(2 * orders if steps == 0 else 0):  # sines, then cosines
+        along, normal = row[columns.along + place], row[columns.normal + place]
+        fill_kinds(drive, place // orders, place % orders + 1, along, normal)
     for kind in range(KINDS if not alike else STATIC_FORWARD):
         if kind != AIR:
             fill_passages(drive, kind)

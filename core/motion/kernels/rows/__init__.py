@@ -7,10 +7,14 @@ from core.motion.kernels.rows.cells import (
     waved_row_cells,
 )
 from core.motion.kernels.rows.stepping import stepped_rows
-from core.motion.kernels.rows.tables import ROW_COLUMNS, RowColumns
+from core.motion.kernels.rows.tables import AT, HEAD, OWN, ROW_COLUMNS, Head, RowColumns
 
 __all__ = [
+    "AT",
+    "HEAD",
+    "OWN",
     "ROW_COLUMNS",
+    "Head",
     "RowColumns",
     "path_of_row",
     "path_of_waved_row",

@@ -26,6 +26,7 @@ from core.motion.kernels.rows.contact import held_from
 from core.motion.kernels.rows.drive import Driven, backward_speed, gap_swept, is_lifted, swept
 from core.motion.kernels.rows.stop import stop_pressed
 from core.motion.kernels.rows.tables import (
+    AT,
     COLUMN,
     NO_STOP,
     ROW_COLUMNS,
@@ -196,7 +197,8 @@ def platoons(
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
     """Follow a row of parts until it repeats, write its results, and return its status."""
-    restitution, most, parts = cell[4], int(cell[5]), row.mass.size
+    restitution, most = cell[AT.part_restitution], int(cell[AT.max_periods])
+    parts = row.mass.size
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
     past = past_of(row)
     if drive.s > 0.0 and drive.gn <= 0.0:
@@ -331,7 +333,7 @@ def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Write positions and gaps of a row's parts at ascending phases under a drive."""
-    row, restitution = row_at(cell, backward_speed(drive)), cell[4]
+    row, restitution = row_at(cell, backward_speed(drive)), cell[AT.part_restitution]
     air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0
     places[:], gaps[:] = math.nan, math.nan

@@ -26,11 +26,12 @@ from core.motion.kernels.rows.cells import (
 )
 from core.motion.kernels.rows.contact import pooled
 from core.motion.kernels.rows.tables import (
+    AT,
     COLUMN,
-    HEAD,
     IN_SPACE,
     NO_STOP,
     Row,
+    columns_of,
     row_of,
 )
 from core.motion.kernels.statuses import STATUS
@@ -57,27 +58,26 @@ class Pushes(NamedTuple):
 @compiled
 def pushes_of(cell: Floats, steps: int) -> Pushes:
     """Return the drive of a cell, sampled in the middles of the steps of a period."""
-    start, h = HEAD + 4 * int(cell[HEAD - 2]), TURN / steps
+    columns, h = columns_of(cell), TURN / steps
     along, normal, backward = np.zeros(steps), np.zeros(steps), np.zeros(steps)
-    orders, levels = 0, 0
-    if cell.size > start:
-        orders, levels = int(cell[start]), int(cell[start + 1])
-    sines, table = start + 2, start + 2 + 6 * orders
+    orders, levels = columns.orders, columns.steps
     for k in range(steps):
         tau = (k + 0.5) * h
-        if cell.size == start:
-            along[k], normal[k] = cell[0] * math.sin(tau), cell[1] * math.sin(tau)
+        if orders == 0 and levels == 0:
+            sine = math.sin(tau)
+            along[k] = cell[AT.drive_number_along] * sine
+            normal[k] = cell[AT.drive_number_normal] * sine
         for order in range(orders):
             sine, cosine = math.sin((order + 1) * tau), math.cos((order + 1) * tau)
-            at = sines + order
+            at, up = columns.along + order, columns.normal + order
             along[k] += cell[at] * sine + cell[at + orders] * cosine
-            normal[k] += cell[at + 4 * orders] * sine + cell[at + 5 * orders] * cosine
+            normal[k] += cell[up] * sine + cell[up + orders] * cosine
         if levels > 0:
             step = 0
-            while step < levels - 1 and tau >= cell[table + 3 * levels + step]:
+            while step < levels - 1 and tau >= cell[columns.ends + step]:
                 step += 1
-            along[k] += cell[table + step]
-            normal[k] += cell[table + 2 * levels + step]
+            along[k] += cell[columns.levels + step]
+            normal[k] += cell[columns.normal_levels + step]
         backward[k] = (backward[k - 1] if k > 0 else 0.0) + h * along[k]
     return Pushes(along, normal, backward - backward.mean() + 0.5 * h * along.mean())
 
@@ -192,8 +192,9 @@ def stepped_period(
 @compiled
 def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
     """Follow a row by time steps until it repeats, write its results, and return its status."""
-    row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[5])
-    parts, gs, gn = row.mass.size, cell[2], cell[3]
+    row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[AT.max_periods])
+    parts = row.mass.size
+    gs, gn = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]
     if row.stop == IN_SPACE:
         row.speed[parts] = pushes.backward[-1]
     scale = max(1e-300, np.abs(pushes.along).max() + np.abs(pushes.normal).max())
@@ -232,7 +233,8 @@ def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, sto
         fine = table[number]
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         pushes = pushes_of(cell, steps)
-        most = np.abs(pushes.along).max() + np.abs(pushes.normal).max() + cell[3]
+        most = np.abs(pushes.along).max() + np.abs(pushes.normal).max()
+        most += cell[AT.gravity_number_normal]
         fine[COLUMN.error] += SAFETY * apart + STEP_SHARE * most * TURN / (2 * steps + 1)
         fine[COLUMN.collisions], fine[COLUMN.impact] = math.nan, math.nan
         fine[COLUMN.stop_impulse], fine[COLUMN.stop_peak] = math.nan, math.nan

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import compiled
+from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.waves import WaveColumns, wave_columns
 
 Whole = NDArray[np.int64]
 
@@ -18,12 +19,15 @@ Head = namedtuple(
     "drive_number_along drive_number_normal gravity_number_along gravity_number_normal "
     "part_restitution max_periods stop stop_gap room parts",
 )
-"""The first columns of a cell; static friction, kinetic friction, mass and the gap in front of
-each part follow, each with room for as many parts as the longest row of a study has, then the
-columns of the wave, if there is one (`core.motion.waves.Wave.columns`). `stop` is one of the three
-below."""
+"""The first columns of a cell; `stop` is one of the three below."""
 
-HEAD = len(Head._fields)
+Own = namedtuple("Own", "static kinetic mass gap")
+"""Numbers of each part behind those columns: frictions, mass and the gap in front of it, each with
+room for as many parts as the longest row of a study has. The columns of the wave, if there is one,
+stand at the end (`core.motion.kernels.waves.WaveColumns`)."""
+
+AT, OWN = Head(*range(len(Head._fields))), Own(*range(len(Own._fields)))
+HEAD = len(AT)
 
 NO_STOP, ON_TRACK, IN_SPACE = range(3)
 """What holds the row in front: nothing, a stop that moves with the track, one at rest in space."""
@@ -79,17 +83,37 @@ class Row(NamedTuple):
     stop: int
 
 
+@borrowing
+def own_column(cell: Floats, number: int) -> int:
+    """Return the first column of a number of each part; behind the last of `Own`, of the wave."""
+    return HEAD + number * int(cell[AT.room])
+
+
+@compiled
+def own_numbers(cell: Floats, number: int, count: int) -> Floats:
+    """Return a copy of a number of the first parts of a cell."""
+    start = own_column(cell, number)
+    return cell[start : start + count].copy()
+
+
+@borrowing
+def columns_of(cell: Floats) -> WaveColumns:
+    """Return the columns of the wave of a cell."""
+    return wave_columns(cell, own_column(cell, len(OWN)))
+
+
 @compiled
 def drive_of(cell: Floats) -> Drive:
     """Return the drive of a cell; a sine has one step of level 0."""
-    start = HEAD + 4 * int(cell[HEAD - 2])
-    steps = int(cell[start + 1]) if cell.size > start else 0
-    if steps == 0:
-        ends, levels = np.array([2 * np.pi]), np.zeros(1)
-    else:
-        at = start + 2 + 6 * int(cell[start])
-        ends, levels = cell[at + 3 * steps : at + 4 * steps].copy(), cell[at : at + steps].copy()
-    return Drive(cell[0], cell[1], cell[2], cell[3], ends, levels)
+    columns = columns_of(cell)
+    ends, levels = np.array([2 * np.pi]), np.zeros(1)
+    if columns.steps > 0:
+        ends = cell[columns.ends : columns.ends + columns.steps].copy()
+        levels = cell[columns.levels : columns.levels + columns.steps].copy()
+    return Drive(
+        cell[AT.drive_number_along], cell[AT.drive_number_normal], cell[AT.gravity_number_along],
+        cell[AT.gravity_number_normal], ends, levels,
+    )  # fmt: skip
 
 
 @compiled
@@ -101,17 +125,16 @@ def row_of(cell: Floats) -> Row:
 @compiled
 def row_at(cell: Floats, backward: float) -> Row:
     """Return the row of a cell at rest on the track; a stop at rest in space moves backward."""
-    stop, room, parts = int(cell[HEAD - 4]), int(cell[HEAD - 2]), int(cell[HEAD - 1])
-    static = cell[HEAD : HEAD + parts].copy()
-    kinetic = cell[HEAD + room : HEAD + room + parts].copy()
-    mass = cell[HEAD + 2 * room : HEAD + 2 * room + parts].copy()
+    stop, parts = int(cell[AT.stop]), int(cell[AT.parts])
+    static, kinetic = own_numbers(cell, OWN.static, parts), own_numbers(cell, OWN.kinetic, parts)
+    mass = own_numbers(cell, OWN.mass, parts)
     contacts, bodies = parts - 1, parts
     if stop != NO_STOP:
         contacts, bodies = parts, parts + 1
-    gap = cell[HEAD + 3 * room : HEAD + 3 * room + contacts].copy()
+    gap = own_numbers(cell, OWN.gap, contacts)
     speed = np.zeros(bodies)
     if stop != NO_STOP:
-        gap[parts - 1] = cell[HEAD - 3]
+        gap[parts - 1] = cell[AT.stop_gap]
     if stop == IN_SPACE:
         speed[parts] = backward
     closed = np.zeros(contacts, dtype=np.int64)

@@ -46,7 +46,7 @@ from core.motion.kernels.planar.wave import (
 from core.motion.kernels.planar.wave_flight import landing, landing_root, rise, track_speed
 from core.motion.kernels.planar.wave_slip import stop_after
 from core.motion.kernels.rows.roots import RESOLVED, ROUNDING, SAME
-from core.motion.kernels.rows.tables import HEAD, Row
+from core.motion.kernels.rows.tables import AT, Row, columns_of
 from core.motion.kernels.waves import value_and_slope
 
 SLOPE = math.inf
@@ -81,25 +81,25 @@ Swung = namedtuple("Swung", "swing sway normal_swing normal_sway")
 @compiled
 def waved_of(cell: Floats) -> RowWave:
     """Return the wave of a cell."""
-    start, bodies = HEAD + 4 * int(cell[HEAD - 2]), int(cell[HEAD - 1]) + 1
-    orders, steps = int(cell[start]), int(cell[start + 1])
-    at, table, largest = start + 2, np.zeros(TABLE), np.zeros(2)
-    ends = np.array([2.0 * np.pi])
+    columns, bodies = columns_of(cell), int(cell[AT.parts]) + 1
+    orders, steps = columns.orders, columns.steps
+    table, largest, ends = np.zeros(TABLE), np.zeros(2), np.array([2.0 * np.pi])
     if steps > 0:
-        at += 6 * orders
-        ends = cell[at + 3 * steps : at + 4 * steps].copy()
+        ends = cell[columns.ends : columns.ends + steps].copy()
         for step in range(steps):
-            _fill_pushes(table, 0, step, cell[at + step], cell[at + 2 * steps + step])
+            along, normal = cell[columns.levels + step], cell[columns.normal_levels + step]
+            _fill_pushes(table, 0, step, along, normal)
         table[ENDS, :steps] = ends
         largest[0] = np.abs(table[2 * AIR, :steps]).max()
         largest[1] = np.abs(table[2 * NORMAL, :steps]).max()
     for k in range(orders if steps == 0 else 0):
         for part in range(2):
-            place = at + part * orders + k
-            _fill_pushes(table, part, k + 1, cell[place], cell[place + 4 * orders])
+            place = part * orders + k
+            along, normal = cell[columns.along + place], cell[columns.normal + place]
+            _fill_pushes(table, part, k + 1, along, normal)
         largest[0] += math.hypot(table[2 * AIR, k + 1], table[2 * AIR + 1, k + 1])
         largest[1] += math.hypot(table[2 * NORMAL, k + 1], table[2 * NORMAL + 1, k + 1])
-    gs, gn = cell[2], cell[3]
+    gs, gn = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]
     table[PULLS, AIR], table[PULLS, NORMAL] = gs, gn
     along, normal = largest[0], largest[1]
     base = WaveDrive(

@@ -13,7 +13,7 @@ from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import GROUPS, Cell
 from core.motion.kernels.track.tables import INVERSE, MAX_ORDER, ROW, TURN, Work
-from core.motion.kernels.waves import SineSum, passages, value_and_slope
+from core.motion.kernels.waves import SineSum, passages, value_and_slope, wave_columns
 
 LATE = 1e-13
 """Of a phase: a lift-off so little behind a part that is on the floor is due now."""
@@ -50,21 +50,21 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
     Behind the cell a row has the counts of harmonics and of steps, the harmonics by axis, sine or
     cosine, and order, and the levels by axis with the ends of the steps.
     """
-    orders, steps, at = int(row[GROUPS]), int(row[GROUPS + 1]), GROUPS + 2
+    columns = wave_columns(row, GROUPS)
+    orders, steps = columns.orders, columns.steps
     work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = row[GROUPS], row[GROUPS + 1]
     square = 0.0
     for axis in range(3):
         speed = 0.0
         for k in range(1, orders + 1):
-            place = at + 2 * axis * orders + k - 1
+            place = columns.along + 2 * axis * orders + k - 1
             sine, cosine = row[place], row[place + orders]
             work[ROW.sines + axis, k], work[ROW.cosines + axis, k] = sine, cosine
             speed += math.hypot(sine, cosine) / k
         square += speed * speed
-    at += 6 * orders
     for axis in range(4):
         for step in range(steps):
-            work[ROW.levels + axis, step] = row[at + axis * steps + step]
+            work[ROW.levels + axis, step] = row[columns.levels + axis * steps + step]
     for axis in (2, 1, 0):  # those along the track stay
         speed = fill_step_speeds(axis, steps, work)
         square += speed * speed
