@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from benchmarks.honest_estimates import Groups, random_groups
 from benchmarks.motion import SETTINGS, mixed_grid
 from benchmarks.motions import planar_motion
 from benchmarks.options import options
+from benchmarks.timing import least
 from core.motion.result import STATUS, Motion
 
 TOLERANCES = (1e-12, 0.01, 0.03, 0.1)
@@ -33,16 +35,6 @@ def some(groups: Groups, where: np.ndarray) -> Groups:
     return {name: values[where] for name, values in groups.items()}
 
 
-def seconds(groups: Groups, tolerance: float, runs: int) -> float:
-    """Return the least processor time of several runs [s]."""
-    taken = []
-    for _ in range(runs):
-        start = time.process_time()
-        followed(groups, tolerance)
-        taken.append(time.process_time() - start)
-    return min(taken)
-
-
 def main() -> None:
     """Print the cost and the accuracy of means of aperiodic motions."""
     given = options(
@@ -54,7 +46,10 @@ def main() -> None:
     cells, count = some(grid, wild), grid["restitution"].size
     print(f"{count:,} cells at restitution 0.3, of which {wild.size:,} do not repeat")
     for tolerance in TOLERANCES:
-        every, own = seconds(grid, tolerance, given.runs), seconds(cells, tolerance, given.runs)
+        every, own = (
+            least(given.runs, partial(followed, those, tolerance), time.process_time)
+            for those in (grid, cells)
+        )
         print(
             f"  tolerance {tolerance:<6g} {1e6 * every / count:7.1f} us a cell, "
             f"{1e6 * own / wild.size:7.0f} us one that does not repeat"

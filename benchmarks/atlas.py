@@ -6,15 +6,15 @@
 
 from __future__ import annotations
 
-import argparse
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.options import options
+from benchmarks.timing import least
 from core.atlas.build import RESOLUTIONS, build
 from core.atlas.cells import exact
 from core.atlas.find import STATUS, AtlasValues, find
@@ -33,12 +33,13 @@ WITHIN_TEN = 10.0
 
 def main() -> None:
     """Print how an atlas was made, how often it answers, how accurate and how fast it is."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--atlas", type=Path, help="an atlas that is there")
-    parser.add_argument("--resolution", choices=RESOLUTIONS, default="full")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--picture", type=Path, help="draw a chart, and nothing else")
-    arguments = parser.parse_args()
+    arguments = options(
+        __doc__,
+        atlas=(Path, "an atlas that is there"),
+        resolution=("full", ", ".join(RESOLUTIONS)),
+        seed=0,
+        picture=(Path, "draw a chart, and nothing else"),
+    )
     if arguments.picture is not None:
         page = draw_page(Chart.of(0.3, 0.0))
         page.savefig(arguments.picture, dpi=100, metadata=METADATA["png"])
@@ -70,8 +71,8 @@ def main() -> None:
     print_row("whole range, evenly", find(atlas, numbers), exact(numbers).velocity,
               np.ones(CELLS, dtype=bool))  # fmt: skip
     numbers = _of_practice(rng, TIMED)
-    looked_up = _seconds(lambda: find(atlas, numbers)) / TIMED
-    followed = _seconds(lambda: exact(numbers)) / TIMED
+    looked_up = least(REPEATS, lambda: find(atlas, numbers), time.process_time) / TIMED
+    followed = least(REPEATS, lambda: exact(numbers), time.process_time) / TIMED
     print("\nprocessor time")
     print(f"  a look-up      {1e6 * looked_up:.2f} us")
     print(f"  an exact cell  {1e6 * followed:.2f} us, {followed / looked_up:.1f} times as much")
@@ -111,16 +112,6 @@ def _anywhere(rng: np.random.Generator) -> Numbers:
     angle = AXES["angle_number"]
     fields["angle_number"] = np.exp(rng.uniform(np.log(angle.least), np.log(angle.largest), CELLS))
     return Numbers(**fields)
-
-
-def _seconds(work: Callable[[], object]) -> float:
-    """Return the least processor time of several runs, over all threads [s]."""
-    times = []
-    for _ in range(REPEATS):
-        began = time.process_time()
-        work()
-        times.append(time.process_time() - began)
-    return min(times)
 
 
 if __name__ == "__main__":

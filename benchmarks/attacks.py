@@ -7,7 +7,6 @@ every route.
 
 from __future__ import annotations
 
-import http.client
 import json
 import math
 import selectors
@@ -78,8 +77,7 @@ def slow_bodies(server: Served, seconds: float) -> None:
 
 def deaf_slices(server: Served, seconds: float) -> None:
     """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
-    key = server.post("/sweeps", LARGE)["id"]
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
+    path = _slice_of(server, LARGE, "beta,gamma")
     for _ in range(2):
         _crowd(server, [_request(server, "GET", path)] * 200, seconds / 2)
 
@@ -105,33 +103,35 @@ def long_cells(server: Served, seconds: float) -> None:
 
 def long_jobs(server: Served, seconds: float) -> None:
     """Attack: four endless jobs, dismissed after half the time; a small job must then finish."""
-    numbers = []
-    for n in range(4):
-        numbers.append(_posted(server, "simulate", _long_study(n)))
-    time.sleep(seconds / 2)
-    for number in numbers:
-        _delete(server, f"/jobs/{number}")
-    _has_to_end(server, _posted(server, "sweep", SMALL), seconds / 2)
+    _dismissed(server, "simulate", [_long_study(n) for n in range(4)], seconds)
 
 
 def many_jobs(server: Served, seconds: float) -> None:
     """Attack: six endless jobs that stay; a small job must finish beside them."""
-    numbers = [_posted(server, "simulate", _long_study(n)) for n in range(6)]
-    _has_to_end(server, _posted(server, "sweep", SMALL), seconds)
+    numbers = [server.post_job("simulate", _long_study(n)) for n in range(6)]
+    _has_to_end(server, server.post_job("sweep", SMALL), seconds)
     for number in numbers:
-        _delete(server, f"/jobs/{number}")
+        server.ask("DELETE", f"/jobs/{number}")
 
 
 def accuracy_jobs(server: Served, seconds: float) -> None:
     """Attack: three accuracy jobs, dismissed while they run; a small job must then finish."""
-    numbers = []
-    for n in range(3):
-        study = varied(SMALL, frequency=50 + n)
-        numbers.append(_posted(server, "accuracy", study))
+    _dismissed(server, "accuracy", [varied(SMALL, frequency=50 + n) for n in range(3)], seconds)
+
+
+def _dismissed(server: Served, process: str, studies: Sequence[Study], seconds: float) -> None:
+    """Post jobs, and dismiss them after half of the time; a small one has to come through then."""
+    numbers = [server.post_job(process, study) for study in studies]
     time.sleep(seconds / 2)
     for number in numbers:
-        _delete(server, f"/jobs/{number}")
-    _has_to_end(server, _posted(server, "sweep", SMALL), seconds / 2)
+        server.ask("DELETE", f"/jobs/{number}")
+    _has_to_end(server, server.post_job("sweep", SMALL), seconds / 2)
+
+
+def _slice_of(server: Served, study: Study, axes: str) -> str:
+    """Return the path of a slice of a sweep over axes, with what else is asked."""
+    key = server.post("/sweeps", study)["id"]
+    return f"/sweeps/{key}/slice?output=acceleration_x&axes={axes}"
 
 
 def _posts(server: Served, path: str, contents: Sequence[object], seconds: float) -> None:
@@ -181,7 +181,7 @@ def many_names(server: Served, seconds: float) -> None:
     key = server.post("/sweeps", LARGE)["id"]
     names = "&".join(f"n{n}=1" for n in range(5_000))
     path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta&{names}"
-    _crowd_again(server, [_request(server, "GET", path)] * 64, seconds)
+    _ask_again(server, path, 64, seconds)
 
 
 def short_motions(server: Served, seconds: float) -> None:
@@ -204,19 +204,17 @@ def dear_slices(server: Served, seconds: float) -> None:
     """Attack: 64 clients request a small slice of a sweep with 100,000 values on a fixed axis."""
     values = [1e-4 + 1e-9 * n for n in range(60_000)]
     study = varied(SMALL, amplitude=values)
-    key = server.post("/sweeps", study)["id"]
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta&amplitude=0.0001"
-    _crowd_again(server, [_request(server, "GET", path)] * 64, seconds)
+    _ask_again(server, _slice_of(server, study, "beta&amplitude=0.0001"), 64, seconds)
 
 
 def waiting(server: Served, seconds: float) -> None:
     """Attack: 520 clients post one long study and wait for its job, up to 60 s each."""
-    number = _posted(server, "simulate", _long_study(0))
+    number = server.post_job("simulate", _long_study(0))
     body = json.dumps(_long_study(0)).encode()
     head = ("Prefer: respond-async, wait=60", f"Content-Length: {len(body)}")
     request = _request(server, "POST", "/processes/simulate/execution", *head) + body
     _crowd(server, [request] * 520, seconds)
-    _delete(server, f"/jobs/{number}")
+    server.ask("DELETE", f"/jobs/{number}")
 
 
 def crumbs(server: Served, seconds: float) -> None:
@@ -249,9 +247,7 @@ def fixed_axis(server: Served, seconds: float) -> None:
     """Attack: 64 clients request a small slice of a sweep with 10^6 values on a fixed axis."""
     axis = {"start": 1e-4, "stop": 5e-4, "num": 1_000_000}
     study = varied(SMALL, amplitude=axis)
-    key = server.post("/sweeps", study)["id"]
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta&amplitude=0.0001"
-    _crowd_again(server, [_request(server, "GET", path)] * 64, seconds)
+    _ask_again(server, _slice_of(server, study, "beta&amplitude=0.0001"), 64, seconds)
 
 
 def netcdf_files(server: Served, seconds: float) -> None:
@@ -269,16 +265,10 @@ def _waited_for(server: Served, path: str, seconds: float) -> float:
     """Return the time until a path is answered to another client during an attack [s]."""
     time.sleep(1.0)
     started = time.monotonic()
-    connection = http.client.HTTPConnection(
-        *server.place, timeout=seconds, source_address=(ELSEWHERE, 0)
-    )
     try:
-        connection.request("GET", path)
-        connection.getresponse().read()
+        server.ask("GET", path, source=ELSEWHERE, timeout=seconds)
     except OSError:
         print(f"  MISSED another's small file had not come after {seconds:g} s")
-    finally:
-        connection.close()
     return time.monotonic() - started
 
 
@@ -288,7 +278,7 @@ def fast_samples(server: Served, seconds: float) -> None:
     rates = [{**recorded, "drive": {**recorded["drive"], "sampling_rate": rate}} for rate in RATES]
     bare = {k: v for k, v in PROCESSES["sensitivity"].example.items() if k != "outputs"}
     for kind, study in [*(("simulate", one) for one in rates), ("sensitivity", bare)]:
-        status = _status(server, f"/processes/{kind}/execution", study)
+        status = server.ask("POST", f"/processes/{kind}/execution", study).status
         if status >= 500:
             print(f"  MISSED {kind}: {status}")
 
@@ -327,17 +317,14 @@ def pipelined(server: Served, seconds: float) -> None:
 
 def packed_slices(server: Served, seconds: float) -> None:
     """Attack: 32 clients request compressed slices of 10^6 values."""
-    key = server.post("/sweeps", LARGE)["id"]
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
-    _crowd_again(server, [_request(server, "GET", path, "Accept-Encoding: gzip")] * 32, seconds)
+    path = _slice_of(server, LARGE, "beta,gamma")
+    _ask_again(server, path, 32, seconds, "Accept-Encoding: gzip")
 
 
 def workbooks(server: Served, seconds: float) -> None:
     """Attack: 16 clients request slices of 100,000 rows as workbooks."""
     study = varied(LARGE, gamma={"start": 0, "stop": 9, "num": 100})
-    key = server.post("/sweeps", study)["id"]
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma&format=xlsx"
-    _crowd_again(server, [_request(server, "GET", path)] * 16, seconds)
+    _ask_again(server, _slice_of(server, study, "beta,gamma&format=xlsx"), 16, seconds)
 
 
 def chunks(server: Served, seconds: float) -> None:
@@ -359,19 +346,19 @@ def chunks(server: Served, seconds: float) -> None:
 
 def followers(server: Served, seconds: float) -> None:
     """Attack: 250 clients follow the events of one long job."""
-    number = _posted(server, "simulate", _long_study(0))
+    number = server.post_job("simulate", _long_study(0))
     _crowd(server, [_request(server, "GET", f"/jobs/{number}/events")] * 250, seconds)
-    _delete(server, f"/jobs/{number}")
+    server.ask("DELETE", f"/jobs/{number}")
 
 
 def lists(server: Served, seconds: float) -> None:
     """Attack: 64 clients list a thousand jobs at a time with all filters."""
     for n in range(90):
         study = varied(SMALL, frequency=50 + n % 9)
-        _status(server, "/processes/sweep/execution", study, Prefer="respond-async")
+        server.ask("POST", "/processes/sweep/execution", study, Prefer="respond-async")
     query = "&".join(["status=successful", "processID=sweep"] * 20)
     path = f"/jobs?limit=1000&minDuration=0&datetime=2000-01-01T00:00:00Z/..&{query}"
-    _crowd_again(server, [_request(server, "GET", path)] * 64, seconds)
+    _ask_again(server, path, 64, seconds)
 
 
 def unknown_names(server: Served, seconds: float) -> None:
@@ -408,14 +395,9 @@ def _stream_again(server: Served, head: bytes, piece: bytes, clients: int, secon
         list(threads.map(stream, range(clients)))
 
 
-def _status(server: Served, path: str, study: object, **headers: str) -> int:
-    """Return the status of the reply to a posted study."""
-    connection = http.client.HTTPConnection(*server.place, timeout=60)
-    connection.request("POST", path, json.dumps(study).encode(), headers)
-    reply = connection.getresponse()
-    reply.read()
-    connection.close()
-    return reply.status
+def _ask_again(server: Served, path: str, clients: int, seconds: float, *headers: str) -> None:
+    """Have so many clients ask for a path, again whenever all are answered."""
+    _crowd_again(server, [_request(server, "GET", path, *headers)] * clients, seconds)
 
 
 def _crowd_again(server: Served, requests: list[bytes], seconds: float) -> None:
@@ -447,20 +429,6 @@ def _long_cell(server: Served, n: int) -> bytes:
     body = json.dumps(_long_study(n)).encode()
     path = "/processes/simulate/execution"
     return _request(server, "POST", path, f"Content-Length: {len(body)}") + body
-
-
-def _posted(server: Served, process: str, study: object) -> str:
-    """Post a study as a job and return the job's identifier."""
-    path = f"/processes/{process}/execution"
-    return str(server.post(path, study, Prefer="respond-async")["jobID"])
-
-
-def _delete(server: Served, path: str) -> None:
-    """Send a DELETE request and read its reply."""
-    connection = http.client.HTTPConnection(*server.place, timeout=30)
-    connection.request("DELETE", path)
-    connection.getresponse().read()
-    connection.close()
 
 
 def _has_to_end(server: Served, number: str, seconds: float) -> None:

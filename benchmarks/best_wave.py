@@ -6,7 +6,6 @@ random ones of each kind are tried.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.options import options
+from benchmarks.timing import timed
 from core.intake import parse_study
 from core.kinds import run_study
 from core.motion.driven import driven
@@ -179,9 +179,7 @@ def _searched() -> None:
         *((f"{n} steps", steps(n)) for n in (2, 3, 4, 5)),
         *((f"{n} harmonics", harmonics(n)) for n in (2, 3, 4)),
     ):
-        started = time.perf_counter()
-        found = best(study(variables=variables))
-        seconds = time.perf_counter() - started
+        found, seconds = timed(best, study(variables=variables))
         share = float(found["share_of_fastest"])
         print(f"  {name}: {share:.8f}, {seconds:.1f} s", flush=True)
 

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.calibrations [COUNT]` counts how often intervals hold the truth.
+"""`python -m benchmarks.calibrations` counts how often intervals hold the truth.
 
 Random calibrations of 1 to 3 unknowns and 3 to 12 runs: the truth is drawn from what a study says
 of it, speeds are those of the motion with random errors, and of every unknown it is counted whether
@@ -8,17 +8,17 @@ the intervals of 68 and 95 % hold the truth.
 - `discrepancy`: the same, with a discrepancy drawn from what scatter.py says of it beforehand.
 - `none known`: studies that give no error, of 3 more runs than unknowns or more.
 
-COUNT is 1,000; a seed follows it.
+`--count` is 1,000.
 """
 
 from __future__ import annotations
 
-import sys
-import time
 from typing import Any
 
 import numpy as np
 
+from benchmarks.options import options
+from benchmarks.timing import timed
 from core.calibrate.boxes import explore
 from core.calibrate.calibration import Calibration
 from core.calibrate.posterior import posterior_of
@@ -100,12 +100,11 @@ def covered(count: int, kind: str, seed: int) -> tuple[float, float, int]:
 
 
 if __name__ == "__main__":
-    asked = [int(word) for word in sys.argv[1:]] or [1000]
+    asked = options(__doc__, count=1000, seed=0)
     for one in KINDS:
-        began = time.perf_counter()
-        few, many, truths = covered(asked[0], one, asked[1] if len(asked) > 1 else 0)
+        (few, many, truths), seconds = timed(covered, asked.count, one, asked.seed)
         print(
-            f"{one}: {asked[0]:,} calibrations, {truths:,} unknowns: 68 % hold {100 * few:.1f} %, "
-            f"95 % hold {100 * many:.1f} %; {time.perf_counter() - began:.0f} s",
+            f"{one}: {asked.count:,} calibrations, {truths:,} unknowns: 68 % hold "
+            f"{100 * few:.1f} %, 95 % hold {100 * many:.1f} %; {seconds:.0f} s",
             flush=True,
         )

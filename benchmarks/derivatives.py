@@ -1,6 +1,6 @@
 """Exact derivatives of planar motion against differences, at random cells, and what they cost.
 
-Run `python -m benchmarks.derivatives [CELLS]`. The judge knows nothing of events: it asks the plain
+Run `python -m benchmarks.derivatives`. The judge knows nothing of events: it asks the plain
 kernel on both sides of a cell, at steps that halve, and extrapolates (Ridders). Only steps count
 across which status, multiple, the impacts of a period and what the part does stay, and only where
 the judge itself is sure to a tenth of the bar.
@@ -8,13 +8,14 @@ the judge itself is sure to a tenth of the bar.
 
 from __future__ import annotations
 
-import sys
-import time
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.options import options
+from benchmarks.timing import in_turns
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN
@@ -165,7 +166,7 @@ def errors(cells: Floats) -> dict[str, tuple[Floats, Floats, Floats, Derived]]:
 
 def main() -> None:
     """Print the errors and the cost of derivatives."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
+    count = options(__doc__, cells=10_000).cells
     cells = random_cells(count, 2026)
     costs(cells)
     cells = repeating(cells)
@@ -200,18 +201,11 @@ def costs(cells: Floats) -> None:
     }
     for name, which in kinds.items():
         some = cells[which]
-        spent = np.empty((5, 3))
-        for row in spent:
-            for place, call in enumerate(
-                (plain, lambda c: derived(c, False), lambda c: derived(c, True))
-            ):
-                started = time.perf_counter()
-                call(some)
-                row[place] = time.perf_counter() - started
-        least = spent.min(axis=0)
+        ways = partial(plain, some), partial(derived, some, False), partial(derived, some, True)
+        alone, motion, energy = map(min, in_turns(5, *ways))
         print(
-            f"{name:15s} {1e6 * least[0] / len(some):8.2f} us a cell; with derivatives "
-            f"{least[1] / least[0]:.2f} times, those of the energies too {least[2] / least[0]:.2f}"
+            f"{name:15s} {1e6 * alone / len(some):8.2f} us a cell; with derivatives "
+            f"{motion / alone:.2f} times, those of the energies too {energy / alone:.2f}"
         )
 
 

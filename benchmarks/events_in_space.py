@@ -6,13 +6,14 @@ own error the reference bounds (`tests/laws/test_spatial_events.py`); some of th
 
 from __future__ import annotations
 
-import time
+from functools import partial
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from benchmarks.options import options
+from benchmarks.timing import least
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER, Floats
 from core.motion.kernels.cells import cell_of
@@ -111,14 +112,12 @@ def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: F
 
 def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
     """Return the motion of cells, computed one by one, and the least time of each [s]."""
-    seconds = np.full(len(rows), np.inf)
+    seconds = np.empty(len(rows))
     table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
     for number in range(len(rows)):
         piece = slice(number, number + 1)
-        for _ in range(repeats):
-            started = time.perf_counter()
-            solve_cells(kind.wall, kind.rolling, rows[piece], table[piece], status[piece], NEVER)
-            seconds[number] = min(seconds[number], time.perf_counter() - started)
+        cell = rows[piece], table[piece], status[piece], NEVER
+        seconds[number] = least(repeats, partial(solve_cells, kind.wall, kind.rolling, *cell))
     return motion_of(table, status, (len(rows),)), seconds
 
 
@@ -200,13 +199,11 @@ def main() -> None:
             step_seconds, step_error = [], []
             for number in range(arguments.stepped):
                 one = Groups._make(column[number] for column in some)
-                for _ in range(2):  # the first may compile
-                    started = time.perf_counter()
-                    found = stepped_motion(
-                        one, kind.contacts, steps_per_period=1000, max_periods=200
-                    )
-                    took = time.perf_counter() - started
-                step_seconds.append(took)
+                run = partial(
+                    stepped_motion, one, kind.contacts, steps_per_period=1000, max_periods=200
+                )
+                found = run()  # may compile
+                step_seconds.append(least(1, run))
                 step_error.append(abs(float(found.velocity) - truth[number, 0]) / speed[number])
             every.setdefault("step seconds", []).append(np.array(step_seconds))
             every.setdefault("step error", []).append(np.array(step_error))

@@ -6,9 +6,7 @@ one or none is stated, and the largest ratio of the two. The aim: less than 1 %,
 
 from __future__ import annotations
 
-import argparse
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -23,6 +21,7 @@ from benchmarks.motions import (
     regularised_motion,
     stepped_motion,
 )
+from benchmarks.options import options
 from benchmarks.timing import timed
 from core.intake import parse_study
 from core.motion.result import STATUS, Motion
@@ -189,13 +188,11 @@ def spatial_against_events(count: int) -> list[Measured]:
     groups["gravity_number_along"] = np.zeros(count)
     turn = np.random.default_rng(3).uniform(0.1, 1.4, count)
     exact = by_events(groups)
-    started = time.perf_counter()
     along = groups.pop("drive_number_along")
-    found = stepped_motion(
-        **groups, drive_number_along=along * np.cos(turn), drive_number_across=along * np.sin(turn),
-        gravity_number_across=0.0, steps_per_period=100,
+    found, took = timed(
+        stepped_motion, **groups, drive_number_along=along * np.cos(turn),
+        drive_number_across=along * np.sin(turn), gravity_number_across=0.0, steps_per_period=100,
     )  # fmt: skip
-    took = time.perf_counter() - started
     both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
     either = np.isin(exact.status, (*REPEATS, STATUS["aperiodic"]))
     share = np.cos(turn)
@@ -400,10 +397,7 @@ ESTIMATES: dict[str, tuple[Callable[[int], list[Measured]], int]] = {
 
 def main() -> None:
     """Print a row for each error estimate; exit with 1 if one is not honest."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="estimate", help=", ".join(ESTIMATES))
-    parser.add_argument("--studies", type=int, default=10_000)
-    arguments = parser.parse_args()
+    arguments = options(__doc__, *ESTIMATES, studies=10_000)
     print("| estimate | studies | judged | exceeded | unstated | worst ratio | median ratio | s |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     honest = True

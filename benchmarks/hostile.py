@@ -11,7 +11,6 @@ the bytes it wrote into the log. Exits with 1 if a limit is missed.
 
 from __future__ import annotations
 
-import argparse
 import http.client
 import multiprocessing
 import resource
@@ -27,6 +26,7 @@ from pathlib import Path
 import psutil
 
 from benchmarks.attacks import ATTACKS, ELSEWHERE, MB, SMALL
+from benchmarks.options import options
 from benchmarks.serving import Served, served
 
 OPEN_FILES = 1024
@@ -82,30 +82,25 @@ class Found:
 # --- what others notice
 
 
-def watch(place: tuple[str, int], small: str, telling: Connection) -> None:
+def watch(server: Served, small: str, telling: Connection) -> None:
     """Request /healthz and a path until told to stop; send the longest silence of each."""
     over = threading.Event()
     paths = {"/healthz": 0.05, small: 0.2}
     with ThreadPoolExecutor(len(paths)) as threads:
-        running = [threads.submit(_silence, place, *asked, over) for asked in paths.items()]
+        running = [threads.submit(_silence, server, *asked, over) for asked in paths.items()]
         telling.send("watching")
         telling.recv()
         over.set()
         telling.send([one.result() for one in running])
 
 
-def _silence(place: tuple[str, int], path: str, every: float, over: threading.Event) -> float:
+def _silence(server: Served, path: str, every: float, over: threading.Event) -> float:
     """Return the longest time from a request to its answer."""
     longest, since = 0.0, time.monotonic()
     while not over.wait(every):
-        connection = http.client.HTTPConnection(*place, timeout=5, source_address=(ELSEWHERE, 0))
         with suppress(OSError, http.client.HTTPException):
-            connection.request("GET", path)
-            reply = connection.getresponse()
-            reply.read()
-            if reply.status == 200:
+            if server.ask("GET", path, source=ELSEWHERE, timeout=5).status == 200:
                 longest, since = max(longest, time.monotonic() - since - every), time.monotonic()
-        connection.close()
     return max(longest, time.monotonic() - since - every)
 
 
@@ -118,7 +113,7 @@ def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
         server.get(small)
         here, there = multiprocessing.Pipe()
         watcher = multiprocessing.get_context("spawn").Process(
-            target=watch, args=(server.place, small, there)
+            target=watch, args=(server, small, there)
         )
         watcher.start()
         here.recv()
@@ -165,11 +160,7 @@ def _peak(pid: int) -> int:
 
 def main() -> None:
     """Print the effects of each attack; exit with 1 if a limit is exceeded."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("attacks", nargs="*", choices=[[], *ATTACKS], default=[])
-    parser.add_argument("--shorter", type=float, default=1.0, help="divides the time of each")
-    arguments = parser.parse_args()
-    wanted = arguments.attacks or list(ATTACKS)
+    arguments = options(__doc__, *ATTACKS, shorter=(1.0, "divides the time of each"))
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
     limits = Limits()
@@ -179,7 +170,7 @@ def main() -> None:
     )
     print(f"{'':19} /healthz  slice   peak  after  processor    log   busy")
     missed = False
-    for name in wanted:
+    for name in arguments.names or ATTACKS:
         attack, seconds = ATTACKS[name]
         found = suffered(attack, seconds / arguments.shorter)
         print(

@@ -1,4 +1,4 @@
-"""What the ledger's steps take: `python -m benchmarks.ledger`, or with the URL of a PostgreSQL.
+"""What the ledger's steps take: `python -m benchmarks.ledger`, or with `--url` of a PostgreSQL.
 
 Medians of so many jobs that are posted, claimed and carried out one after another, in a new SQLite
 file: on the disk, and in memory, where no step waits for a disk.
@@ -6,7 +6,6 @@ file: on the disk, and in memory, where no step waits for a disk.
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import tempfile
 import time
@@ -16,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from app.jobs.ledger import Ledger
+from benchmarks.options import options
+from benchmarks.timing import timed
 
 MEMORY = Path("/dev/shm")
 
@@ -25,11 +26,9 @@ def steps(where: Path | str, jobs: int) -> dict[str, float]:
     ledger = Ledger(where)
     times: dict[str, list[float]] = defaultdict(list)
 
-    def timed(name: str, step: Callable[[], Any]) -> Any:
-        """Time one operation and return its result."""
-        started = time.perf_counter()
-        found = step()
-        times[name].append(time.perf_counter() - started)
+    def clocked(name: str, step: Callable[[], Any]) -> Any:
+        found, seconds = timed(step)
+        times[name].append(seconds)
         return found
 
     size = {"cells": 1, "block_cells": 1, "blocks": 1, "bytes_": 1, "finished_seconds": None}
@@ -37,12 +36,12 @@ def steps(where: Path | str, jobs: int) -> dict[str, float]:
     try:
         for n in range(jobs):
             key = f"{run}-{n}"
-            job = timed("post", lambda key=key: ledger.post(key, "sweep", **size))
-            work = timed("claim", lambda: ledger.claim("benchmark", 60.0))
-            timed("advance", lambda work=work: ledger.advance(work, done=1, seconds=1.0))
-            timed("holds", lambda work=work: ledger.holds(work))
-            timed("job", lambda job=job: ledger.job(job.id))
-            timed("succeed", lambda work=work: ledger.succeed(work))
+            job = clocked("post", lambda key=key: ledger.post(key, "sweep", **size))
+            work = clocked("claim", lambda: ledger.claim("benchmark", 60.0))
+            clocked("advance", lambda work=work: ledger.advance(work, done=1, seconds=1.0))
+            clocked("holds", lambda work=work: ledger.holds(work))
+            clocked("job", lambda job=job: ledger.job(job.id))
+            clocked("succeed", lambda work=work: ledger.succeed(work))
     finally:
         ledger.close()
     return {name: statistics.median(values) for name, values in times.items()}
@@ -50,10 +49,7 @@ def steps(where: Path | str, jobs: int) -> dict[str, float]:
 
 def main() -> None:
     """Print the table of times."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("url", nargs="?", help="of a ledger that nobody else uses")
-    parser.add_argument("--jobs", type=int, default=400)
-    asked = parser.parse_args()
+    asked = options(__doc__, url=(str, "of a ledger that nobody else uses"), jobs=400)
     if asked.url:
         _tell("PostgreSQL", steps(asked.url, asked.jobs))
         return

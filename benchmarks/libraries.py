@@ -25,19 +25,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from benchmarks.timing import in_turns
+
 MEGABYTES = 128
 ROUNDS = 5
-
-
-def best(*functions: Callable[[], object], rounds: int = ROUNDS) -> list[float]:
-    """Return the shortest time of each function, run in turns so that all share load [s]."""
-    times: list[list[float]] = [[] for _ in functions]
-    for _ in range(rounds):
-        for function, taken in zip(functions, times, strict=True):
-            started = time.perf_counter()
-            function()
-            taken.append(time.perf_counter() - started)
-    return [min(taken) for taken in times]
 
 
 # --- guard
@@ -100,8 +91,8 @@ def guard() -> None:
         "TrustedHostMiddleware, host only": TrustedHostMiddleware(inner, ["localhost"]),
         "Limits": Limits(inner, limits),
     }
-    for name, seconds in zip(layers, best(*map(called, layers.values())), strict=True):
-        print(f"{name:36} {seconds / 10_000 * 1e6:6.2f} us a request")
+    for name, seconds in zip(layers, in_turns(ROUNDS, *map(called, layers.values())), strict=True):
+        print(f"{name:36} {min(seconds) / 10_000 * 1e6:6.2f} us a request")
 
 
 # --- downloads
@@ -175,8 +166,8 @@ def downloads() -> None:
 
             return whole
 
-        for place, seconds in zip(places, best(*map(read, places)), strict=True):
-            print(f"{place:18} {MEGABYTES / seconds:6.0f} MiB/s")
+        for place, seconds in zip(places, in_turns(ROUNDS, *map(read, places)), strict=True):
+            print(f"{place:18} {MEGABYTES / min(seconds):6.0f} MiB/s")
         for name, headers in ASKED.items():
             given = {k: v.replace("ETAG", f'"{digest}"') for k, v in headers.items()}
             told = []

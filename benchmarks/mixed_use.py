@@ -10,8 +10,6 @@ by more than an allocator's leftovers may be. `--minutes 6 --requests 300` is a 
 
 from __future__ import annotations
 
-import argparse
-import http.client
 import json
 import random
 import time
@@ -21,7 +19,9 @@ from typing import Any
 
 from app.web.execution import PROCESSES
 from benchmarks.attacks import LARGE, SMALL, varied
+from benchmarks.options import options
 from benchmarks.serving import Served, served
+from benchmarks.timing import timed
 
 MAX_GROWTH = 1.05
 TENTHS = 10
@@ -132,28 +132,20 @@ class User:
         right: int | None = None,
     ) -> dict[str, Any]:
         """Send a request, record its outcome, and return its JSON reply."""
-        started = time.monotonic()
-        connection = http.client.HTTPConnection(*self._server.place, timeout=120)
-        body = None if content is None else json.dumps(content).encode()
-        connection.request(method, path, body, headers or {})
-        reply = connection.getresponse()
-        text = reply.read()
-        connection.close()
+        reply, seconds = timed(
+            self._server.ask, method, path, content, timeout=120, **(headers or {})
+        )
         self.statuses[str(reply.status)] += 1
-        self.longest[kind] = max(self.longest[kind], time.monotonic() - started)
+        self.longest[kind] = max(self.longest[kind], seconds)
         if reply.status != right if right else reply.status >= 300:
-            self.failed.append(f"{kind}: {reply.status} {text[:200]!r}")
-        found = json.loads(text) if reply.headers.get_content_subtype() == "json" else {}
+            self.failed.append(f"{kind}: {reply.status} {reply.body[:200]!r}")
+        found = json.loads(reply.body) if reply.headers.get_content_subtype() == "json" else {}
         return found if isinstance(found, dict) else {}
 
 
 def main() -> int:
     """Print how the server performed; return 1 if a request failed or memory grew."""
-    parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
-    parser.add_argument("--minutes", type=float, default=60.0)
-    parser.add_argument("--requests", type=int, default=3000)
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
+    arguments = options(__doc__, minutes=60.0, requests=3000, seed=1)
     pause = 60 * arguments.minutes / arguments.requests
     with served() as server:
         user, chance = User(server, arguments.seed), random.Random(arguments.seed)

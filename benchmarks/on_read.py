@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import statistics
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import numpy as np
 import xarray
 
 from benchmarks.options import options
+from benchmarks.timing import in_turns
 from core.intake import prepare_content
 from core.plan.evaluate import evaluate
 from core.sweep import Sweep
@@ -54,11 +54,7 @@ def stored(sweep: Sweep, path: Path) -> Path:
 def median(work: Callable[[], object], runs: int) -> tuple[float, float, float]:
     """Return median, least and largest time of a warm function [s]."""
     work()
-    seconds = []
-    for _ in range(runs):
-        started = time.perf_counter()
-        work()
-        seconds.append(time.perf_counter() - started)
+    (seconds,) = in_turns(runs, work)
     return statistics.median(seconds), min(seconds), max(seconds)
 
 

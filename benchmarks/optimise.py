@@ -8,13 +8,14 @@ fastest true motion, on the data of figure 5.1.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.timing import least
 from core.assurance.accuracy.optimisers import run_optimiser
 from core.intake import parse_study
 from core.kinds import run_study
@@ -30,7 +31,6 @@ from core.watch import Watch
 PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "optimise-methods.png"
 SCIPY = ("slsqp", "trust-constr", "differential_evolution", "shgo", "direct")
 DESIGNS = 10_000
-SAMPLE = 20  # designs of each method
 REPEATS = 5  # the best is printed
 GRAVITY = 9.81
 MARKERS = dict(zip(METHODS, "os^Dv*XPph<", strict=True))
@@ -175,16 +175,6 @@ def bounds(count: int) -> dict[str, Array]:
     }
 
 
-def least_seconds(run: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Return the shortest time of several runs [s]."""
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - start)
-    return min(times)
-
-
 def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]]]) -> None:
     """Print the time per design in a batch, and against scipy in a loop."""
     given, within = designs(DESIGNS), bounds(DESIGNS)
@@ -196,15 +186,15 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
         fastest(problem, **asked)  # compiles
 
         def took(problem: str, asked: dict[str, Array], threads: int) -> float:
-            """Return the time per design in microseconds."""
-            return least_seconds(lambda: fastest(problem, **asked, threads=threads)) / DESIGNS * 1e6
+            seconds = least(REPEATS, lambda: fastest(problem, **asked, threads=threads))
+            return seconds / DESIGNS * 1e6
 
         one, two = took(problem, asked, 1), took(problem, asked, 2)
         print(f"  {problem:18}{one:10.2f}{two:11.2f}{took(problem, {**asked, **within}, 1):15.2f}")
     results = everything["printed plane, limit"]
     good = {n: results[n][1] for n in SCIPY if np.median(results[n][0]) < 1e-6}
     name = min(good, key=lambda n: good[n])
-    batch = least_seconds(lambda: fastest("plane_thesis", **given)) / DESIGNS
+    batch = least(REPEATS, lambda: fastest("plane_thesis", **given)) / DESIGNS
     print(f"  printed plane, limit: best of scipy is {name}, {good[name] * 1e3:.1f} ms a design:")
     print(f"  the batch is {good[name] / batch:,.0f} times faster")
     study = parse_study(
@@ -224,8 +214,8 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
     design = designs_of(prepared.problem, prepared.designs)
     scales = prepared.problem.scales(design)
     solve = METHODS["newton"].solve
-    alone = least_seconds(lambda: solve(prepared.problem, design, scales, Watch())) / DESIGNS
-    whole = least_seconds(lambda: run_study(study)) / DESIGNS
+    alone = least(REPEATS, lambda: solve(prepared.problem, design, scales, Watch())) / DESIGNS
+    whole = least(REPEATS, lambda: run_study(study)) / DESIGNS
     print(
         f"  through a study: {alone * 1e6:.2f} us a design, {good[name] / alone:,.0f} times faster;"
     )
@@ -242,7 +232,7 @@ def print_front() -> None:
     }
     one = parse_study({**plane, "criterion": {"kind": "limit", "limit": 1.0}})
     many = parse_study({**plane, "criterion": {"kind": "pareto", "points": 200}})
-    single, front = (least_seconds(lambda s=study: run_study(s), 20) for study in (one, many))  # type: ignore[misc]
+    single, front = (least(20, partial(run_study, study)) for study in (one, many))
     print(f"\nA front of 200 points: {front * 1e3:.2f} ms, {front / single:.1f} single limits")
 
 

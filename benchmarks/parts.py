@@ -1,17 +1,17 @@
 """What computing a sweep in parts costs beside computing it at once.
 
-python -m benchmarks.parts [CELLS] [PARTS]
+python -m benchmarks.parts [--cells CELLS] [--parts PARTS]
 """
 
 from __future__ import annotations
 
 import statistics
-import sys
 import tempfile
-import time
 from pathlib import Path
 
+from benchmarks.options import options
 from benchmarks.reduce import ASKED, TABLE, study
+from benchmarks.timing import timed
 from core.intake import prepare_content
 from core.kinds import tabulate
 
@@ -21,21 +21,15 @@ def main(cells: int, count: int) -> None:
     content = study(cells, ASKED["all statistics"], TABLE)
     prepared = prepare_content(content)
     prepared.work.seconds()  # what repays compiling is compiled
-    started = time.perf_counter()
-    tabulate(prepared)
-    at_once = time.perf_counter() - started
+    at_once = timed(tabulate, prepared)[1]
     with tempfile.TemporaryDirectory() as folder:
         parts = prepared.parts(str(Path(folder) / "result.nc"), count)
         times, sizes = [], []
         for part in range(count):
-            started = time.perf_counter()
-            record = parts.compute(part)
-            parts.keep(part, record)
-            times.append(time.perf_counter() - started)
+            record, computing = timed(parts.compute, part)
+            times.append(computing + timed(parts.keep, part, record)[1])
             sizes.append(len(record))
-        started = time.perf_counter()
-        parts.join()
-        joining = time.perf_counter() - started
+        joining = timed(parts.join)[1]
     print(f"{prepared.cells:,} cells at once: {at_once:.2f} s")
     print(
         f"in {count:,} parts: {sum(times):.2f} s, {sum(times) / at_once:.2f} times; a part "
@@ -45,5 +39,5 @@ def main(cells: int, count: int) -> None:
 
 
 if __name__ == "__main__":
-    given = [int(float(number)) for number in sys.argv[1:]]
-    main(*(given + [1_000_000_000, 64][len(given) :]))
+    asked = options(__doc__, cells=1_000_000_000, parts=64)
+    main(asked.cells, asked.parts)

@@ -16,7 +16,6 @@ compared for threads, boxes and parts. `--sizes` prints memory, and how well tim
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import resource
 import statistics
@@ -28,6 +27,7 @@ from typing import Any
 import numpy as np
 import xarray
 
+from benchmarks.options import options
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.grid import Grid
@@ -278,11 +278,7 @@ def sizes(cells: Iterable[float]) -> None:
 
 def main() -> None:
     """Print all measurements."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cells", type=float, default=1e9)
-    parser.add_argument("--runs", type=int, default=9)
-    parser.add_argument("--sizes", type=float, nargs="*", default=[])
-    asked = parser.parse_args()
+    asked = options(__doc__, cells=1e9, runs=9, sizes=[float])
     compare(asked.cells, asked.runs)
     slow_ones(min(asked.runs, 3))
     same_bits()

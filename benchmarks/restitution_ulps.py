@@ -9,7 +9,6 @@ one cell in a thousand.
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
@@ -17,6 +16,7 @@ from functools import reduce
 import numpy as np
 
 from benchmarks.options import options
+from benchmarks.timing import timed
 from core.motion.result import STATUS
 from core.motion.systems import SYSTEMS
 from core.plan.equations import run_equations
@@ -132,11 +132,10 @@ def changes(cells: Cells) -> Changes:
 def main() -> int:
     """Print shares of changes by restitution and status; 1 if they exceed the aim."""
     given = options(__doc__, cells=10_000, seed=14, show=(5, "cells that change, in full"))
-    start = time.perf_counter()
-    found = changes(random_cells(given.cells, given.seed))
+    found, seconds = timed(changes, random_cells(given.cells, given.seed))
     names = {value: name for name, value in STATUS.items()}
     print(f"{given.cells:,} cells, {len(MOVED) * len(ULPS)} neighbours each, "
-          f"{time.perf_counter() - start:.0f} s")  # fmt: skip
+          f"{seconds:.0f} s")  # fmt: skip
     tenths = np.floor(found.cells["restitution"] * 10)
     groups = [
         (f"restitution {low / 10:.1f} to {low / 10 + 0.1:.1f}", tenths == low)

@@ -10,14 +10,12 @@ evolution, which stands among the rivals with other settings.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import time
 import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import cma
@@ -32,7 +30,8 @@ from pymoo.optimize import minimize
 from pymoo.termination import get_termination
 from scipy import optimize
 
-from benchmarks.search import Design, cached_grid, designs
+from benchmarks.options import options
+from benchmarks.search import GRID, GRIDS, Design, cached_grid, designs
 from core.mechanics.arrays import Array
 from core.optimise.scipy_methods import SEARCH_BUDGET
 from core.optimise.search import search_maximum
@@ -146,7 +145,7 @@ def by_cma(
 ) -> None:  # fmt: skip
     """Run pycma with random restarts until the budget is used up."""
     random = np.random.default_rng(seed)
-    options: dict[str, Any] = {
+    settings: dict[str, Any] = {
         "bounds": [[-BEYOND] * judge.variables, [1 + BEYOND] * judge.variables],
         "maxfevals": judge.budget,
         "tolx": 1e-7,
@@ -156,12 +155,12 @@ def by_cma(
         "verbose": -9,
     }
     if members is not None:
-        options["popsize"] = members
+        settings["popsize"] = members
     cma.fmin2(
         None,
         lambda: random.uniform(0, 1, judge.variables),
         sigma,
-        options,
+        settings,
         parallel_objective=lambda points: judge(np.asarray(points)).tolist(),
         restarts=1000,
         incpopsize=growth,
@@ -289,16 +288,10 @@ def told(name: str, seed: int, runs: Iterable[Run], tolerance: float) -> str:
 
 def main() -> None:
     """Print the table of searches."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--grid", type=int, default=2000, help="points of an axis of the grid")
-    parser.add_argument("--rough-grid", type=int, help="the same with restitution above 0")
-    parser.add_argument("--cache", type=Path, help="file that keeps the results of the grids")
-    parser.add_argument("--known", action="store_true", help="functions of the tests instead")
-    parser.add_argument("--budget", type=int, nargs="*", default=[SEARCH_BUDGET])
-    parser.add_argument("--seeds", type=int, nargs="*", default=[0, 1, 2])
-    parser.add_argument("--only", nargs="*", default=[""], help="parts of names of searches")
-    parser.add_argument("--designs", type=int, nargs="*", help="numbers of the designs, from 1")
-    given = parser.parse_args()
+    given = options(
+        __doc__, grid=(2000, GRID), **GRIDS, known=(False, "functions of the tests instead"),
+        budget=[SEARCH_BUDGET], seeds=[0, 1, 2], only=([""], "parts of names of searches"),
+    )  # fmt: skip
     chosen: list[tuple[int, Design | Known, float]] = []
     for number, design in enumerate([] if given.known else designs(), 1):
         if not given.designs or number in given.designs:

@@ -9,15 +9,16 @@ job, and dismisses the same job half done.
 from __future__ import annotations
 
 import time
-import urllib.request
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 import vibrafeed
 from benchmarks.options import options
-from benchmarks.serving import Served, served
+from benchmarks.serving import served
+from benchmarks.timing import least
 from core.motion.kernels.rows import path_of_row, path_of_waved_row
 from core.motion.kernels.rows.tables import NO_STOP, Head
 
@@ -44,18 +45,15 @@ def whole_rows(parts: int, rows: int, orders: int = 0) -> tuple[float, float]:
             pushes *= np.array([along, 0.0, normal]).reshape(3, 1, 1) / 2.0
             cell = np.array([*cell, orders, 0, *pushes.ravel()])
         follow = path_of_waved_row if orders else path_of_row
-        start = time.process_time()
-        follow(cell, end, places, gaps)
-        times.append((time.process_time() - start) * 1e3)
+        once = partial(follow, cell, end, places, gaps)
+        times.append(least(1, once, time.process_time) * 1e3)
     return float(np.mean(times[1:])), max(times[1:])
 
 
 def milliseconds(study: Callable[[int], object], cells: int) -> float:
     """Return the processor time per cell beyond the first [ms]."""
     study(1)
-    start = time.process_time()
-    study(cells)
-    return (time.process_time() - start) / cells * 1e3
+    return least(1, partial(study, cells), time.process_time) / cells * 1e3
 
 
 def of_rows(parts: int, **more: Any) -> Callable[[int], object]:
@@ -85,7 +83,7 @@ def over_http(cells: int) -> None:
         },
     }  # fmt: skip
     with served() as server:
-        job, seen = _posted(server, study), set()
+        job, seen = server.post_job("simulate", study), set()
         start = time.perf_counter()
         while (now := server.get(f"/jobs/{job}"))["status"] in ("accepted", "running"):
             seen.add(now["progress"])
@@ -94,27 +92,19 @@ def over_http(cells: int) -> None:
         print(f"{cells} rows of 10 parts in a job: {now['status']} after {taken:.0f} s,")
         print(f"  {len(seen)} values of its progress seen on the way")
         study["parameters"]["frequency"] = 60
-        job = _posted(server, study)
+        job = server.post_job("simulate", study)
         while server.get(f"/jobs/{job}")["progress"] < 50:
             time.sleep(LOOK)
         start = time.perf_counter()
-        urllib.request.urlopen(
-            urllib.request.Request(f"{server.address}/jobs/{job}", method="DELETE")
-        )
+        server.ask("DELETE", f"/jobs/{job}")
         few = {**study, "parameters": {**study["parameters"], "friction_seed": 0}}
-        number = _posted(server, few)
+        number = server.post_job("simulate", few)
         while (small := server.get(f"/jobs/{number}"))["status"] in ("accepted", "running"):
             time.sleep(LOOK)
         ended = server.get(f"/jobs/{job}")
         print(f"  the same, dismissed half done: {ended['status']} at {ended['progress']} %;")
         after = time.perf_counter() - start
         print(f"  {cells // 100} rows more are {small['status']} {after:.1f} s after")
-
-
-def _posted(server: Served, study: dict[str, Any]) -> str:
-    """Post a study as a job and return the job's identifier."""
-    path = "/processes/simulate/execution"
-    return str(server.post(path, study, Prefer="respond-async")["jobID"])
 
 
 def main() -> None:

@@ -8,18 +8,19 @@ that the best lies on a curved edge beyond which there is no value. The grids ta
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy import optimize
 
 from benchmarks.motions import planar_motion
+from benchmarks.options import options
 from benchmarks.timing import timed
 from core.mechanics.arrays import Array
 from core.optimise.scipy_methods import SEARCH_BUDGET
@@ -74,6 +75,15 @@ class Design:
         )
         values[kept] = motion.velocity * GRAVITY / w[kept]
         return values
+
+
+GRID = "points of an axis of the grid"
+GRIDS: dict[str, Any] = {
+    "rough_grid": (int, "the same with restitution above 0"),
+    "cache": (Path, "file that keeps the results of the grids"),
+    "designs": ([int], "numbers of the designs, from 1"),
+}
+"""Options of this program and of `benchmarks.rivals`."""
 
 
 def designs() -> list[Design]:
@@ -187,10 +197,8 @@ def compare(number: int, design: Design, size: int, cache: Path | None) -> float
         search_maximum, design.velocity, design.lower, design.upper, budget=SEARCH_BUDGET
     )
     lost = Counted(design)
-    start = time.perf_counter()
-    by_direct(lost)
-    beside = f" {1 - lost.best / grid['value']:+9.1e} {lost.evaluations:6d}"
-    beside += f" {time.perf_counter() - start:5.1f}"
+    _, spent = timed(by_direct, lost)
+    beside = f" {1 - lost.best / grid['value']:+9.1e} {lost.evaluations:6d} {spent:5.1f}"
     short = 1 - found.value / grid["value"]
     limit = f"{design.throw_limit:.2f}" if np.isfinite(design.throw_limit) else "-"
     print(
@@ -211,12 +219,7 @@ def compare(number: int, design: Design, size: int, cache: Path | None) -> float
 
 def main() -> None:
     """Print the table of the search against grids."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--grid", type=int, default=200, help="points of an axis of the grid")
-    parser.add_argument("--rough-grid", type=int, help="the same with restitution above 0")
-    parser.add_argument("--cache", type=Path, help="file that keeps the results of the grids")
-    parser.add_argument("--designs", type=int, nargs="*", help="numbers of the designs, from 1")
-    given = parser.parse_args()
+    given = options(__doc__, grid=(200, GRID), **GRIDS)
     print(
         " # varies    rest limit  grid  best[m/s]      s     search  short of   evals     s "
         "   DIRECT  evals     s"

@@ -28,6 +28,7 @@ from app.jobs.store import Store
 from app.web.routes.sweeps import NUMPY, binary
 from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
+from benchmarks.timing import timed
 from core.dataset.document import to_document
 from core.intake import prepare_content, read_json
 from core.kinds import tabulate
@@ -99,9 +100,7 @@ class Client:
 
 def clocked(call: Callable[[], Any]) -> float:
     """Return the wall time of a call [ms]."""
-    started = time.perf_counter()
-    call()
-    return 1e3 * (time.perf_counter() - started)
+    return 1e3 * timed(call)[1]
 
 
 class Comparison:

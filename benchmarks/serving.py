@@ -13,16 +13,25 @@ import time
 import urllib.parse
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
+from http.client import HTTPConnection, HTTPMessage
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from app.jobs.manifest import MANIFEST, NETCDF, fingerprint
 from app.jobs.store import Store
 
 PATIENCE = 240.0  # s for a server to start: others may load the machine
+
+
+class Reply(NamedTuple):
+    """A reply: its status, its headers, its body."""
+
+    status: int
+    headers: HTTPMessage
+    body: bytes
 
 
 @dataclass(frozen=True)
@@ -55,12 +64,31 @@ class Served:
         with urllib.request.urlopen(request, timeout=60) as reply:
             return json.load(reply)
 
+    def post_job(self, process: str, study: Any) -> str:
+        """Return the number of the job that carries out a study."""
+        path = f"/processes/{process}/execution"
+        return str(self.post(path, study, Prefer="respond-async")["jobID"])
+
+    def ask(
+        self, method: str, path: str, content: Any = None, *, source: str = "",
+        timeout: float = 60, **headers: str,
+    ) -> Reply:  # fmt: skip
+        """Return the reply, whatever its status, on a connection of its own.
+
+        `source` is another address of this machine from which to ask: another owner's.
+        """
+        start = (source, 0) if source else None
+        body = None if content is None else json.dumps(content).encode()
+        with closing(HTTPConnection(*self.place, timeout=timeout, source_address=start)) as client:
+            client.request(method, path, body, headers)
+            reply = client.getresponse()
+            return Reply(reply.status, reply.headers, reply.read())
+
     def file_of(self, study: Any, size: int) -> str:
         """Return the path of a download of `size` random bytes, put in place of a result."""
         key = self.post("/sweeps", study)["id"]
         path = f"/sweeps/{key}/netcdf"
-        with urllib.request.urlopen(f"{self.address}{path}", timeout=60) as reply:
-            reply.read()
+        self.ask("GET", path)
         folder = Store(self.data).folder(key)
         block = os.urandom(1 << 20)
         with (folder / NETCDF).open("wb") as file:

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.sobol_indices [repeats]` counts how often intervals hold Sobol indices.
+"""`python -m benchmarks.sobol_indices` counts how often intervals hold Sobol indices.
 
 For the Ishigami function and the g-function, whose indices are known in closed form, it estimates
 them again and again with other scramblings, and counts how often each interval holds the index.
@@ -6,16 +6,15 @@ them again and again with other scramblings, and counts how often each interval 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.options import options
 from core.mechanics.arrays import Array, Mask
 from core.sensitivity.indices import sobol_indices
 
-REPEATS = 100
 SAMPLES = (256, 1024, 4096)
 
 
@@ -99,4 +98,4 @@ def main(repeats: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else REPEATS)
+    main(options(__doc__, repeats=100).repeats)

@@ -7,13 +7,13 @@ of core/assurance, and the reference method in space.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from benchmarks.motions import planar_stepped_motion, reference_motion, stepped_motion, stepped_path
+from benchmarks.timing import timed
 from benchmarks.worked_values import MEAN_VELOCITIES
 from core.assurance.accuracy.curves import fitted_slope
 
@@ -116,10 +116,8 @@ def main() -> None:
     for name, run in scenes.items():
         count = 2000 if name == "planar" else 200
         run(8)  # compiled
-        started = time.perf_counter()
-        run(count)
-        took = time.perf_counter() - started
-        print(f"{name:16} {count / took:8.0f} cells a second, at 800 and 1601 steps a period")
+        rate = count / timed(run, count)[1]
+        print(f"{name:16} {rate:8.0f} cells a second, at 800 and 1601 steps a period")
 
 
 if __name__ == "__main__":

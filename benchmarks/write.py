@@ -1,7 +1,7 @@
 """How fast results are written, beside the disk and beside xarray, in one run.
 
-    python -m benchmarks.write [FOLDER] [--gigabytes 2] [--runs 5]
-    python -m benchmarks.write [FOLDER] --long 20   # bytes, memory and kills of one large sweep
+    python -m benchmarks.write [--folder FOLDER] [--gigabytes 2] [--runs 5]
+    python -m benchmarks.write [--folder FOLDER] --long 20   # bytes, memory, kills of a large sweep
 
 Tiles are computed beforehand, a few that differ, and then written again and again: what is measured
 is writing. Every file is on the disk (fsync) before the clock stops. The large sweep is the command
@@ -10,7 +10,6 @@ line's own, computed and written; it is killed (-9) at five random moments.
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import os
 import random
@@ -26,6 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.options import options
 from benchmarks.timing import timed
 from core.dataset.files import Behind, sync
 from core.dataset.growing import SYNC_BYTES
@@ -37,7 +37,6 @@ from core.sweep.stream import outline_table
 from core.sweep.targets import open_target
 
 DIFFERENT = 4  # tiles that are computed
-LEAST_RUNS = 5
 
 
 def study(cells: float) -> dict[str, object]:
@@ -188,12 +187,7 @@ def _fingerprint(path: Path) -> str:
 
 def main() -> None:
     """Run the comparisons that the arguments name."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("folder", nargs="?", type=Path)
-    parser.add_argument("--gigabytes", type=float, default=2.0)
-    parser.add_argument("--runs", type=int, default=LEAST_RUNS)
-    parser.add_argument("--long", type=float)
-    given = parser.parse_args()
+    given = options(__doc__, folder=Path, gigabytes=2.0, runs=5, long=float)
     with tempfile.TemporaryDirectory(dir=given.folder) as name:
         if given.long is None:
             write(Path(name), given.gigabytes, given.runs)
