@@ -186,6 +186,7 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
         fastest(problem, **asked)  # compiles
 
         def took(problem: str, asked: dict[str, Array], threads: int) -> float:
+            """Return the time per design in microseconds."""
             seconds = least(REPEATS, lambda: fastest(problem, **asked, threads=threads))
             return seconds / DESIGNS * 1e6
 

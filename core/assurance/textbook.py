@@ -88,12 +88,6 @@ def throw_number(*, frequency: Any, amplitude: Any, beta: Any, gravity: Any, gam
     return P * _sin_cos(beta)[0] / (gravity * _sin_cos(gamma)[1])
 
 
-def along(*, frequency: Any, amplitude: Any, alpha: Any, beta: Any) -> Any:
-    """Return the drive acceleration along the track, P cos(beta) cos(alpha) [m s-2]."""
-    P = drive(frequency=frequency, amplitude=amplitude)
-    return P * _sin_cos(beta)[1] * _sin_cos(alpha)[1]
-
-
 def starting_acceleration(
     *, frequency: Any, amplitude: Any, alpha: Any, beta: Any, gamma: Any, delta: Any, gravity: Any,
     friction: Any,

@@ -1,9 +1,10 @@
-"""The share of cells in each regime, and its text for the console and for pictures."""
+"""Words of flags, the share of cells in each regime, and its text for console and pictures."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,12 @@ def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
         for name, regime in sorted(REGIMES.items(), key=lambda entry: entry[1].value)
         if counts.get(regime.value)
     }
+
+
+def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:
+    """Return the word of each value of a flag by its CF attributes; of no flag, none."""
+    numbers = np.atleast_1d(attributes.get("flag_values", [])).tolist()
+    return dict(zip(numbers, str(attributes.get("flag_meanings", "")).split(), strict=False))
 
 
 def percent_with_error(share: float, error: float | None) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -139,3 +139,14 @@ def with_whole_shares(motion: Motion) -> Motion:
     """
     whole = {name: np.where(motion.only(name), 1.0, getattr(motion, name)) for name in SHARES}
     return motion._replace(**whole)
+
+
+def has_status(*names: str) -> Callable[..., Mask]:
+    """Return the condition that the motion of a cell has one of some statuses."""
+    values = [STATUS[name] for name in names]
+
+    def has_status(*, motion: Motion) -> Mask:
+        return np.isin(motion.status, values)
+
+    has_status.__doc__ = f"Return where the status is {' or '.join(names)}."
+    return has_status

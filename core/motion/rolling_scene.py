@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from core.mechanics import rolling_motion, round_parts
@@ -15,7 +13,7 @@ from core.motion.groups import BLOCK_ON_FLOOR, Groups
 from core.motion.method import Method
 from core.motion.methods import METHODS
 from core.motion.methods.rolling import block_groups, of_slip
-from core.motion.result import STATUS, Motion
+from core.motion.result import Motion, has_status
 from core.motion.row_scene import drive_number_along
 from core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -119,17 +117,6 @@ def mean_acceleration_at_wall(
     return gravity * rolling_motion.mean_acceleration(rolling_share, gravity_number_along, held)
 
 
-def _has(*names: str) -> Callable[..., Mask]:
-    """Return the condition that a motion has one of some statuses."""
-    values = [STATUS[name] for name in names]
-
-    def has_status(*, motion: Motion) -> Mask:
-        return np.isin(motion.status, values)
-
-    has_status.__doc__ = f"Return where the status is {' or '.join(names)}."
-    return has_status
-
-
 def rests(*, motion: Motion) -> Mask:
     """True where rolling resistance, or the wall, holds the part all the time."""
     return motion.only("stick")
@@ -156,11 +143,11 @@ RESULTS = (
 ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"occupancy"} | {"regime"}
 CONDITIONS = (
     Condition(
-        "unresolved", _has("not_computed", "limit_reached", "no_solution"), ANY_RESULT, "roll"
+        "unresolved", has_status("not_computed", "limit_reached", "no_solution"), ANY_RESULT, "roll"
     ),
-    Condition("runaway", _has("runaway"), ANY_RESULT),
-    Condition("rolls_and_slips", _has("rolls_and_slips"), ANY_RESULT),
-    Condition("neutral", _has("neutral"), ANY_RESULT),
+    Condition("runaway", has_status("runaway"), ANY_RESULT),
+    Condition("rolls_and_slips", has_status("rolls_and_slips"), ANY_RESULT),
+    Condition("neutral", has_status("neutral"), ANY_RESULT),
     Condition("stick", rests, ANY_RESULT),
 )
 VALIDITY = (

@@ -7,7 +7,7 @@ one of its variants. Nothing that computes is loaded before it is called.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -20,7 +20,7 @@ from core.motion.feeding import RESOLVED
 from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
-from core.motion.result import STATUS, Motion
+from core.motion.result import Motion, has_status
 from core.motion.rolling_scene import ROLLING, rolling_scenes
 from core.motion.row_scene import ROW, row_scene
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
@@ -34,17 +34,6 @@ from core.scenes.scene import (
     Scene,
     fields,
 )
-
-
-def _has_status(*names: str) -> Callable[..., Mask]:
-    """Return the condition that a motion has one of some statuses."""
-    values = [STATUS[name] for name in names]
-
-    def has_status(*, motion: Motion) -> Mask:
-        return np.isin(motion.status, values)
-
-    has_status.__doc__ = f"Return where the status is {' or '.join(names)}."
-    return has_status
 
 
 def _is_stuck(*, motion: Motion) -> Mask:
@@ -127,13 +116,13 @@ ANY_RESULT = frozenset(
 CONDITIONS = (
     Condition(
         "unresolved",
-        _has_status("not_computed", "limit_reached", "no_solution", "no_drive"),
+        has_status("not_computed", "limit_reached", "no_solution", "no_drive"),
         ANY_RESULT,
         otherwise="slip",
     ),
-    Condition("runaway", _has_status("runaway"), ANY_RESULT),
+    Condition("runaway", has_status("runaway"), ANY_RESULT),
     Condition("unbounded", scales.efficiency_is_unbounded, frozenset(("efficiency",))),
-    Condition("aperiodic", _has_status("aperiodic", "sensitive"), ANY_RESULT),
+    Condition("aperiodic", has_status("aperiodic", "sensitive"), ANY_RESULT),
     Condition("period_doubled", _is_period_doubled, ANY_RESULT),
     Condition("hop_after_hop", _hops_on, ANY_RESULT),
     Condition("hopping", _hops, ANY_RESULT),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
+from core.dataset.regimes import flags_of
 from core.plots.heading import finish
 from core.plots.style import LIGHT, Style, mix
 from core.plots.text import words
@@ -126,12 +127,37 @@ def _motion(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
 
 def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
     """Draw error of optimisers against time and evaluations."""
-    figure, sheets = _sheet(style, 2)
+    costs = {
+        "Time of a design (ms)": points["time_per_cell"].values * 1e3,
+        "Points at which the outputs are computed": points["evaluations"].values,
+    }
+    figure, sheets = _by_method(points, costs, style)
+    sheets[0].set_ylabel("Gap of the objective over its scale")
+    return _finish(figure, "Optimisers", title, style, sheets[0], sheets)
+
+
+def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
+    """Draw error of storage formats against file size and writing time."""
+    costs = {
+        "Bytes of the file for a value": points["bytes_per_value"].values,
+        "Time to write a value (ns)": points["time_per_cell"].values * 1e9,
+    }
+    figure, sheets = _by_method(points, costs, style)
+    for axes in sheets:
+        axes.set_xscale("linear")
+        axes.set_xlim(0, None)
+    sheets[0].set_ylabel("Error, share of the value")
+    return _finish(figure, "Files", title, style, sheets[0], sheets, log_cost=False)
+
+
+def _by_method(
+    points: xarray.Dataset, costs: Mapping[str, Values], style: Style
+) -> tuple[Figure, Sequence[Any]]:
+    """Return a figure of the errors of each method over each of some costs, and its axes."""
+    figure, sheets = _sheet(style, len(costs))
     methods = _flag(points, "method")
-    costs = (points["time_per_cell"].values * 1e3, points["evaluations"].values)
-    labels = ("Time of a design (ms)", "Points at which the outputs are computed")
-    for axes, cost, label in zip(sheets, costs, labels, strict=True):
-        for number, method in enumerate(methods):
+    for axes, (label, cost) in zip(sheets, costs.items(), strict=True):
+        for number, method in enumerate(dict.fromkeys(methods)):
             here = methods == method
             _line(
                 axes, cost[here], points["error"].values[here],
@@ -142,32 +168,7 @@ def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | No
         axes.set_title(
             "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.quiet
         )
-    sheets[0].set_ylabel("Gap of the objective over its scale")
-    return _finish(figure, "Optimisers", title, style, sheets[0], sheets)
-
-
-def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw error of storage formats against file size and writing time."""
-    figure, sheets = _sheet(style, 2)
-    methods = _flag(points, "method")
-    costs = (points["bytes_per_value"].values, points["time_per_cell"].values * 1e9)
-    labels = ("Bytes of the file for a value", "Time to write a value (ns)")
-    for axes, cost, label in zip(sheets, costs, labels, strict=True):
-        for number, method in enumerate(dict.fromkeys(methods)):
-            here = methods == method
-            _line(
-                axes, cost[here], points["error"].values[here],
-                points["error_largest"].values[here],
-                style.series[number], method, MARKERS[number],
-            )  # fmt: skip
-        axes.set_xscale("linear")
-        axes.set_xlim(0, None)
-        axes.set_xlabel(label)
-        axes.set_title(
-            "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.quiet
-        )
-    sheets[0].set_ylabel("Error, share of the value")
-    return _finish(figure, "Files", title, style, sheets[0], sheets, log_cost=False)
+    return figure, sheets
 
 
 def _model(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
@@ -219,10 +220,8 @@ PAINTERS: dict[str, Callable[[xarray.Dataset, str, Style], Figure | None]] = {
 
 def _flags_of(variable: xarray.DataArray) -> tuple[NDArray[np.str_], list[str]]:
     """Return the words of a flag variable, and all words that it can have."""
-    meanings = str(variable.attrs["flag_meanings"]).split()
-    values = np.atleast_1d(variable.attrs["flag_values"])
-    table = dict(zip(values.tolist(), meanings, strict=True))
-    return np.array([table[value] for value in variable.values.tolist()]), meanings
+    table = flags_of(variable.attrs)
+    return np.array([table[value] for value in variable.values.tolist()]), list(table.values())
 
 
 def _flag(dataset: xarray.Dataset, name: str) -> NDArray[np.str_]:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from core.dataset.regimes import flags_of
 from core.plots.regimes import Look
 from core.plots.style import Style
 from core.plots.text import words
@@ -31,9 +32,7 @@ def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
     """
     name = str(array.name)
     if "flag_values" in array.attrs:
-        numbers = np.atleast_1d(array.attrs["flag_values"]).tolist()
-        meanings = map(words, str(array.attrs.get("flag_meanings", "")).split())
-        named = dict(zip(numbers, meanings, strict=False))
+        named = {value: words(name) for value, name in flags_of(array.attrs).items()}
         other = "{}"
     elif name in QUANTITIES and QUANTITIES[name].other_words:
         named, other = dict(QUANTITIES[name].words), QUANTITIES[name].other_words

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,11 +13,11 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from core.plots.islands import without_specks
-from core.plots.names import add_names, gives_way
-from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_log
+from core.plots.names import add_names, number_lines
+from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_plane
 from core.plots.regimes import Look, shade, veiled_swatch
 from core.plots.scale import Scale, scale_of
-from core.plots.selection import Selection, thin
+from core.plots.selection import Selection
 from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import Style
 from core.plots.text import number
@@ -35,14 +34,8 @@ def draw_contour(
 ) -> tuple[Axes, list[Artist]]:
     """Draw an output as contours; return axes and legend entries."""
     axes = figure.add_subplot()
-    across, up = selection.axes
-    columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
-    x, y = across.values[columns], up.values[rows]
-    part = np.ix_(columns, rows)
-    values, regimes = selection.values[part].T, selection.regimes[part].T
-    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
-        if axis.is_log:
-            set_log(spine, axis.values)
+    across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
+    x, y = across.values, up.values
     scale = scale_of(values, style)
     faces = {look: to_rgb(style.ground) for look in looks}
     if scale is None:
@@ -59,10 +52,7 @@ def draw_contour(
         shown = np.ma.masked_invalid(values)
         _add_lines(axes, x, y, shown, scale, style)
         _mark_level(axes, x, y, shown, selection, style)
-    across, up = replace(across, values=x), replace(up, values=y)
     add_names(axes, across, up, without_specks(regimes), looks, style)
-    axes.set_xlabel(across.label)
-    axes.set_ylabel(up.label)
     return axes, [veiled_swatch(look, face) for look, face in faces.items()]
 
 
@@ -75,11 +65,7 @@ def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, sty
         x, y, values, levels=inner, colors=[style.on(scale.colour(level)) for level in inner],
         linewidths=[style.width(1.4 if level == 0 else 0.6) for level in inner], zorder=3,
     )  # fmt: skip
-    for label in axes.clabel(
-        lines, fontsize=style.text(8), fmt=number, inline=False, zorder=6, colors=[style.ink]
-    ):
-        label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
-        gives_way(label)
+    number_lines(axes, lines, style, 8, fmt=number, zorder=6, colors=[style.ink])
 
 
 def _mark_level(

@@ -15,7 +15,7 @@ from core.dataset.files import whole
 from core.plots.drawing import draw
 from core.plots.fixed import read_fixed
 from core.plots.pictures import MOVING
-from core.plots.problem import PlotError
+from core.plots.problem import PlotError, unreadable
 
 DPI = 150
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
@@ -138,5 +138,4 @@ def read(file: str | PathLike[str]) -> xarray.Dataset:
         with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as dataset:
             return dataset.load()
     except (OSError, ValueError) as error:
-        message = "it is not a NetCDF file, or it is damaged"
-        raise PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote") from error
+        raise unreadable("it is not a NetCDF file, or it is damaged") from error

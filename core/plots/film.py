@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.plots.problem import PlotError
+from core.plots.problem import PlotError, unreadable
 from core.plots.selection import held_fixed
 from core.plots.text import number, shown_in, with_unit
 from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajectory, values_of
@@ -247,8 +247,7 @@ def _outline(dataset: xarray.Dataset) -> Array:
         across = size.get("height", size.get("diameter", 0.0))
         return _box(size["length"] / 2, across / 2)
     if "diameter" not in size:
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", "it does not say how large the part is", fix)
+        raise unreadable("it does not say how large the part is")
     around = np.linspace(0.0, TURN, 73)
     circle = np.stack([np.cos(around), np.sin(around)]) * size["diameter"] / 2
     return np.concatenate([np.zeros((2, 1)), circle], axis=1)  # a radius shows how it turns

@@ -16,7 +16,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
@@ -29,7 +28,7 @@ from core.optimise.sentences import criterion_in_words
 from core.plan.grid import from_si, to_si
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
-from core.plots.names import gives_way
+from core.plots.names import number_lines
 from core.plots.optimum import is_optimum, prepared_of
 from core.plots.options import Options
 from core.plots.parts import padded, plain
@@ -39,6 +38,7 @@ from core.plots.selection import held_at, held_fixed
 from core.plots.style import RGB, Style, mix
 from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
 from core.quantities import QUANTITIES
+from core.quantities.quantity import lowered
 from core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # of each variable
@@ -142,7 +142,7 @@ def held_of(
 def name_of(problem: OptimisationProblem) -> str:
     """Return the name of the objective."""
     label = QUANTITIES[problem.criterion.output].label
-    return f"{label[0].lower()}{label[1:]}{', weighted' if problem.weight else ''}"
+    return f"{lowered(label)}{', weighted' if problem.weight else ''}"
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:
@@ -280,11 +280,7 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
             colors=[style.on(scale.colour(v)) for v in scale.levels],
             linewidths=style.width(0.5),
         )
-        for text in axes.clabel(
-            lines, fontsize=style.text(8), fmt=plain, inline=False, colors=[style.ink]
-        ):
-            text.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
-            gives_way(text)
+        number_lines(axes, lines, style, 8, fmt=plain, colors=[style.ink])
     # The legend shows a colour that the picture has.
     face = scale.typical(np.where(allowed, np.nan, shown.value)) if scale is not None else None
     entries = _limits(axes, shown, style, face)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,16 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.plots.names import add_names, gives_way
-from core.plots.parts import cell_edges, set_log
+from core.plots.names import add_names, number_lines
+from core.plots.parts import limit_to_cells, set_plane
 from core.plots.regime_map import MAX_POINTS, add_borders, fill_cells, share_entries
 from core.plots.regimes import HATCH_WIDTH, Look
 from core.plots.scale import value_range
-from core.plots.selection import Selection, thin
+from core.plots.selection import Selection
 from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import Style, mix
 from core.plots.text import number, with_unit
@@ -43,25 +41,14 @@ def draw_levels(
     travels backwards is told from one that travels forwards without colours too.
     """
     axes = figure.add_subplot()
-    across, up = selection.axes
-    columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
-    across = replace(across, values=across.values[columns])
-    up = replace(up, values=up.values[rows])
-    part = np.ix_(columns, rows)
-    values, regimes = selection.values[part].T, selection.regimes[part].T
-    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
-        if axis.is_log:
-            set_log(spine, axis.values)
+    across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
     faces = [mix(look.fill, style.ground, PALE) for look in looks]
     fill_cells(axes, across, up, regimes, looks, faces)
     plain = add_borders(axes, across, up, regimes, looks, colour=mix(style.ground, style.ink, 0.45))
     signs = _add_lines(axes, across.values, up.values, values, style)
     below = _hatch_below(axes, across.values, up.values, values, style)
     add_names(axes, across, up, plain, looks, style)
-    x, y = cell_edges(across), cell_edges(up)
-    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    axes.set_xlabel(across.label)
-    axes.set_ylabel(up.label)
+    limit_to_cells(axes, across, up)
     entries = share_entries(selection.regimes, looks, faces)
     backward = str(selection.variable.attrs.get("units")) == SPEED
     what = "speed" if backward else "value"
@@ -86,9 +73,7 @@ def _hatch_below(
     area = axes.contourf(
         x, y, shown, levels=[0.0, np.inf], colors=["none"], hatches=[HATCH], zorder=3
     )
-    area.set_edgecolor(style.accent)
-    area.set_linewidth(0.0)
-    area.set_hatch_linewidth(HATCH_WIDTH)
+    area.set(edgecolor=style.accent, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
     return True
 
 
@@ -129,11 +114,7 @@ def _add_lines(
             x, y, masked, levels=own, colors=[colour], linewidths=[style.width(width)],
             linestyles=[dashes], zorder=4,
         )  # fmt: skip
-        for label in axes.clabel(
-            lines, fontsize=style.text(8.5), fmt=number, inline=False, zorder=6
-        ):
-            gives_way(label)
-            label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
+        number_lines(axes, lines, style, 8.5, fmt=number, zorder=6)
     return signs
 
 

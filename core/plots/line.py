@@ -185,8 +185,7 @@ def _add_strips(
             )
             bar.set_linewidth(0)
             if not look.valid:
-                bar.set(hatch=look.hatch, edgecolor=look.hatch_ink)
-                bar.set_hatch_linewidth(HATCH_WIDTH)
+                bar.set(hatch=look.hatch, edgecolor=look.hatch_ink, hatch_linewidth=HATCH_WIDTH)
     axes.set_ylim(-0.6, len(labels) - 0.4)
     axes.set_yticks(range(len(labels)), labels)
     axes.tick_params(axis="y", length=0)
@@ -272,8 +271,8 @@ def _spans(
         look = by_value[value]
         area = axes.axvspan(edges[start], edges[stop], facecolor=look.tint, linewidth=0, zorder=0)
         if look.hatch and look.name not in MOTION:
-            area.set(hatch=look.hatch, edgecolor=mix(look.hatch_ink, style.ground, 0.55))
-            area.set_hatch_linewidth(HATCH_WIDTH)
+            ink = mix(look.hatch_ink, style.ground, 0.55)
+            area.set(hatch=look.hatch, edgecolor=ink, hatch_linewidth=HATCH_WIDTH)
     for (before, _, _), (after, start, _) in pairwise(runs):
         leaves = by_value[before].valid != by_value[after].valid
         if leaves or len(runs) <= MAX_RUNS:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
@@ -34,6 +36,13 @@ AIR = 2.0  # dots between texts
 def gives_way(text: Text) -> None:
     """Mark a text to be hidden if it would touch others or leave its axes."""
     text.set_gid(GIVES_WAY)
+
+
+def number_lines(axes: Axes, lines: ContourSet, style: Style, size: float, **look: Any) -> None:
+    """Write its value on each line of equal value; a number gives way to what stands there."""
+    for label in axes.clabel(lines, fontsize=style.text(size), inline=False, **look):
+        gives_way(label)
+        label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
 
 
 def leave_out_what_meets(figure: Figure) -> None:

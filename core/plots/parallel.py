@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,16 +17,18 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from core.dataset.regimes import flags_of
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
 from core.plots.parts import padded
 from core.plots.problem import PlotError
-from core.plots.selection import held_fixed
+from core.plots.selection import held_fixed, outputs_of, study_of
 from core.plots.sliced import check_result
 from core.plots.style import Style
 from core.plots.text import in_brackets, long_name, number, scaled, shown_in
 from core.quantities import REGIMES
+from core.quantities.quantity import lowered
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
 
@@ -126,7 +127,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | None) -> Designs:
     """Return the designs of a dataset, and the best one."""
-    study = _study(dataset)
+    study = study_of(dataset)
     criterion = study.get("criterion") or {}
     output = _output(dataset, study, variable)
     dims = [str(d) for d in dataset.dims if dataset.sizes[d] > 1 and d in dataset.coords]
@@ -145,7 +146,7 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
         raise PlotError("dataset", message, "Draw another output")
     least = criterion.get("kind") == "minimise" and output == criterion.get("output")
     knees = designs[at_all("knee")[designs] == 1] if "knee" in dataset else designs[:0]
-    best, best_is = _best(values, designs, knees, _name(dataset[output]), least)
+    best, best_is = _best(values, designs, knees, lowered(long_name(dataset[output])), least)
     if designs.size > MAX_DESIGNS:
         designs = np.random.default_rng(0).choice(designs, MAX_DESIGNS, replace=False)
         designs[0] = best if best not in designs else designs[0]
@@ -178,7 +179,7 @@ def _best(
 
 def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | None) -> str:
     """Return the output that ranks the designs: the asked one, or that of the study."""
-    outputs = _outputs(dataset)
+    outputs = outputs_of(dataset)
     if variable is not None and variable not in outputs:
         raise PlotError("variable", f"'{variable[:40]}' is unknown", suggestion(variable, outputs))
     criterion = study.get("criterion") or {}
@@ -191,7 +192,7 @@ def _names(
     dataset: xarray.Dataset, study: Mapping[str, Any], axes: list[str], output: str
 ) -> list[str]:
     """Return the names of the columns besides the output: axes, variables, other outputs."""
-    outputs = _outputs(dataset)
+    outputs = outputs_of(dataset)
     chosen = [name for name in outputs if name.startswith("best_")]
     further = [(study.get("criterion") or {}).get("against"), *(study.get("outputs") or ())]
     names = [*axes, *chosen, *(name for name in further if name in outputs)]
@@ -200,11 +201,6 @@ def _names(
         message = f"{output} has one value, there is one design only"
         raise PlotError("dataset", message, "Draw a dataset with ranges")
     return names[: MAX_COLUMNS - 1]
-
-
-def _outputs(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the outputs."""
-    return [str(name) for name in dataset.data_vars if name != "regime"]
 
 
 def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -229,7 +225,8 @@ def _column(
         spread = SPREAD * float(np.diff(steps).min())
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         low, high = padded(low, high)
-    return ParallelColumn(_name(array), shown.unit, values, low - spread, high + spread, spread)
+    name = lowered(long_name(array))
+    return ParallelColumn(name, shown.unit, values, low - spread, high + spread, spread)
 
 
 def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
@@ -310,27 +307,8 @@ def _ticks(column: ParallelColumn) -> Sequence[float]:
     return [float(value) for value in steps if column.low <= value <= column.high]
 
 
-def _name(array: xarray.DataArray) -> str:
-    """Return the name of a quantity for use in a sentence."""
-    name = long_name(array)
-    return name[:1].lower() + name[1:]
-
-
 def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
     """Return a mask of the designs that describe a real part."""
-    meanings = str(dataset["regime"].attrs.get("flag_meanings", "")).split()
-    numbers = np.atleast_1d(dataset["regime"].attrs.get("flag_values", [])).tolist()
-    bad = [
-        n for n, name in zip(numbers, meanings, strict=False)
-        if name in REGIMES and not REGIMES[name].valid
-    ]  # fmt: skip
+    flags = flags_of(dataset["regime"].attrs)
+    bad = [n for n, name in flags.items() if name in REGIMES and not REGIMES[name].valid]
     return ~np.isin(at_all("regime"), bad)
-
-
-def _study(dataset: xarray.Dataset) -> dict[str, Any]:
-    """Return the study stored in a dataset; empty without one."""
-    try:
-        study = json.loads(str(dataset.attrs.get("study", "{}")))
-    except ValueError:
-        return {}
-    return study if isinstance(study, dict) else {}

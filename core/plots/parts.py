@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,11 +14,20 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLoc
 from numpy.typing import NDArray
 
 from core.plots.scale import Scale
-from core.plots.selection import PlotAxis, Selection
+from core.plots.selection import PlotAxis, Selection, thin
 from core.plots.style import Style
 from core.plots.text import long_name, number, short_label
 
 DECADE = 10.0
+
+
+class Plane(NamedTuple):
+    """What is drawn over two axes: the axes, and values and regimes, arrays (up, across)."""
+
+    across: PlotAxis
+    up: PlotAxis
+    values: NDArray[np.float64]
+    regimes: NDArray[np.int64]
 
 
 def plain(value: float, _: object = None) -> str:
@@ -47,6 +57,30 @@ def cell_edges(axis: PlotAxis) -> NDArray[np.float64]:
     between = (drawn[:-1] + drawn[1:]) / 2
     middle = np.exp(between) if axis.is_log else between
     return np.concatenate([axis.values[:1], middle, axis.values[-1:]])
+
+
+def limit_to_cells(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:
+    """End axes where the outermost cells do."""
+    x, y = cell_edges(across), cell_edges(up)
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+
+
+def set_plane(axes: Axes, selection: Selection, most: int) -> Plane:
+    """Name axes and space them as a selection over two has it; return what is drawn there.
+
+    Of more than `most` points of an axis as many are taken, both ends included.
+    """
+    across, up = selection.axes
+    columns, rows = (thin(axis.values.size, most) for axis in selection.axes)
+    across, up = (
+        replace(axis, values=axis.values[some]) for axis, some in ((across, columns), (up, rows))
+    )
+    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
+        if axis.is_log:
+            set_log(spine, axis.values)
+        spine.set_label_text(axis.label)
+    part = np.ix_(columns, rows)
+    return Plane(across, up, selection.values[part].T, selection.regimes[part].T)
 
 
 def add_colour_bar(

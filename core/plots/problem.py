@@ -11,3 +11,8 @@ class PlotError(VibrafeedError):
     def __init__(self, place: str, message: str, fix: str):
         self.problem = Problem(place, message, fix)
         super().__init__(str(self.problem))
+
+
+def unreadable(message: str) -> PlotError:
+    """Return the error of a dataset that lacks what `vibrafeed run` writes."""
+    return PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -15,9 +14,9 @@ from numpy.typing import NDArray
 from core.dataset.regimes import percent
 from core.plots.islands import without_specks
 from core.plots.names import add_names
-from core.plots.parts import cell_edges, set_log
+from core.plots.parts import cell_edges, limit_to_cells, set_plane
 from core.plots.regimes import HATCH_WIDTH, Look, swatch
-from core.plots.selection import PlotAxis, Selection, thin
+from core.plots.selection import PlotAxis, Selection
 from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import RGB, Style
 
@@ -30,21 +29,11 @@ def draw_map(
 ) -> tuple[Axes, list[Artist]]:
     """Draw the map of regimes; return axes and legend entries with shares."""
     axes = figure.add_subplot()
-    across, up = selection.axes
-    columns, rows = thin(across.values.size, MAX_POINTS), thin(up.values.size, MAX_POINTS)
-    across = replace(across, values=across.values[columns])
-    up = replace(up, values=up.values[rows])
-    regimes = selection.regimes[np.ix_(columns, rows)].T
-    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
-        if axis.is_log:
-            set_log(spine, axis.values)
+    across, up, _, regimes = set_plane(axes, selection, MAX_POINTS)
     fill_cells(axes, across, up, regimes, looks, [look.fill for look in looks])
     plain = add_borders(axes, across, up, regimes, looks)
     add_names(axes, across, up, plain, looks, style, on_fill=True)
-    x, y = cell_edges(across), cell_edges(up)
-    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    axes.set_xlabel(across.label)
-    axes.set_ylabel(up.label)
+    limit_to_cells(axes, across, up)
     return axes, share_entries(selection.regimes, looks, [look.fill for look in looks])
 
 
@@ -70,9 +59,7 @@ def fill_cells(
             area = axes.contourf(
                 *corners, cells, levels=[0.5, 1.5], colors=["none"], hatches=[look.hatch], zorder=2
             )
-            area.set_edgecolor(look.hatch_ink)
-            area.set_linewidth(0.0)
-            area.set_hatch_linewidth(HATCH_WIDTH)
+            area.set(edgecolor=look.hatch_ink, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
 
 
 def add_borders(

@@ -13,8 +13,9 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from core.dataset.regimes import flags_of
 from core.plots.islands import without_specks
-from core.plots.problem import PlotError
+from core.plots.problem import unreadable
 from core.plots.style import LIGHT, RGB, Style, mix
 from core.plots.text import words
 from core.quantities import REGIMES
@@ -168,14 +169,11 @@ def looks_of(
     PlotError
         If the variable does not say what its numbers mean.
     """
-    numbers = np.atleast_1d(regime.attrs.get("flag_values", [])).tolist()
-    names = str(regime.attrs.get("flag_meanings", "")).split()
-    meanings = dict(zip(numbers, names, strict=False))
+    meanings = flags_of(regime.attrs)
     looks = []
     for value in np.unique(present).tolist():
         if value not in meanings:
-            message = f"its regime {value} has no name"
-            raise PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote")
+            raise unreadable(f"its regime {value} has no name")
         name = meanings[value]
         valid = REGIMES[name].valid if name in REGIMES else True
         hatch, colour, width = LOOKS.get(name, PLAIN)
@@ -207,9 +205,9 @@ def shade(
                 x, y, inside, levels=[0.5, 1.5], colors=[veil], hatches=[look.hatch], zorder=2
             )
             strength = LINE_STRENGTH if look.name in MOTION else HATCH_STRENGTH
-            area.set_edgecolor((*_ink(look, face), strength))
-            area.set_linewidth(0.0)
-            area.set_hatch_linewidth(HATCH_WIDTH)
+            area.set(
+                edgecolor=(*_ink(look, face), strength), linewidth=0.0, hatch_linewidth=HATCH_WIDTH
+            )
         inside = (bordered == look.value).astype(float)
         if inside.min() < inside.max():
             border = axes.contour(
@@ -232,8 +230,7 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
     patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
     patch.set_linewidth(0.8)
     if hatched:
-        patch.set_hatch(look.hatch)
-        patch.set_hatch_linewidth(HATCH_WIDTH)
+        patch.set(hatch=look.hatch, hatch_linewidth=HATCH_WIDTH)
     return patch
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from core.plots.categories import categories_of, codes_of
 from core.plots.exact import is_exact
 from core.plots.fixed import fixed_positions
-from core.plots.problem import PlotError
+from core.plots.problem import PlotError, unreadable
 from core.plots.text import (
     axis_label,
     demand_in_words,
@@ -199,15 +200,26 @@ def _selected(
     return whole, names, categories
 
 
+def outputs_of(dataset: xarray.Dataset) -> list[str]:
+    """Return the names of the outputs that a dataset holds."""
+    return [str(name) for name in dataset.data_vars if name != "regime"]
+
+
+def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
+    """Return the study that a dataset carries; empty without one."""
+    try:
+        study = json.loads(str(dataset.attrs.get("study", "{}")))
+    except ValueError:
+        return {}
+    return study if isinstance(study, dict) else {}
+
+
 def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     """Return name, value and unit of every parameter with a single value.
 
     What the study says comes before what it leaves to defaults.
     """
-    try:
-        parameters = json.loads(str(dataset.attrs.get("study", "{}"))).get("parameters", {})
-    except ValueError:
-        parameters = {}
+    parameters = study_of(dataset).get("parameters", {})
     single = [
         str(name)
         for name, coordinate in dataset.coords.items()
@@ -238,9 +250,9 @@ def _regime(dataset: xarray.Dataset) -> xarray.DataArray:
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     """Return the output to draw; raise `PlotError` if there is none such."""
-    outputs = [str(key) for key in dataset.data_vars if key != "regime"]
+    outputs = outputs_of(dataset)
     if not outputs:
-        raise PlotError("dataset", "it holds no output", "Draw a file that `vibrafeed run` wrote")
+        raise unreadable("it holds no output")
     if name is None:
         # What is one value, or counts cells, says less than what varies.
         varies = [key for key in outputs if dataset[key].size > 1]

@@ -15,11 +15,12 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase, SubFigure
 
+from core.dataset.regimes import flags_of
 from core.plots.bodies import draw_bodies, is_pair, read_bodies, views
 from core.plots.categories import looks_of_categories
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
-from core.plots.problem import PlotError
+from core.plots.problem import unreadable
 from core.plots.regimes import PLAIN, Look, looks_of
 from core.plots.selection import ANY_REGIME, Selection, natural, select
 from core.plots.style import Style
@@ -39,10 +40,9 @@ def _said(look: Look, dataset: xarray.Dataset) -> Look:
     nowhere = dataset["regime"] == look.value
     for name in STATUSES:
         if name in dataset and dataset[name].dims == nowhere.dims:
-            meanings = str(dataset[name].attrs["flag_meanings"]).split()
-            flags = np.atleast_1d(dataset[name].attrs["flag_values"]).tolist()
+            meanings = flags_of(dataset[name].attrs)
             present = np.unique(dataset[name].values[nowhere.values]).tolist()
-            why = [meanings[flags.index(one)] for one in present if one in flags]
+            why = [meanings[one] for one in present if one in meanings]
             if why:
                 return replace(look, name=" or ".join(why))
     return look
@@ -66,8 +66,7 @@ def check_result(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset is not a result of vibrafeed."""
     told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
     if not told or "scene" not in dataset.attrs:
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", "it is not a result of vibrafeed: no regime or no scene", fix)
+        raise unreadable("it is not a result of vibrafeed: no regime or no scene")
 
 
 def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:

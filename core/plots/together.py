@@ -18,7 +18,7 @@ from core.plots.parts import padded, set_log
 from core.plots.problem import PlotError
 from core.plots.regimes import looks_of
 from core.plots.scale import value_range
-from core.plots.selection import Selection, select
+from core.plots.selection import Selection, outputs_of, select
 from core.plots.style import Style
 from core.plots.text import long_name, short_label
 from core.study.shown import ShownUnits
@@ -140,7 +140,7 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
         return asked
     shared = _shared(datasets)
     if not shared:
-        told = "; ".join(f"{_name(d)} has {_listed(_outputs(d))}" for d in datasets)
+        told = "; ".join(f"{_name(d)} has {_listed(outputs_of(d))}" for d in datasets)
         raise PlotError("variable", f"the files share no output: {told}", "Draw each by itself")
     return shared[0]
 
@@ -216,16 +216,11 @@ def _name(dataset: xarray.Dataset) -> str:
     return Path(source).name if source else str(dataset.attrs.get("title", "dataset"))
 
 
-def _outputs(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the outputs."""
-    return [str(name) for name in dataset.data_vars if name != "regime"]
-
-
 def _shared(datasets: Sequence[xarray.Dataset]) -> list[str]:
     """Return the outputs that are ranged in all datasets."""
     return [
         name
-        for name in _outputs(datasets[0])
+        for name in outputs_of(datasets[0])
         if all(name in d.data_vars and d[name].size > 1 for d in datasets)
     ]
 

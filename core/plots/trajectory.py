@@ -14,11 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from core.dataset.regimes import flags_of
 from core.motion.drives import Shape, shape_of
 from core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
 from core.plots.fixed import fixed_positions
 from core.plots.parts import padded
-from core.plots.problem import PlotError
+from core.plots.problem import PlotError, unreadable
 from core.plots.regimes import HATCH_WIDTH
 from core.plots.selection import held_fixed
 from core.plots.style import RGB, Style, mix
@@ -135,8 +136,7 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
     missing = [name for name in needed if name not in known]
     if missing:
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
+        raise unreadable(f"its motion has no {missing[0]}")
     dataset = dataset.sortby(TIME)
 
     seconds = values_of(dataset[TIME])
@@ -316,14 +316,10 @@ def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
 
 def _flag(array: xarray.DataArray, value: int) -> str:
     """Return the name of a flag's value; raise `PlotError` for an unknown one."""
-    numbers = np.atleast_1d(array.attrs.get("flag_values", [])).tolist()
-    names = str(array.attrs.get("flag_meanings", "")).split()
     try:
-        return dict(zip(numbers, names, strict=False))[value]
+        return flags_of(array.attrs)[value]
     except KeyError:
-        message = f"its {array.name} {value} has no name"
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", message, fix) from None
+        raise unreadable(f"its {array.name} {value} has no name") from None
 
 
 def _modes(array: xarray.DataArray) -> list[str]:
@@ -348,8 +344,8 @@ def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
         hatch, colour = _look(shown.modes[start], style)
         area = axes.axvspan(edges[start], edges[stop], facecolor=colour, linewidth=0, zorder=0)
         if hatch:
-            area.set(hatch=hatch, edgecolor=mix(colour, style.ink, 0.25))
-            area.set_hatch_linewidth(HATCH_WIDTH)
+            ink = mix(colour, style.ink, 0.25)
+            area.set(hatch=hatch, edgecolor=ink, hatch_linewidth=HATCH_WIDTH)
 
 
 def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
@@ -379,7 +375,6 @@ def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
             hatch, colour = _look(name, style)
             ink = mix(colour, style.ink, 0.3)
             patch = Patch(facecolor=colour, edgecolor=ink, label=LEGEND.get(name, words(name)))
-            patch.set(hatch=hatch, linewidth=0.8)
-            patch.set_hatch_linewidth(HATCH_WIDTH)
+            patch.set(hatch=hatch, linewidth=0.8, hatch_linewidth=HATCH_WIDTH)
             entries.append(patch)
     return entries

@@ -15,7 +15,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from core.plots.parts import padded
-from core.plots.problem import PlotError
+from core.plots.problem import PlotError, unreadable
 from core.plots.selection import held_fixed
 from core.plots.style import Style, mix
 from core.plots.text import number, shown_in, with_unit
@@ -77,8 +77,7 @@ def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTraject
     heights = [name for name in HEIGHTS if name in known]
     missing = [*(name for name in NEEDED if name not in known), *(() if heights else HEIGHTS)]
     if missing:
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
+        raise unreadable(f"its motion has no {missing[0]}")
     dataset = dataset.sortby(TIME)
     along, upward, pitch, gap = (
         np.asarray(dataset[name].values, dtype=np.float64) for name in NEEDED[:4]

@@ -25,6 +25,7 @@ from core.plots.selection import held_at, held_fixed
 from core.plots.style import Style, mix
 from core.plots.text import in_brackets, number, with_unit, words
 from core.quantities import QUANTITIES
+from core.quantities.quantity import lowered
 from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
 from core.study.distributions import read_distribution, tolerance
 from core.study.shown import Shown, ShownUnits
@@ -265,7 +266,7 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
     style.add_grid(axes)
     left = float(result.design[f"{result.output}{LEFT_OUT}"])
     note = f"{_percent(left)} of the points have no valid value" if left > 0 else ""
-    return f"Distribution of the {_lower(result.label)}", entries, note
+    return f"Distribution of the {lowered(result.label)}", entries, note
 
 
 def _share_below(
@@ -304,10 +305,10 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
         label = f"{part.capitalize()} index"
         entries.append(Patch(color=colours[part], label=label))
     _set_rows(axes, names, style)
-    axes.set(xlabel=f"Share of the variance of the {_lower(result.label)} (%)")
+    axes.set(xlabel=f"Share of the variance of the {lowered(result.label)} (%)")
     axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
     note = "Lines across the ends are 95 % intervals of the sampling"
-    return f"Where the variance of the {_lower(result.label)} comes from", entries, note
+    return f"Where the variance of the {lowered(result.label)} comes from", entries, note
 
 
 def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
@@ -321,19 +322,19 @@ def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     for name, x, y in zip(result.names, size, deviation, strict=True):
         right = x > most / 2
         axes.annotate(
-            _name(name), (x, y), (-8 if right else 8, 5), textcoords="offset points",
+            words(name), (x, y), (-8 if right else 8, 5), textcoords="offset points",
             ha="right" if right else "left", color=style.ink, fontsize=style.text(9.5),
         )  # fmt: skip
     unit = in_brackets(result.shown.unit)
     axes.set(xlim=(0, most), ylim=(0, high))
-    axes.set_xlabel(f"Mean effect on the {_lower(result.label)}, mu* {unit}".rstrip())
+    axes.set_xlabel(f"Mean effect on the {lowered(result.label)}, mu* {unit}".rstrip())
     axes.set_ylabel(f"Deviation of the effect, sigma {unit}".rstrip())
     style.add_grid(axes)
     entries = [
         Line2D([], [], color=style.quiet, linestyle=":", label="Deviation as large as the effect")
     ]
     note = "High up: the effect depends on the place, by bends or by other parameters"
-    return f"Which parameters the {_lower(result.label)} depends on", entries, note
+    return f"Which parameters the {lowered(result.label)} depends on", entries, note
 
 
 def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
@@ -371,26 +372,16 @@ def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     _set_rows(axes, names, style)
     axes.margins(x=2 * PADDING)  # the ends of tolerances stand beside their bars
     axes.set(xlabel=result.axis)
-    return f"What each tolerance does to the {_lower(result.label)}", entries, ""
+    return f"What each tolerance does to the {lowered(result.label)}", entries, ""
 
 
 def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
     """Set the names of rows on the vertical axis."""
-    axes.set_yticks(range(len(names)), [_name(name) for name in names])
+    axes.set_yticks(range(len(names)), [words(name) for name in names])
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
     style.add_grid(axes)
     axes.grid(visible=False, axis="y")
-
-
-def _name(parameter: str) -> str:
-    """Return the name of a parameter in words."""
-    return words(parameter)
-
-
-def _lower(label: str) -> str:
-    """Return a label that begins with a small letter."""
-    return label[:1].lower() + label[1:]
 
 
 def _percent(share: float) -> str:

@@ -137,3 +137,8 @@ def number(symbol: str, label: str, description: str) -> Quantity:
 def flag(label: str, description: str, flags: Mapping[str, Flag], symbol: str = "") -> Quantity:
     """Return the quantity of a flag: its values are names of states."""
     return Quantity("1", symbol, label, description, flags=flags, compared=False)
+
+
+def lowered(label: str) -> str:
+    """Return a label as it stands within a sentence: its first letter is small."""
+    return label[:1].lower() + label[1:]

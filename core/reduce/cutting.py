@@ -15,6 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from core.plan.loops.lanes import even_length
+
 BOX_CELLS = 1 << 22
 """Most cells of a box: some milliseconds."""
 BLOCK_SLOTS = 1 << 17
@@ -63,7 +65,7 @@ class Cutting:
         def widen(axes: Iterable[int], budget: int) -> None:
             """Enlarge the boxes along some axes within a budget of tiles."""
             for axis in axes:
-                tiles = _even(-(-shape[axis] // steps[axis]), budget)
+                tiles = even_length(-(-shape[axis] // steps[axis]), budget)
                 steps[axis] = min(shape[axis], tiles * steps[axis])
                 budget //= tiles
 
@@ -162,9 +164,3 @@ class Rows:
                 slots += places.reshape([-1] + [1] * (len(axes) - axis - 1))
                 stride *= size
         return cls(slots.reshape(-1), length, spread, stride)
-
-
-def _even(size: int, most: int) -> int:
-    """Return the length of nearly equal pieces of an axis, at most `most`."""
-    pieces = -(-size // max(1, min(size, most)))
-    return -(-size // pieces)

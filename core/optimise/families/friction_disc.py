@@ -14,13 +14,12 @@ from core.mechanics.arrays import Array, Mask
 from core.optimise.codes import ACTIVE, STATUS
 from core.optimise.families.optimum import (
     Optimum,
-    all_finite,
     bounds_active,
     broadcast,
+    checked,
     optimum,
     statuses,
     tight,
-    usable,
 )
 
 Candidate = tuple[Array, Array, Array, Mask]
@@ -65,9 +64,8 @@ def fastest_slide(
     P, c, G, mu, mu_s = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static
     )
-    valid = all_finite(P, c, G, mu, mu_s) & (P >= 0) & (G >= 0) & (mu >= 0) & (mu_s >= mu)
-    driven = valid & (P > 0)
-    P, c, G, mu, mu_s = usable(valid, P, c, G, mu, mu_s)
+    within = (P >= 0) & (G >= 0) & (mu >= 0) & (mu_s >= mu)
+    valid, driven, (P, c, G, mu, mu_s) = checked(within, P, c, G, mu, mu_s)
     scale = np.where(driven, P, 1.0)
     k, g = c / scale, G / scale
     candidates = (*_straight(k, g, mu, mu_s), turned(k, g, mu, mu_s), held(k, g, mu, mu_s))

@@ -52,14 +52,14 @@ def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
     return tuple(np.broadcast_arrays(*(np.asarray(part, dtype=np.float64) for part in parts)))
 
 
-def all_finite(*parts: Array) -> Mask:
-    """True where every argument is a finite number."""
-    return np.asarray(np.all([np.isfinite(part) for part in parts], axis=0))
+def checked(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask, tuple[Array, ...]]:
+    """Return what is valid, what is driven, and the arguments with 0 for what is not valid.
 
-
-def usable(valid: Mask, *parts: Array) -> tuple[Array, ...]:
-    """Return the arguments with 0 in invalid cells, so that NaN causes no warnings."""
-    return tuple(np.where(valid, part, 0.0) for part in parts)
+    Valid is what is finite, and `within` its range; driven where the drive is above 0 there, too.
+    The zeros spare warnings from NaN.
+    """
+    valid = np.asarray(within & np.all([np.isfinite(part) for part in (drive, *parts)], axis=0))
+    return valid, valid & (drive > 0), tuple(np.where(valid, p, 0.0) for p in (drive, *parts))
 
 
 def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Statuses:

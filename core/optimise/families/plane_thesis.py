@@ -11,13 +11,12 @@ from core.optimise.families.family import Family
 from core.optimise.families.optimum import (
     Optimum,
     ParetoSet,
-    all_finite,
     bounds_active,
     broadcast,
+    checked,
     optimum,
     statuses,
     tight,
-    usable,
 )
 from core.optimise.kernels.columns import PlaneThesis
 from core.study.optimise_study import Limited, Maximise, Pareto, Weighted
@@ -46,9 +45,9 @@ def plane_thesis_limited(
     P, c, G, mu, E = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, limit
     )
-    valid = all_finite(P, c, G, mu) & (P >= 0) & (G >= 0) & (mu >= 0) & (E >= 0)
-    driven = valid & (P > 0)
-    P, c, G, mu, E = usable(valid, P, c, G, mu, E)
+    within = (P >= 0) & (G >= 0) & (mu >= 0) & (E >= 0)
+    valid, driven, (P, c, G, mu) = checked(within, P, c, G, mu)
+    E = np.where(valid, E, 0.0)
     scale = np.where(driven, P, 1.0)
     g, e, A = G / scale, E / scale, np.hypot(1.0, mu)
     lifts = mu >= g * A
@@ -91,9 +90,8 @@ def plane_thesis_weighted(
     P, c, G, mu, w = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, weight
     )
-    valid = all_finite(P, c, G, mu, w) & (P >= 0) & (G >= 0) & (mu >= 0) & (w >= 0)
-    driven = valid & (P > 0)
-    P, c, G, mu, w = usable(valid, P, c, G, mu, w)
+    within = (P >= 0) & (G >= 0) & (mu >= 0) & (w >= 0)
+    valid, driven, (P, c, G, mu, w) = checked(within, P, c, G, mu, w)
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
     lifts = mu >= g * A
     lift_off = np.arcsin(np.minimum(g, 1.0))
@@ -131,9 +129,8 @@ def plane_thesis_pareto(
             vibration_acceleration, gravity_along, gravity_normal, friction_kinetic
         )
     )
-    valid = all_finite(P, c, G, mu) & (P >= 0) & (G >= 0) & (mu >= 0)
-    driven = valid & (P > 0)
-    P, c, G, mu = usable(valid, P, c, G, mu)
+    within = (P >= 0) & (G >= 0) & (mu >= 0)
+    valid, driven, (P, c, G, mu) = checked(within, P, c, G, mu)
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
     lifts = mu >= g * A
     lift_off = np.arcsin(np.minimum(g, 1.0))
@@ -151,24 +148,6 @@ def plane_thesis_pareto(
         np.where(bad, np.nan, across),
         status,
     )
-
-
-def plane_thesis_least_across(
-    *,
-    vibration_acceleration: ArrayLike,
-    gravity_normal: ArrayLike,
-    friction_kinetic: ArrayLike,
-    beta: ArrayLike,
-) -> Array:
-    """Return the alpha of the least |a_y| at given beta, printed friction (theory 12.1) [rad].
-
-    sin(alpha) = mu (G - P sb)/(P cb), where a_y = 0; clipped to [0, 1]: 90 deg where a_y stays
-    negative, 0 where it stays positive (beyond lift-off).
-    """
-    P, G, mu, b = broadcast(vibration_acceleration, gravity_normal, friction_kinetic, beta)
-    push, floor = P * np.cos(b), mu * (G - P * np.sin(b))
-    inside = np.clip(floor, 0.0, push)
-    return np.asarray(np.arcsin(ratio(inside, push, 0.0)))
 
 
 def _printed_accelerations(

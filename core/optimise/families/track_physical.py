@@ -10,13 +10,12 @@ from core.optimise.codes import ACTIVE, STATUS
 from core.optimise.families.family import Family
 from core.optimise.families.optimum import (
     Optimum,
-    all_finite,
     bounds_active,
     broadcast,
+    checked,
     optimum,
     statuses,
     tight,
-    usable,
 )
 from core.optimise.kernels.columns import TrackPhysical
 from core.study.optimise_study import Maximise
@@ -50,9 +49,8 @@ def track_physical_fastest(
         friction_kinetic,
         friction_static,
     )
-    valid = all_finite(P, c, gy, gz, mu, mu_s) & (P >= 0) & (mu >= 0) & (mu_s >= mu)
-    driven = valid & (P > 0)
-    P, c, gy, gz, mu, mu_s = usable(valid, P, c, gy, gz, mu, mu_s)
+    within = (P >= 0) & (mu >= 0) & (mu_s >= mu)
+    valid, driven, (P, c, gy, gz, mu, mu_s) = checked(within, P, c, gy, gz, mu, mu_s)
     infeasible = valid & ((gy < 0) | (gz < 0))
     scale = np.where(driven, P, 1.0)
     y, z = np.maximum(gy, 0.0) / scale, np.maximum(gz, 0.0) / scale

@@ -15,13 +15,12 @@ from core.optimise.codes import ACTIVE
 from core.optimise.families.family import Family
 from core.optimise.families.optimum import (
     Optimum,
-    all_finite,
     bounds_active,
     broadcast,
+    checked,
     optimum,
     statuses,
     tight,
-    usable,
 )
 from core.optimise.kernels.columns import TrackPrinted
 from core.study.optimise_study import Maximise
@@ -46,9 +45,8 @@ def track_fastest(
     P, c, gy, mu = broadcast(
         vibration_acceleration, gravity_along, gravity_across, friction_kinetic
     )
-    valid = all_finite(P, c, gy, mu) & (P >= 0) & (mu >= 0)
-    driven = valid & (P > 0)
-    P, c, gy, mu = usable(valid, P, c, gy, mu)
+    within = (P >= 0) & (mu >= 0)
+    valid, driven, (P, c, gy, mu) = checked(within, P, c, gy, mu)
     sign = 1.0 if variant == "derived" else -1.0
     wall_margin = sign * gy
     alpha = np.arctan(mu)

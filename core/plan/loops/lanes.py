@@ -90,19 +90,19 @@ class LaneOrder:
         steps = {name: shape[name] for name in inner[1:]}
         if gathers:
             at_once = min(shape[inner[0]], piece // period)
-            pieces = _even(-(-shape[inner[0]] // at_once), max(1, min(DEPTH, most // piece)))
+            pieces = even_length(-(-shape[inner[0]] // at_once), max(1, min(DEPTH, most // piece)))
             steps[inner[0]] = min(shape[inner[0]], pieces * at_once)
             depth //= pieces
             lanes = max(1, lanes // (at_once * period))
             most //= steps[inner[0]] * period
         elif inner:
-            steps[inner[0]] = _even(shape[inner[0]], max(1, lanes // period))
+            steps[inner[0]] = even_length(shape[inner[0]], max(1, lanes // period))
             lanes = max(1, lanes // (steps[inner[0]] * period))
             most //= steps[inner[0]] * period
         apart = set()
         for name in reversed(outer):
             is_deep = name in goes and depth > 1
-            steps[name] = _even(shape[name], max(1, min(depth if is_deep else lanes, most)))
+            steps[name] = even_length(shape[name], max(1, min(depth if is_deep else lanes, most)))
             most //= steps[name]
             if is_deep:
                 depth //= steps[name]
@@ -218,7 +218,7 @@ class LaneLoop:
         mark_compiled(self._program)
 
 
-def _even(size: int, most: int) -> int:
-    """Return the length of nearly equal pieces of an axis, at most `most`."""
+def even_length(size: int, most: int) -> int:
+    """Return the length of nearly equal pieces of an axis, none longer than `most`."""
     pieces = -(-size // max(1, min(size, most)))
     return -(-size // pieces)
