@@ -236,11 +236,9 @@ def over_band(wave: Mapping[str, float], friction: Mapping[str, Array]) -> Array
 
 def draw(rows: list[Case]) -> None:
     """Draw the velocities of track and part over a period, for each band of friction."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 8.0), layout="constrained")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(len(rows), 2, sharex=True, sharey=True)
     phases = np.linspace(0.0, 2 * np.pi, 2001)
     time = phases / (2 * np.pi * FREQUENCY) * 1e3

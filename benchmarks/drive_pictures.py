@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import vibrafeed
@@ -58,7 +57,6 @@ def path(axes: Axes, degrees: int, says: str) -> None:
 def conventions() -> Figure:
     """Return the picture of a straight drive and of ellipses with both senses of rotation."""
     figure = Figure(figsize=(11, 2.7), layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(1, len(PHASES), sharey=True)
     for axes, (degrees, says) in zip(panels, PHASES.items(), strict=True):
         path(axes, degrees, says)

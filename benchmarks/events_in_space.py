@@ -9,11 +9,11 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import least
+from core.compiled import compiled
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER, Floats
 from core.motion.kernels.cells import cell_of
@@ -94,7 +94,7 @@ def speed_of(groups: Groups) -> Floats:
     return np.sqrt(sum(np.square(number) for number in numbers))
 
 
-@numba.njit(nogil=True, error_model="numpy")
+@compiled
 def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: Floats) -> None:
     """Fill mean velocity and period multiple of cells from runs with other series."""
     history = new_history(int(rows[0, -1]), np.zeros(1, dtype=np.int8))

@@ -107,12 +107,10 @@ def print_methods() -> dict[str, dict[str, tuple[Array, float, Array]]]:
 
 def draw_methods(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]]]) -> None:
     """Draw error against run time."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
     figure = Figure(figsize=(10.0, 7.6), layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     for panel, (title, results) in zip(panels.flat, everything.items(), strict=True):
         panel.set_title(title, loc="left", fontsize=10)

@@ -189,11 +189,9 @@ def _run(name: str, python: str) -> dict[str, Any] | None:
 
 def draw(found: list[dict[str, Any]]) -> None:
     """Draw the error of each engine over its run time, a panel per problem."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 6.6), layout="constrained")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
     looks = dict(zip(NAMES, ("osD^v"), strict=True))
     for panel, (name, (title, _)) in zip(panels, ASKED.items(), strict=False):

@@ -23,7 +23,7 @@ from core.optimise.verify import accuracy, verified
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.watch import Watch
 
 BINDS = {
@@ -62,7 +62,7 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
     for name in problem.names:
         quantity = QUANTITIES[name]
         attributes[f"best_{name}"] = quantity_attributes(name) | {
-            "long_name": f"Best {lowered(quantity.label)}"
+            "long_name": f"Best {in_sentence(quantity.label)}"
         }
         for end, bound in (("lower", "lower"), ("upper", "upper")):
             attributes[f"binds_{name}_{end}"] = _binds(f"the {bound} bound of {name}")
@@ -91,7 +91,7 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
             label = QUANTITIES[name].label
             attributes[f"sensitivity_{name}"] = {
                 "units": "1",
-                "long_name": f"Sensitivity to {lowered(label)}",
+                "long_name": f"Sensitivity to {in_sentence(label)}",
                 "comment": f"d ln({problem.criterion.output})/d ln({name}) at the optimum.",
             }
     if "knee" in prepared.units:

@@ -16,7 +16,7 @@ from core.errors import Problem, StudyError
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES
 from core.quantities.derivative import DERIVATIVE_STATUSES
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.suggestions import suggestion
 
 if TYPE_CHECKING:
@@ -108,14 +108,14 @@ class Asked:
                 about = {"output": output, "parameter": parameter}
                 labels[derivative_name(output, parameter)] = {
                     "units": _per(output, parameter),
-                    "long_name": f"Derivative of {lowered(of)} by {by}",
+                    "long_name": f"Derivative of {in_sentence(of)} by {by}",
                     "comment": f"d({output})/d({parameter}); NaN where "
                     f"{status_name(parameter)} says why there is none.",
                     **about,
                 }
                 labels[elasticity_name(output, parameter)] = {
                     "units": "1",
-                    "long_name": f"Sensitivity of {lowered(of)} to {by}",
+                    "long_name": f"Sensitivity of {in_sentence(of)} to {by}",
                     "comment": f"d ln({output})/d ln({parameter}).",
                     **about,
                 }

@@ -15,7 +15,7 @@ from core.plots.problem import PlotError
 from core.plots.selection import FEW, held_fixed
 from core.plots.style import RGB
 from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.study.optimise_study import Pareto
 from core.study.shown import ShownUnits
 
@@ -73,7 +73,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
             ha="center", va="center", color=style.ink, fontsize=style.text(11),
         )  # fmt: skip
     label = axis_label(against, side.unit)
-    axes.set_xlabel(f"Magnitude of the {lowered(label)}")
+    axes.set_xlabel(f"Magnitude of the {in_sentence(label)}")
     axes.set_ylabel(axis_label(output, height.unit))
     style.add_grid(axes)
     return finish(

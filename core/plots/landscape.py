@@ -38,7 +38,7 @@ from core.plots.selection import held_at, held_fixed
 from core.plots.style import RGB, Style, mix
 from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
 from core.quantities import QUANTITIES
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # of each variable
@@ -142,7 +142,7 @@ def held_of(
 def name_of(problem: OptimisationProblem) -> str:
     """Return the name of the objective."""
     label = QUANTITIES[problem.criterion.output].label
-    return f"{lowered(label)}{', weighted' if problem.weight else ''}"
+    return f"{in_sentence(label)}{', weighted' if problem.weight else ''}"
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:

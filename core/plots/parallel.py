@@ -28,7 +28,7 @@ from core.plots.sliced import check_result
 from core.plots.style import Style
 from core.plots.text import in_brackets, long_name, number, scaled, shown_in
 from core.quantities import REGIMES
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
 
@@ -146,7 +146,7 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
         raise PlotError("dataset", message, "Draw another output")
     least = criterion.get("kind") == "minimise" and output == criterion.get("output")
     knees = designs[at_all("knee")[designs] == 1] if "knee" in dataset else designs[:0]
-    best, best_is = _best(values, designs, knees, lowered(long_name(dataset[output])), least)
+    best, best_is = _best(values, designs, knees, in_sentence(long_name(dataset[output])), least)
     if designs.size > MAX_DESIGNS:
         designs = np.random.default_rng(0).choice(designs, MAX_DESIGNS, replace=False)
         designs[0] = best if best not in designs else designs[0]
@@ -225,7 +225,7 @@ def _column(
         spread = SPREAD * float(np.diff(steps).min())
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         low, high = padded(low, high)
-    name = lowered(long_name(array))
+    name = in_sentence(long_name(array))
     return ParallelColumn(name, shown.unit, values, low - spread, high + spread, spread)
 
 

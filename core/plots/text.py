@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.plots.problem import PlotError
 from core.quantities import QUANTITIES
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.study.shown import Shown, ShownUnits, read_shown
 from core.study.units import UnitError
 
@@ -111,7 +111,7 @@ def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
         for key, end in ends.items()
     )
     what = "Error of the probability" if name.endswith("_error") else "Probability"
-    return f"{what} of {lowered(output.label)} {bounds}".rstrip()
+    return f"{what} of {in_sentence(output.label)} {bounds}".rstrip()
 
 
 def in_brackets(unit: str) -> str:

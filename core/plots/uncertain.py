@@ -25,7 +25,7 @@ from core.plots.selection import held_at, held_fixed
 from core.plots.style import Style, mix
 from core.plots.text import in_brackets, number, with_unit, words
 from core.quantities import QUANTITIES
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
 from core.study.distributions import read_distribution, tolerance
 from core.study.shown import Shown, ShownUnits
@@ -266,7 +266,7 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
     style.add_grid(axes)
     left = float(result.design[f"{result.output}{LEFT_OUT}"])
     note = f"{_percent(left)} of the points have no valid value" if left > 0 else ""
-    return f"Distribution of the {lowered(result.label)}", entries, note
+    return f"Distribution of the {in_sentence(result.label)}", entries, note
 
 
 def _share_below(
@@ -305,10 +305,10 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
         label = f"{part.capitalize()} index"
         entries.append(Patch(color=colours[part], label=label))
     _set_rows(axes, names, style)
-    axes.set(xlabel=f"Share of the variance of the {lowered(result.label)} (%)")
+    axes.set(xlabel=f"Share of the variance of the {in_sentence(result.label)} (%)")
     axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
     note = "Lines across the ends are 95 % intervals of the sampling"
-    return f"Where the variance of the {lowered(result.label)} comes from", entries, note
+    return f"Where the variance of the {in_sentence(result.label)} comes from", entries, note
 
 
 def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
@@ -327,14 +327,14 @@ def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
         )  # fmt: skip
     unit = in_brackets(result.shown.unit)
     axes.set(xlim=(0, most), ylim=(0, high))
-    axes.set_xlabel(f"Mean effect on the {lowered(result.label)}, mu* {unit}".rstrip())
+    axes.set_xlabel(f"Mean effect on the {in_sentence(result.label)}, mu* {unit}".rstrip())
     axes.set_ylabel(f"Deviation of the effect, sigma {unit}".rstrip())
     style.add_grid(axes)
     entries = [
         Line2D([], [], color=style.quiet, linestyle=":", label="Deviation as large as the effect")
     ]
     note = "High up: the effect depends on the place, by bends or by other parameters"
-    return f"Which parameters the {lowered(result.label)} depends on", entries, note
+    return f"Which parameters the {in_sentence(result.label)} depends on", entries, note
 
 
 def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
@@ -372,7 +372,7 @@ def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     _set_rows(axes, names, style)
     axes.margins(x=2 * PADDING)  # the ends of tolerances stand beside their bars
     axes.set(xlabel=result.axis)
-    return f"What each tolerance does to the {lowered(result.label)}", entries, ""
+    return f"What each tolerance does to the {in_sentence(result.label)}", entries, ""
 
 
 def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:

@@ -139,6 +139,6 @@ def flag(label: str, description: str, flags: Mapping[str, Flag], symbol: str = 
     return Quantity("1", symbol, label, description, flags=flags, compared=False)
 
 
-def lowered(label: str) -> str:
+def in_sentence(label: str) -> str:
     """Return a label as it stands within a sentence: its first letter is small."""
     return label[:1].lower() + label[1:]

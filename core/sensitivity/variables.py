@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from core.quantities import QUANTITIES
-from core.quantities.quantity import lowered
+from core.quantities.quantity import in_sentence
 from core.study.sensitivity_study import Demand, SensitivityStudy
 
 UNCERTAIN = "uncertain"
@@ -80,13 +80,13 @@ def in_words(demand: Demand) -> str:
         for words, end in (("at least", demand.at_least), ("at most", demand.at_most))
         if end is not None
     ]
-    return f"{lowered(output.label)} {' and '.join(ends)}"
+    return f"{in_sentence(output.label)} {' and '.join(ends)}"
 
 
 def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     """Yield the variables of one output: mean, quantiles, indices, budget."""
     quantity = QUANTITIES[name]
-    unit, what = quantity.unit, lowered(quantity.label)
+    unit, what = quantity.unit, in_sentence(quantity.label)
 
     def variable(
         part: str, words: str, comment: str, over: str = "", unit: str = unit
@@ -97,7 +97,7 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
         """Yield a variable of the output and its error."""
         yield variable(part, words, comment, over, unit)
-        error = f"Error of the {lowered(words)}"
+        error = f"Error of the {in_sentence(words)}"
         yield variable(f"{part}_error", error, INTERVAL, over, unit)
 
     if "distribution" in study.analyses:

@@ -16,10 +16,10 @@ from core.optimise.families.optimum import (
     Optimum,
     bounds_active,
     broadcast,
-    checked,
     optimum,
     statuses,
     tight,
+    valid_inputs,
 )
 
 Candidate = tuple[Array, Array, Array, Mask]
@@ -65,7 +65,7 @@ def fastest_slide(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static
     )
     within = (P >= 0) & (G >= 0) & (mu >= 0) & (mu_s >= mu)
-    valid, driven, (P, c, G, mu, mu_s) = checked(within, P, c, G, mu, mu_s)
+    valid, driven, (P, c, G, mu, mu_s) = valid_inputs(within, P, c, G, mu, mu_s)
     scale = np.where(driven, P, 1.0)
     k, g = c / scale, G / scale
     candidates = (*_straight(k, g, mu, mu_s), turned(k, g, mu, mu_s), held(k, g, mu, mu_s))

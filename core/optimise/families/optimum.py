@@ -52,7 +52,7 @@ def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
     return tuple(np.broadcast_arrays(*(np.asarray(part, dtype=np.float64) for part in parts)))
 
 
-def checked(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask, tuple[Array, ...]]:
+def valid_inputs(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask, tuple[Array, ...]]:
     """Return what is valid, what is driven, and the arguments with 0 for what is not valid.
 
     Valid is what is finite, and `within` its range; driven where the drive is above 0 there, too.

@@ -13,10 +13,10 @@ from core.optimise.families.optimum import (
     ParetoSet,
     bounds_active,
     broadcast,
-    checked,
     optimum,
     statuses,
     tight,
+    valid_inputs,
 )
 from core.optimise.kernels.columns import PlaneThesis
 from core.study.optimise_study import Limited, Maximise, Pareto, Weighted
@@ -46,7 +46,7 @@ def plane_thesis_limited(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, limit
     )
     within = (P >= 0) & (G >= 0) & (mu >= 0) & (E >= 0)
-    valid, driven, (P, c, G, mu) = checked(within, P, c, G, mu)
+    valid, driven, (P, c, G, mu) = valid_inputs(within, P, c, G, mu)
     E = np.where(valid, E, 0.0)
     scale = np.where(driven, P, 1.0)
     g, e, A = G / scale, E / scale, np.hypot(1.0, mu)
@@ -91,7 +91,7 @@ def plane_thesis_weighted(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, weight
     )
     within = (P >= 0) & (G >= 0) & (mu >= 0) & (w >= 0)
-    valid, driven, (P, c, G, mu, w) = checked(within, P, c, G, mu, w)
+    valid, driven, (P, c, G, mu, w) = valid_inputs(within, P, c, G, mu, w)
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
     lifts = mu >= g * A
     lift_off = np.arcsin(np.minimum(g, 1.0))
@@ -130,7 +130,7 @@ def plane_thesis_pareto(
         )
     )
     within = (P >= 0) & (G >= 0) & (mu >= 0)
-    valid, driven, (P, c, G, mu) = checked(within, P, c, G, mu)
+    valid, driven, (P, c, G, mu) = valid_inputs(within, P, c, G, mu)
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
     lifts = mu >= g * A
     lift_off = np.arcsin(np.minimum(g, 1.0))

@@ -12,10 +12,10 @@ from core.optimise.families.optimum import (
     Optimum,
     bounds_active,
     broadcast,
-    checked,
     optimum,
     statuses,
     tight,
+    valid_inputs,
 )
 from core.optimise.kernels.columns import TrackPhysical
 from core.study.optimise_study import Maximise
@@ -50,7 +50,7 @@ def track_physical_fastest(
         friction_static,
     )
     within = (P >= 0) & (mu >= 0) & (mu_s >= mu)
-    valid, driven, (P, c, gy, gz, mu, mu_s) = checked(within, P, c, gy, gz, mu, mu_s)
+    valid, driven, (P, c, gy, gz, mu, mu_s) = valid_inputs(within, P, c, gy, gz, mu, mu_s)
     infeasible = valid & ((gy < 0) | (gz < 0))
     scale = np.where(driven, P, 1.0)
     y, z = np.maximum(gy, 0.0) / scale, np.maximum(gz, 0.0) / scale

@@ -17,10 +17,10 @@ from core.optimise.families.optimum import (
     Optimum,
     bounds_active,
     broadcast,
-    checked,
     optimum,
     statuses,
     tight,
+    valid_inputs,
 )
 from core.optimise.kernels.columns import TrackPrinted
 from core.study.optimise_study import Maximise
@@ -46,7 +46,7 @@ def track_fastest(
         vibration_acceleration, gravity_along, gravity_across, friction_kinetic
     )
     within = (P >= 0) & (mu >= 0)
-    valid, driven, (P, c, gy, mu) = checked(within, P, c, gy, mu)
+    valid, driven, (P, c, gy, mu) = valid_inputs(within, P, c, gy, mu)
     sign = 1.0 if variant == "derived" else -1.0
     wall_margin = sign * gy
     alpha = np.arctan(mu)
