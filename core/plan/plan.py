@@ -60,8 +60,11 @@ class Plan:
         return (more or said or ["not_assessed"])[-1]
 
     def only(self, output: str) -> Plan:
-        """Return the plan of a single output, with the parameters that it needs."""
-        return _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
+        """Return the plan of one of the outputs alone, with the parameters that it needs."""
+        known = self._known_parts
+        if output not in known:
+            known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
+        return known[output]
 
     def part(self, outputs: Collection[str], conditions: Collection[Condition]) -> Plan:
         """Return the part of the plan that some outputs and conditions need."""
@@ -78,6 +81,22 @@ class Plan:
 
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
         """Return the axes on which each quantity of the plan depends."""
+        names = tuple(axes)
+        if names not in self._known_axes:
+            self._known_axes[names] = self._depends_on(names)
+        return dict(self._known_axes[names])
+
+    @cached_property
+    def _known_parts(self) -> dict[str, Plan]:
+        """Plans of single outputs by name, kept since every slice asks for one."""
+        return {}
+
+    @cached_property
+    def _known_axes(self) -> dict[tuple[str, ...], dict[str, frozenset[str]]]:
+        """Results of `depends_on` by the axes asked for."""
+        return {}
+
+    def _depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
         known = {name: frozenset({name} & set(axes)) for name in self.parameters}
         known.update(dict.fromkeys(self.defaults, frozenset()))
         for equation in self.equations:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from contextlib import nullcontext
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -209,49 +210,75 @@ async def get_slice(
         if name not in ("output", "axes", "format")
     }
     chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
+    wish = _Wish(output, axes.split(","), fixed, settings.max_slice_cells)
     written = writer_version(chosen) if chosen in TABLES else chosen
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, written, output, axes, *words)
-    sweep = await run_in_threadpool(store.sweep, key)
     reply = not_modified(request, etag, FOR_EVER)
+    is_read = reply is None and request.method == "GET" and chosen in FORMS
+
+    def look() -> tuple[Prepared, bytes | None]:
+        """Return the sweep and, if it is small, the slice: a second thread takes as long again."""
+        sweep = store.sweep(key)
+        if not is_read or wish.values(sweep) > LARGE:
+            return sweep, None
+        reserve_bytes(request, BYTES_A_VALUE * wish.values(sweep))
+        return sweep, wish.encoded(sweep, chosen)
+
+    sweep, made = await run_in_threadpool(look)
     if reply is None:
-        names = axes.split(",")
-        most = settings.max_slice_cells
-        values = math.prod(sweep.grid.shape.get(name, 1) for name in names)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
+        values = wish.values(sweep)
         lane = request.app.state.large_slices if values > LARGE else None
         turn = nullcontext() if lane is None else slot_of(request)
-
-        def prepare() -> SliceCut:
-            """Return the requested slice, not computed yet."""
-            return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
-
-        def content() -> bytes:
-            """Compute the slice and return it in the chosen format."""
-            piece = compute_slice(prepare())
-            return binary(piece) if chosen == "binary" else orjson.dumps(piece, option=NUMPY)
-
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
-            await to_thread.run_sync(prepare)
+            await to_thread.run_sync(wish.prepared, sweep)
             reply = without_length(media_type)
         elif chosen in TABLES:
-            reserve_bytes(request, BYTES_A_VALUE * min(values, most))
-            rows = most_rows(settings, chosen, most)
+            reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
+            rows = most_rows(settings, chosen, wish.most)
             async with turn:
                 frame = await to_thread.run_sync(
-                    lambda: Frame.of(table_of(sweep, compute_slice(prepare())), most=rows),
-                    limiter=lane,
+                    lambda: Frame.of(table_of(sweep, wish.computed(sweep)), most=rows), limiter=lane
                 )
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:
-            reserve_bytes(request, BYTES_A_VALUE * min(values, most))
-            async with turn:
-                made = await to_thread.run_sync(content, limiter=lane)
+            if made is None:
+                reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
+                async with turn:
+                    made = await to_thread.run_sync(wish.encoded, sweep, chosen, limiter=lane)
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """The slice that a request asks for: an output over axes at fixed values; `most` values at most."""
+
+    output: str
+    axes: list[str]
+    fixed: dict[str, str]
+    most: int
+
+    def values(self, sweep: Prepared) -> int:
+        """Return the number of values, as far as the names are axes."""
+        return math.prod(sweep.grid.shape.get(name, 1) for name in self.axes)
+
+    def prepared(self, sweep: Prepared) -> SliceCut:
+        """Check the request against the sweep and return the slice, not computed yet."""
+        return prepare_cut(sweep, output=self.output, axes=self.axes, at=self.fixed, most=self.most)
+
+    def computed(self, sweep: Prepared) -> dict[str, Any]:
+        """Compute the slice and return its document: axes and values."""
+        return compute_slice(self.prepared(sweep))
+
+    def encoded(self, sweep: Prepared, form: str) -> bytes:
+        """Compute the slice and return it as the body of a reply, in JSON or binary."""
+        piece = self.computed(sweep)
+        return binary(piece) if form == "binary" else orjson.dumps(piece, option=NUMPY)
 
 
 @router.get(
