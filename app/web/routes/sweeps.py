@@ -256,7 +256,7 @@ async def get_slice(
 
 @dataclass(frozen=True)
 class _Wish:
-    """The slice that a request asks for: an output over axes at fixed values; `most` values at most."""
+    """The slice that a request asks for: an output over axes, other axes fixed; `most` values."""
 
     output: str
     axes: list[str]

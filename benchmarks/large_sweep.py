@@ -1,0 +1,193 @@
+"""What a sweep of 10^12 cells takes: its price, a hundredth of it measured, in parts, one killed.
+
+    python -m benchmarks.large_sweep [--cells 1e10] [--parts 16] [--whole 1e12] [--only-parts]
+
+The largest speed of a part on the narrow track for each drive, over five other axes: the drive has
+two axes, which stay. In order:
+
+- `vibrafeed run --dry-run` of the whole, its hundredth and a thousandth, and what they cost;
+- the thousandth and the hundredth at once, on all cores;
+- the hundredth in parts, a process with a core of its own for each at a time. One is killed by
+  SIGKILL half way; `vibrafeed join` says which is missing, and it is computed again;
+- whether both results have the same values, to the bit;
+- the whole, by what each cell took that the hundredth has more than the thousandth. Its error is
+  the spread of the parts, or the share of what both took that does not grow with cells, if larger.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from benchmarks.options import options
+from benchmarks.reduce import study
+from core.reduce.run import cores
+
+COMMAND = [sys.executable, "-c", "from app.cli import main; main()"]
+ASKED = {"statistics": ["max"]}
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A study in a file, and where its result goes."""
+
+    folder: Path
+    name: str
+    cells: float
+
+    @property
+    def file(self) -> Path:
+        """The study, written at the first call."""
+        path = self.folder / f"{self.name}.json"
+        if not path.exists():
+            path.write_text(json.dumps(study(self.cells, ASKED)))
+        return path
+
+    @property
+    def result(self) -> Path:
+        """The result."""
+        return self.folder / f"{self.name}.nc"
+
+
+def command(*words: object, **how: Any) -> subprocess.CompletedProcess[str]:
+    """Carry out `vibrafeed` and return what it said."""
+    given = [*COMMAND, *map(str, words)]
+    return subprocess.run(given, capture_output=True, text=True, check=False, **how)
+
+
+def price(sweep: Sweep) -> tuple[int, float]:
+    """Print the price of a sweep; return its cells, and its seconds as they are predicted."""
+    started = time.perf_counter()
+    told = command("run", sweep.file, "--dry-run", "--json")
+    took = time.perf_counter() - started
+    plan = json.loads(told.stdout)["plans"][0]
+    cells, seconds = int(plan["cells"]), float(plan["seconds"])
+    size = f"{plan['bytes']:,} bytes"
+    print(f"price of {cells:,} cells: {seconds:,.1f} s, {size}; said in {took:.1f} s", flush=True)
+    return cells, seconds
+
+
+def processor() -> float:
+    """Return the seconds of the processor of all processes that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def at_once(sweep: Sweep, cells: int, predicted: float) -> tuple[int, float]:
+    """Print what a sweep takes on all cores; return its cells and seconds."""
+    started, before = time.perf_counter(), processor()
+    command("run", sweep.file, "-o", sweep.result, "--quiet").check_returncode()
+    took, worked = time.perf_counter() - started, processor() - before
+    memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    print(
+        f"at once: {cells:,} cells in {took:.1f} s, {took / cells * 1e9:.2f} ns a cell, "
+        f"{predicted / took:.2f} of it predicted; {worked:.1f} s of the processor; "
+        f"{memory:.0f} MiB at most",
+        flush=True,
+    )
+    return cells, took
+
+
+class Parts:
+    """Computes the parts of a sweep, one on each core at a time."""
+
+    def __init__(self, sweep: Sweep, count: int):
+        self.sweep, self.count = sweep, count
+        self.result = sweep.folder / "parts.nc"
+        self.seconds: dict[int, float] = {}
+        self._cores = deque(sorted(os.sched_getaffinity(0)))
+
+    def compute(self, part: int, kill_after: float | None = None) -> None:
+        """Compute a part in a process; kill that after some seconds if they are given."""
+        core = self._cores.popleft()
+        words = ["run", self.sweep.file, "--part", f"{part}/{self.count}", "-o", self.result, "-q"]
+        started = time.perf_counter()
+        process = subprocess.Popen(
+            [*COMMAND, *map(str, words)], preexec_fn=lambda: os.sched_setaffinity(0, {core})
+        )
+        try:
+            process.wait(kill_after)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            print(f"part {part}: killed after {kill_after:.1f} s", flush=True)
+        else:
+            self.seconds[part] = time.perf_counter() - started
+        self._cores.append(core)
+
+    def run(self) -> float:
+        """Compute all parts, one of which is killed and computed again; return the seconds."""
+        started = time.perf_counter()
+        self.compute(0)
+        with ThreadPoolExecutor(cores()) as pool:
+            half = self.seconds[0] / 2
+            killed = self.count // 2
+            for part in range(1, self.count):
+                pool.submit(self.compute, part, half if part == killed else None)
+        said = command("join", self.sweep.file, "-o", self.result)
+        print(f"join: {' '.join((said.stdout + said.stderr).split())}", flush=True)
+        for part in set(range(self.count)) - set(self.seconds):
+            self.compute(part)
+        joining = time.perf_counter()
+        command("join", self.sweep.file, "-o", self.result).check_returncode()
+        print(f"joined in {time.perf_counter() - joining:.1f} s", flush=True)
+        return time.perf_counter() - started
+
+
+def same_values(one: Path, other: Path) -> bool:
+    """True if two results have the same values to the bit."""
+    with xarray.open_dataset(one) as first, xarray.open_dataset(other) as second:
+        return all(
+            np.asarray(first[name]).tobytes() == np.asarray(second[name]).tobytes()
+            for name in first.variables
+        )
+
+
+def main() -> None:
+    """Print the figures."""
+    asked = options(__doc__, cells=1e10, parts=16, whole=1e12, only_parts=False)
+    with tempfile.TemporaryDirectory() as path:
+        folder = Path(path)
+        whole, part = Sweep(folder, "whole", asked.whole), Sweep(folder, "part", asked.cells)
+        small = Sweep(folder, "small", asked.cells / 10)
+        cells_of_whole, _ = price(whole)
+        cells, predicted = price(part)
+        times = []
+        if not asked.only_parts:
+            times = [at_once(small, *price(small)), at_once(part, cells, predicted)]
+        parts = Parts(part, asked.parts)
+        before = processor()
+        took, worked = parts.run(), processor() - before
+        each = list(parts.seconds.values())
+        print(
+            f"in {asked.parts} parts, one killed: {took:.1f} s, {took / cells * 1e9:.2f} ns "
+            f"a cell; {worked:.1f} s of the processor; a part {min(each):.1f} to {max(each):.1f} s"
+        )
+        pace, error = took / cells, statistics.stdev(each) / statistics.mean(each)
+        if times:
+            print(f"same values: {same_values(part.result, parts.result)}")
+            (few, short), (many, long) = times
+            pace = (long - short) / (many - few)
+            error = max(error, abs(long / many / pace - 1))
+        hours = pace * cells_of_whole / 3600
+        print(
+            f"{cells_of_whole:,} cells: {pace * 1e9:.2f} ns each, {hours:.2f} h within {error:.0%}"
+        )
+
+
+if __name__ == "__main__":
+    main()
