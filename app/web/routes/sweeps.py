@@ -362,9 +362,9 @@ def binary(piece: dict[str, Any]) -> bytes:
         return {**place, "shape": list(array.shape)}
 
     header = {**piece}
-    header["axes"] = [{**axis, "values": hold_slot(axis["values"])} for axis in piece["axes"]]
+    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
     for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
-        header[name] = {"dims": piece[name]["dims"], "data": hold_slot(piece[name]["data"])}
+        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
     text = orjson.dumps(header)
     text += b" " * (-len(text) % 8)
     return b"".join((len(text).to_bytes(8, "little"), text, *values))
