@@ -99,7 +99,7 @@ class MissingPackageError(VibrafeedError):
     """Something takes a package that is not installed; the message says how to install it."""
 
     def __init__(self, what: str, package: str, how: str):
-        """Say which package is missing, and how to install it."""
+        """State the package that is missing and how to install it."""
         super().__init__(f"{what} needs {package}, which is not installed: {how}")
 
 

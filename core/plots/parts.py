@@ -22,7 +22,7 @@ DECADE = 10.0
 
 
 class Plane(NamedTuple):
-    """What is drawn over two axes: the axes, and values and regimes, arrays (up, across)."""
+    """Values and regimes over two axes, as arrays (up, across), and the axes."""
 
     across: PlotAxis
     up: PlotAxis

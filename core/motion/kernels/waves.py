@@ -28,7 +28,7 @@ MAX_ITERATIONS = 80
 
 
 class WaveColumns(NamedTuple):
-    """Where the numbers of a wave stand in a row, as `core.motion.waves.Wave.columns` writes them.
+    """Columns of a wave's numbers in a row, as `core.motion.waves.Wave.columns` writes them.
 
     `along` and `normal` are the first columns of the sines of each order, of which the cosines
     follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which

@@ -53,7 +53,7 @@ def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
 
 
 def valid_inputs(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask, tuple[Array, ...]]:
-    """Return what is valid, what is driven, and the arguments with 0 for what is not valid.
+    """Return the valid cells, the driven cells, and the arguments with 0 in invalid cells.
 
     Valid is what is finite, and `within` its range; driven where the drive is above 0 there, too.
     The zeros spare warnings from NaN.
