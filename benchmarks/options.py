@@ -7,7 +7,7 @@ from typing import Any
 
 
 def options(about: str | None, *names: str, **known: Any) -> argparse.Namespace:
-    """Return the options of the command line.
+    """Return the options of a benchmark's command line.
 
     Parameters
     ----------
