@@ -1714,8 +1714,8 @@ def optimise(
     criterion : mapping, optional
         The criterion: which output is maximised or minimised.
     variables : mapping of str to bounds, optional
-        What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where left out, as
-        far as they are not given and the outputs depend on them.
+        The variables with their bounds; alpha and beta from 0 to 90 degrees where left out, as far
+        as they are not given and the outputs depend on them.
     constraints : sequence of mapping, optional
         Constraints: bounds that outputs must keep.
     frequency : values, optional

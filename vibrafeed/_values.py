@@ -28,4 +28,4 @@ place of ``num``.
 """
 
 Bounds: TypeAlias = Mapping[str, Number]
-"""What may be chosen: ``{"lower": 0, "upper": "60 deg"}``."""
+"""Variables and their bounds: ``{"lower": 0, "upper": "60 deg"}``."""

@@ -74,7 +74,7 @@ STARTERS: Final[Mapping[str, Starter]] = {
         },
         tables_say={
             "criterion": "The objective: the largest mean speed along the track.",
-            "variables": "What may be chosen, and between which bounds: beta is the angle of the "
+            "variables": "The variables and their bounds: beta is the angle of the "
             "drive\nabove the track. Others may stand here instead of below, such as frequency.",
         },
     ),
@@ -186,11 +186,11 @@ def _range(stop: Any, count: int) -> Any:
 
 
 TABLES_SAY: Final = {
-    ("variables", "ellipse"): "What may be chosen, and between which bounds: an ellipse, by the "
+    ("variables", "ellipse"): "The variables and their bounds: an ellipse, by the "
     "amplitude along the\ntrack, that off the floor, and the phase of the one behind the other.",
-    ("variables", "line"): "What may be chosen, and between which bounds: amplitude, and beta, the "
+    ("variables", "line"): "The variables and their bounds: amplitude, and beta, the "
     "angle of the\ndrive above the track.",
-    ("uncertain", None): "What is not known exactly, and between which bounds it lies.",
+    ("uncertain", None): "Uncertain parameters, with the bounds between which they lie.",
 }
 """What is said at the head of a table that an answer changes."""
 

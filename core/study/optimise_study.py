@@ -114,7 +114,7 @@ class OptimiseStudy(DrivenStudy):
     )
     variables: Variables | None = Field(
         None,
-        description="What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where "
+        description="The variables with their bounds; alpha and beta from 0 to 90 degrees where "
         "left out, as far as they are not given and the outputs depend on them.",
     )
     criterion: Criterion = Field(

@@ -67,7 +67,7 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     expect(said).to_have_text("The service asks for a key.")
     for wrong, sentence in [
         ("wrong", "This key is unknown."),
-        ("ключ", "A key is made of English letters, digits and signs, without spaces."),
+        ("ключ", "A key consists of English letters, digits and punctuation, without spaces."),
     ]:
         page.get_by_label("Key, stored until this tab is closed").fill(wrong)
         page.get_by_role("button", name="Use it").click()

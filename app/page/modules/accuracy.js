@@ -9,7 +9,7 @@ export class Accuracy {
     this.pictures = element("div", {});
     fill(
       host,
-      element("h2", {}, "How wrong is it, and what does it cost?"),
+      element("h2", {}, "How accurate is it, and what does it cost?"),
       element(
         "button",
         { type: "button", onclick: () => this.measure(study(), tell) },

@@ -18,7 +18,7 @@ export class Animation {
   constructor(host) {
     this.side = element("canvas", { class: "side", role: "img", "aria-label": "The part on its track, seen from the side" });
     this.above = element("canvas", { class: "above", role: "img", hidden: true, "aria-label": "The part in the bowl, seen from above" });
-    this.said = element("p", { class: "said", "aria-live": "off" }, "The motion is being followed ...");
+    this.said = element("p", { class: "said", "aria-live": "off" }, "Simulating the motion ...");
     this.legend = element("ul", { class: "legend", "aria-label": "What the part does" });
     this.panels = new Panels((time) => this.choose(time));
     this.play = element("button", { type: "button", onclick: () => this.toggle() }, "Pause");

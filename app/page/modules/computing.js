@@ -49,7 +49,7 @@ export class Computing {
           if (found?.y && !next.dragged && !this.waiting) this.sharpen(view, found);
         } catch (error) {
           reportError(error); // a fault of this page: the next view is drawn all the same
-          this.picture.dim("Not drawn: the page has met a fault of its own. Change a value, or load it anew.");
+          this.picture.dim("Not drawn: the page has an error. Change a value, or reload the page.");
         }
         next = this.waiting;
       }

@@ -140,7 +140,7 @@ class Page {
       return;
     }
     const known = this.catalogue.scene(wanted.scene);
-    if (wanted.scene && !known) complaints.push("The link names a system that there is not.");
+    if (wanted.scene && !known) complaints.push("The link names an unknown system.");
     const begin = begun(question);
     // What a question begins with need not be there in another system, or the other way to look.
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);

@@ -5,7 +5,7 @@ import { lookOf } from "./markers.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 const STATUSES = {
-  optimal: "The search met nothing better within the bounds.",
+  optimal: "The search found nothing better within the bounds.",
   flat: "The choice does not matter here.",
   no_motion: "No choice moves the part forwards.",
   only_backward: "Every choice moves the part backwards.",
@@ -56,7 +56,7 @@ export function marginsTold(design, scene) {
     if (!Number.isFinite(value)) continue;
     const told = capital(limitTold(name, scene));
     found.push(
-      binds ? `${told} has no room left: it decides what is best.` : `${told} has ${withUnit(value, unit)} of room.`,
+      binds ? `${told} has no room left: this limit determines the best drive.` : `${told} has ${withUnit(value, unit)} of room.`,
     );
   }
   return found;
@@ -78,5 +78,5 @@ export function ratesTold(design) {
     return row(capital(words(name)), told);
   });
   if (!rows.length) return null;
-  return element("details", {}, element("summary", {}, "What 1 % more of a parameter does to it"), element("table", {}, ...rows));
+  return element("details", {}, element("summary", {}, "Effect of 1 % more of a parameter on the optimum"), element("table", {}, ...rows));
 }

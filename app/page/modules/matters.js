@@ -63,7 +63,7 @@ export class Matters {
     } catch (error) {
       if (error.name === "AbortError" || this.for !== text) return;
       if (!(error instanceof Refusal)) throw error;
-      this.said.textContent = `What matters most is not known here: ${error.errors[0]?.message ?? error.message}.`;
+      this.said.textContent = `The most important parameters are unknown here: ${error.errors[0]?.message ?? error.message}.`;
     }
   }
 
@@ -78,7 +78,7 @@ export class Matters {
     const own = view.band ? `${words(view.band.name)} within ${number(100 * view.band.share, 3)} %` : "nothing else";
     this.said.textContent = rows.length
       ? `What matters most, with ${own}, amplitude within 5 %, frequency 1 %, elevation 1°, climb 0.5°:`
-      : "None of what is uncertain matters here.";
+      : "None of the uncertain parameters matters here.";
     fill(
       this.bars,
       ...rows.map(({ name, share }) => {

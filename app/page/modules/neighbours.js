@@ -105,7 +105,7 @@ export function bandTold({ name, values, places }, unit) {
       {},
       Number.isFinite(worst.fall)
         ? `Within the band of the ${words(name)} this drive gets at most ${number(100 * Math.max(0, worst.fall), 2)} % worse.`
-        : `Within the band of the ${words(name)} this drive has no value somewhere.`,
+        : `Somewhere within the band of the ${words(name)} this drive has no value.`,
     ),
     element(
       "ul",

@@ -63,7 +63,7 @@ export class Notice {
         event.preventDefault();
         const given = field.value.trim();
         if (!KEY.test(given)) {
-          said.textContent = "A key is made of English letters, digits and signs, without spaces.";
+          said.textContent = "A key consists of English letters, digits and punctuation, without spaces.";
           return;
         }
         key.set(given);

@@ -33,7 +33,7 @@ export class Optimum {
     this.wishes = new Wishes(this.form, (best) => this.onwish(best));
     this.said = element("div", { role: "status", class: "finding" });
     this.answer = element("div", { class: "answer" });
-    fill(host, element("h2", { tabindex: "-1" }, "What is best, and how sure is that?"), this.form, this.answer);
+    fill(host, element("h2", { tabindex: "-1" }, "Which drive is best, and how certain is that?"), this.form, this.answer);
     this.designs = [];
   }
 
@@ -118,7 +118,7 @@ export class Optimum {
     if (!this.found || this.found === JSON.stringify(this.study())) return;
     this.forget();
     if (this.view.best.isFound) this.onwish({ ...this.view.best, isFound: false });
-    this.said.textContent = "The best is of other values: find it again.";
+    this.said.textContent = "The best drive belongs to other values: search again.";
   }
 
   // `isShown` where the drive that is found becomes the design.
@@ -129,7 +129,7 @@ export class Optimum {
     const { signal } = this.abort;
     this.forget();
     this.wishes.clear();
-    this.said.textContent = "Looking for the best ...";
+    this.said.textContent = "Searching for the best drive ...";
     try {
       const tell = (job) => {
         this.tellJob(job);
@@ -147,7 +147,7 @@ export class Optimum {
       const rest = this.wishes.complain(error.errors);
       const told = error.errors.length ? rest : [error.message];
       fill(this.said, ...told.map((text) => element("p", { class: "wrong" }, text)));
-      if (!told.length) this.said.textContent = "Some of what is asked for cannot be: see above.";
+      if (!told.length) this.said.textContent = "Some inputs are invalid: see above.";
     }
   }
 
@@ -156,7 +156,7 @@ export class Optimum {
     const all = designsOf(dataset, names);
     this.designs = all.filter(({ isThere }) => isThere);
     if (!this.designs.length) {
-      this.said.textContent = `There is no best. ${statusTold(all[0]?.status)}`;
+      this.said.textContent = `No best drive was found. ${statusTold(all[0]?.status)}`;
       return;
     }
     if (this.view.best.kind === "pareto") this.tellFront(names);
@@ -178,12 +178,12 @@ export class Optimum {
       ` with ${words(view.output)} ${withUnit(value, unit)}. ${statusTold(design.status)}`,
     );
     if (isShown && view.kind === "simulate") this.onchoose(design.at, { isStep: false });
-    const around = element("div", {}, element("p", { class: "unit" }, "Looking around it ..."));
+    const around = element("div", {}, element("p", { class: "unit" }, "Comparing neighbouring designs ..."));
     fill(
       this.answer,
       designTold(design, scene, units, view.output),
       element("button", { type: "button", onclick: () => this.onchoose(design.at) }, "Show this drive"),
-      element("h3", {}, "How far from its limits"),
+      element("h3", {}, "Distance from the limits"),
       element("ul", {}, ...marginsTold(design, scene).map((text) => element("li", {}, text))),
       ratesTold(design),
       element("h3", {}, "Next to it"),
@@ -216,7 +216,7 @@ export class Optimum {
     this.details = element("div", { class: "details" });
     fill(
       this.answer,
-      element("h3", {}, "All of it side by side"),
+      element("h3", {}, "All designs side by side"),
       element("p", { class: "unit" }, "Drag along an axis, or move its handles, to leave the other drives out."),
       plots[1],
       this.details,
@@ -247,7 +247,7 @@ export class Optimum {
     this.parallel.highlight(index);
     fill(
       this.details,
-      element("h3", {}, "How far from its limits"),
+      element("h3", {}, "Distance from the limits"),
       element("ul", {}, ...marginsTold(designs[index], this.scene).map((text) => element("li", {}, text))),
     );
     this.onmark([

@@ -46,7 +46,7 @@ export class PartHere {
       element("div", { class: "here" }, element("strong", {}, "My part, here:"), ...axes.map(field), this.pin),
     );
     this.pin.hidden = view.kind !== "simulate";
-    fill(this.answer, view.point ? "Following the part ..." : "Type a point, or click one in the picture.");
+    fill(this.answer, view.point ? "Simulating the part ..." : "Type a point, or click one in the picture.");
     fill(this.more);
   }
 

@@ -111,7 +111,7 @@ export class Picture {
         byId("beside"),
         element("h3", {}, `The least value, ${told}`),
         hosts[0],
-        element("h3", {}, "How far it spreads, in the same colours"),
+        element("h3", {}, "Range of the values, in the same colours"),
         hosts[1],
       );
       [low, spread].forEach((at, i) => {
@@ -168,7 +168,7 @@ export class Picture {
       .reduce((sum, { share }) => sum + share, 0);
     byId("note").textContent = beyond
       ? `In ${number(100 * beyond, 3)} % of the picture${found.y ? ", which is hatched," : ""} these formulas do not ` +
-        "describe a real part: it has left the track. Motion in time tells its true speed."
+        "describe a real part: it has left the track. A simulation of the motion gives its true speed."
       : "";
   }
 }

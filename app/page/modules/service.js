@@ -163,7 +163,7 @@ async function posted(path, study, { tell, signal }) {
 
 // Why nobody waits any more: reasons of a signal.
 export const cancelled = () => new DOMException("It was cancelled.", "AbortError");
-export const left = () => new DOMException("It was cancelled: something else is looked at.", "AbortError");
+export const left = () => new DOMException("The request was cancelled because another view was opened.", "AbortError");
 
 // Have the service end a job that nobody waits for any more, so that others have their turn; where it is
 // away, as soon as it answers.

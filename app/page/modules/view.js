@@ -84,7 +84,7 @@ export function fromLink(hash) {
   const text = hash.replace(/^#/, "");
   if (!text) return { wanted: {}, complaints };
   if (text.length > MAX_CHARACTERS) {
-    return { wanted: {}, complaints: ["The link is too long to be one of this page."] };
+    return { wanted: {}, complaints: ["The link is too long for this page."] };
   }
   const query = new URLSearchParams(text);
   const wanted = { values: Object.create(null) }; // names may be any, also __proto__
@@ -118,28 +118,28 @@ export function fromLink(hash) {
     if (!name.startsWith("p.")) continue;
     const numeric = Number(value);
     if (value !== "" && Number.isFinite(numeric)) wanted.values[name.slice(2)] = numeric;
-    else complaints.push("The link gives a parameter a value that is no number.");
+    else complaints.push("The link gives a parameter a value that is not a number.");
   }
   const band = query.get("band");
   if (band !== null) {
     const [name, share] = band.split(":");
     if (Number(share) > 0 && Number(share) < 1) wanted.band = { name, share: Number(share) };
-    else complaints.push("The link gives a band that is no share between 0 and 1.");
+    else complaints.push("The link gives a band that is not between 0 and 1.");
   }
   const point = query.get("point");
   if (point !== null) {
     const [x, y = null] = point.split(":").map((part) => (part === "" ? null : Number(part)));
     if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
-    else complaints.push("The link gives a point that is none of a picture.");
+    else complaints.push("The link gives a point outside the picture.");
   }
   const runs = query.get("runs");
   if (runs !== null) {
     const read = runs.split(",").slice(0, MAX_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
     if (read.length > 1 && read.every((run) => run.length === 2 && run.every(Number.isFinite))) wanted.runs = read;
-    else complaints.push("The link gives runs that are no pairs of numbers.");
+    else complaints.push("The link gives runs that are not pairs of numbers.");
   }
   const pins = query.getAll("pin").slice(0, MAX_PINS).map(pinOf);
-  if (pins.includes(null)) complaints.push("The link pins a design that has no numbers.");
+  if (pins.includes(null)) complaints.push("The link pins a design without numbers.");
   if (pins.length) wanted.pins = pins.filter((pin) => pin !== null);
   const best = bestFromQuery(query, complaints);
   if (best) wanted.best = best;

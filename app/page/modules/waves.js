@@ -43,7 +43,7 @@ export class Waves {
   async read(file) {
     if (!file) return;
     if (file.size > MAX_BYTES) {
-      this.said.textContent = "The file is too large: 20,000 rows are the most.";
+      this.said.textContent = "The file is too large: at most 20,000 rows are allowed.";
       return;
     }
     const data = await file.text();

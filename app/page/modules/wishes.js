@@ -192,7 +192,7 @@ export class Wishes {
     return field;
   }
 
-  // What may be chosen: the axes of the picture, and more.
+  // Variables and their bounds: the axes of the picture, and more.
   choices(best) {
     const { view, scene } = this;
     const axes = [view.x, view.y].filter(Boolean);
@@ -201,7 +201,7 @@ export class Wishes {
     return element(
       "fieldset",
       {},
-      element("legend", {}, "What may be chosen"),
+      element("legend", {}, "Variables and their bounds"),
       element("p", { class: "unit" }, `${capital(axes.map(({ name }) => words(name)).join(" and "))}, within the axes of the picture.`),
       ...best.vary.map((row, place) => {
         const { unit } = parameter(row.name);
