@@ -1365,7 +1365,7 @@ def simulate(
     max_periods : int, optional
         Maximum number of drive periods that are simulated for one point.
     steps_per_period : int, optional
-        Time steps in a period, of time-stepping; steps times periods are 25 million at most.
+        Time steps per period, for time-stepping; steps times periods are at most 25 million.
     slip_speed : float, optional
         Slip speed, in g/w, up to which regularised friction rises.
     contact_stiffness : float, optional
@@ -3331,8 +3331,8 @@ def calibrate(
         The runs: what differs between them, and what was measured; or the name of a CSV or XLSX
         file in the study's folder.
     error : float or str, optional
-        Standard deviation of what was measured, where a run does not say its own: a number, text
-        with a unit, or a share such as '5 %'.
+        Standard deviation of the measured values, for runs that do not give their own: a number,
+        text with a unit, or a share such as '5 %'.
     unknowns : mapping of str to mapping, optional
         The unknown parameters: { lower, upper }, or { mean, deviation }.
     frequency : values, optional
@@ -3533,7 +3533,7 @@ def calibrate(
         Drives that could be run next, as values or ranges; the result says which of them would add
         most.
     discrepancy : bool, optional
-        Whether speeds may scatter by more than their errors, for what no unknown explains.
+        True if speeds may scatter by more than their errors, for effects that the model lacks.
     outlier_probability : float, optional
         Probability that an observed regime is wrong.
     points : int, optional
@@ -3548,7 +3548,7 @@ def calibrate(
     max_periods : int, optional
         Maximum number of drive periods that are simulated for one point.
     steps_per_period : int, optional
-        Time steps in a period, of time-stepping; steps times periods are 25 million at most.
+        Time steps per period, for time-stepping; steps times periods are at most 25 million.
     slip_speed : float, optional
         Slip speed, in g/w, up to which regularised friction rises.
     contact_stiffness : float, optional

@@ -112,12 +112,12 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     )  # fmt: skip
     if "sobol" in study.analyses:
         yield from with_error(
-            "first", "First Sobol index", "The share of the variance that would go if this "
-            "parameter alone were known.", UNCERTAIN, "1",
+            "first", "First Sobol index", "Share of the variance that would vanish if "
+            "this parameter alone were known.", UNCERTAIN, "1",
         )  # fmt: skip
         yield from with_error(
-            "total", "Total Sobol index", "The share of the variance that would stay if all other "
-            "parameters were known.", UNCERTAIN, "1",
+            "total", "Total Sobol index", "Share of the variance that would remain if "
+            "all other parameters were known.", UNCERTAIN, "1",
         )  # fmt: skip
     if "morris" in study.analyses:
         comment = "The mean size of what moving this parameter through half its distribution does, "

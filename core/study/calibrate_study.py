@@ -133,7 +133,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     error: float | Annotated[str, Field(max_length=200)] | None = Field(
         None,
-        description="Standard deviation of what was measured, where a run does not say its own: "
+        description="Standard deviation of the measured values, for runs that do not give their own: "
         "a number, text with a unit, or a share such as '5 %'.",
     )
     unknowns: Unknowns | None = Field(
@@ -153,8 +153,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     discrepancy: bool = Field(
         True,
-        description="Whether speeds may scatter by more than their errors, for what no unknown "
-        "explains.",
+        description="True if speeds may scatter by more than their errors, for effects that the "
+        "model lacks.",
         strict=True,
     )
     outlier_probability: Annotated[

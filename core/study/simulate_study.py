@@ -96,8 +96,8 @@ class MotionSettings(Frozen):
     )
     steps_per_period: int | None = Field(
         None,
-        description="Time steps in a period, of time-stepping; steps times periods are 25 million "
-        "at most.",
+        description="Time steps per period, for time-stepping; steps times periods are at most "
+        "25 million.",
         strict=True,
         ge=8,
         le=100_000,

@@ -136,7 +136,7 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
     expect(lines).to_have_count(3)
     page.get_by_role("button", name="Everything").click()
     shown(page)
-    expect(lines.first).to_contain_text("something else is looked at")
+    expect(lines.first).to_contain_text("another view was opened")
     expect(page.locator("#notice")).to_be_empty()
 
     # The motion at the one point is another matter: it is computed to its end.

@@ -44,6 +44,6 @@ def test_what_has_not_begun_says_what_it_waits_for():
     waiting = replace(RUNNING, state="accepted", started=None, began=None, done=0)
     assert status_info(waiting, "")["message"] == "The job waits for its turn."
     found = status_info(waiting, "", waits="there are no workers")
-    assert found["message"] == "It waits for its turn: there are no workers."
+    assert found["message"] == "The job waits: there are no workers."
     running = status_info(RUNNING, "", waits="all workers are busy")
     assert running["message"] == "5 of 10 blocks are done."
