@@ -133,8 +133,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     error: float | Annotated[str, Field(max_length=200)] | None = Field(
         None,
-        description="Standard deviation of the measured values, for runs that do not give their own: "
-        "a number, text with a unit, or a share such as '5 %'.",
+        description="Standard deviation of the measured values, for runs that do not give their "
+        "own: a number, text with a unit, or a share such as '5 %'.",
     )
     unknowns: Unknowns | None = Field(
         None,
