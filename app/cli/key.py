@@ -72,8 +72,8 @@ def add(
             refuse({Path("key add"): list[Problem](error.problems)})
     typer.echo(made)
     typer.echo(
-        f"It is {kept.name}'s, of the role {kept.role}, and kept nowhere: note it now. Clients "
-        "send `Authorization: Bearer KEY`.",
+        f"This key of {kept.name}, of the role {kept.role}, is stored nowhere: note it now. "
+        "Clients send `Authorization: Bearer KEY`.",
         err=True,
     )
 

@@ -89,7 +89,7 @@ def show_result(
     left = facts["cells"] - facts["cells_computed"]
     if left:
         fail(
-            f"  It was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
+            f"  The run was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
             f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
         )
     elif not facts["whole"]:

@@ -109,7 +109,7 @@ class Running:
             if interrupted:
                 break
         if left:
-            console.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
+            console.fail(f"The run was stopped: not carried out are {', '.join(map(str, left))}.")
         return verified and not left
 
     def _carry_out_study(

@@ -138,7 +138,9 @@ def _own_outcomes(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
     with console.progress("validate") as advance, interruption() as interrupted:
         outcomes = run_cases(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
-        console.fail(f"It was stopped after {len(outcomes):,} of {len(problems):,} problems.")
+        console.fail(
+            f"The check was stopped after {len(outcomes):,} of {len(problems):,} problems."
+        )
         raise typer.Exit(FAILED)
     return outcomes, f"vibrafeed {core.__version__}"
 

@@ -148,8 +148,8 @@ class Dispatcher:
             if not limit.expired():
                 raise
             raise TooLongError(
-                f"It was stopped after {most:g} s. Posted again, it goes on with the blocks that "
-                "are done."
+                f"The job was stopped after {most:g} s. Posted again, it goes on with the blocks "
+                "that are done."
             ) from error
 
     async def is_there(self, item: Work) -> bool:

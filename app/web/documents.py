@@ -286,7 +286,7 @@ def _message(job: Job, waits: str | None) -> str:
         done = f" with {job.done:,} of {job.blocks:,} blocks done" if job.done else ""
         return f"The job was dismissed{done}."
     if job.state not in ACTIVE:
-        return "The results are ready." if job.state == "successful" else "It failed."
+        return "The results are ready." if job.state == "successful" else "The job failed."
     if job.state == "accepted":
         return f"The job waits: {waits}." if waits else "The job waits for its turn."
     return f"{job.done:,} of {job.blocks:,} blocks are done."

@@ -91,7 +91,7 @@ class Entry:
         if len(names) != 1 or not all(key is not None and key.stands(now) for key in keys):
             known = next((key.name for key in keys if key is not None), "")
             if await self._refused.slowed((scope.get("client") or ("",))[0], known):
-                return _without("This key is unknown.")
+                return _without("The access key is unknown.")
             return problem_document(
                 429, "wrong-keys", "Too many wrong keys", "Repeat the request with the right key.",
                 headers={"Retry-After": "60"},

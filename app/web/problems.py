@@ -80,7 +80,7 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),
     NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),
     NotReadyError: (404, f"{OGC}result-not-ready", "The results are not there yet"),
-    NotOwnerError: (403, "owner", "It belongs to another key"),
+    NotOwnerError: (403, "owner", "The job or sweep belongs to another key"),
     GoneError: (410, "gone", "The result is gone"),
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),

@@ -29,7 +29,7 @@ BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more requ
 
 
 class Shares:
-    """Gives out places to owners, in turns.
+    """Gives out places for running requests to their owners, in turns.
 
     The next place goes to the owner with the fewest, of those to who was served longest ago; of one
     owner's requests to the first that came, but for those whose price lets others pass.
@@ -43,7 +43,7 @@ class Shares:
     """
 
     def __init__(self, slots: int = SLOTS, of_owner: int = SLOTS - 1):
-        """Give out `slots` slots, of which one owner may have `of_owner`."""
+        """Give out `slots` places for requests, of which one owner may have `of_owner`."""
         self._slots, self._of_owner = slots, of_owner
         self._taken: Counter[str] = Counter()
         self._served: dict[str, int] = {}  # the turn in which each owner that is here was served

@@ -32,7 +32,9 @@ SHARING_BODY: dict[str, Any] = {
         },
     }
 }
-NOT_OWNER = problems(s403="It is shared by another key, or the role of the key does not allow it")
+NOT_OWNER = problems(
+    s403="The owner is another key, or the role of the key does not allow the request"
+)
 NO_SHARING = problems(s413="The body is too large", s422="The body or the identifier is malformed")
 
 

@@ -217,7 +217,9 @@ def hard_cases_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
     """
     failed = sum(not outcome.passed for outcome in outcomes)
     took = sum(outcome.seconds for outcome in outcomes)
-    stopped = f"It was stopped: {untried} of {untried + len(outcomes)} cases were not tried."
+    stopped = (
+        f"The comparison was stopped: {untried} of {untried + len(outcomes)} cases were not tried."
+    )
     worst = [family.worst for family in summaries(outcomes) if family.worst]
     with_family: Columns = {"family": lambda outcome: outcome.case.family, **HARD_COLUMNS}
     return "\n".join(

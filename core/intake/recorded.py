@@ -147,7 +147,7 @@ def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTabl
 def _too_long(path: str, count: int, what: str) -> Problem:
     """Return the problem of a recording that is too long for a request."""
     message = f"it has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
-    return Problem(path, message, "Cut it: one second of recording is enough")
+    return Problem(path, message, "Shorten the recording: one second is enough")
 
 
 def _recording(drive: RecordedDrive) -> measured.Recording:

@@ -117,7 +117,7 @@ def read_table(source: str | Path) -> RecordingTable:
     if len(body) > MAX_ROWS:
         raise _refused(
             f"it has more than {MAX_ROWS:,} rows",
-            "Cut it: one second of recording is enough",
+            "Shorten the recording: one second is enough",
         )
     _check_rows(body, names)
     lines = np.array([line for line, _ in body])
@@ -262,5 +262,5 @@ def _too_long(size: int) -> StudyError:
     """Return the error of a recording that is too long."""
     return _refused(
         f"the recording has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
-        "Cut it: one second of recording is enough",
+        "Shorten the recording: one second is enough",
     )

@@ -226,7 +226,7 @@ def spatial_delassus(
     cylinder_2: Cylinder,
     cylinder_masses: CylinderMasses,
 ) -> SpatialDelassus:
-    """Return the Delassus numbers of the contact point."""
+    """Return the inverse effective masses (Delassus numbers) of a contact point, by direction."""
     p, n, t, s = contact_frame[:4]
     bodies = (cylinder_1, cylinder_2, cylinder_masses)
     return SpatialDelassus(

@@ -66,7 +66,7 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     said = page.locator("#notice p")
     expect(said).to_have_text("The service asks for a key.")
     for wrong, sentence in [
-        ("wrong", "This key is unknown."),
+        ("wrong", "The access key is unknown."),
         ("ключ", "A key consists of English letters, digits and punctuation, without spaces."),
     ]:
         page.get_by_label("Key, stored until this tab is closed").fill(wrong)
@@ -106,7 +106,7 @@ def test_a_late_refusal_of_one_key_says_nothing_of_another(page, service):
     expect(page.locator("#key")).to_be_visible()
     page.route(lambda url: "/modules/" not in url, hold_the_second)
     given("wrong")
-    expect(page.locator("#notice p")).to_have_text("This key is unknown.")
+    expect(page.locator("#notice p")).to_have_text("The access key is unknown.")
     assert len(sent) >= 2
     given(KEY)
     expect(page.locator("#key")).to_have_count(0)
@@ -122,7 +122,7 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
     expect(over).to_contain_text("%")
     expect(page.locator("#picture")).to_have_class("stale")
     over.get_by_role("button", name="Cancel").click()
-    expect(lines.first).to_contain_text("It was cancelled.")
+    expect(lines.first).to_contain_text("The computation was cancelled.")
     expect(over.locator("p")).to_have_text("Cancelled.")
     expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
     expect(page.locator("#progress")).to_be_empty()

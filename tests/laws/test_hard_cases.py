@@ -176,7 +176,7 @@ def test_the_report_has_the_worst_first_and_then_all() -> None:
     assert text.index("bad") < text.index("### All cases")
     assert all(text.count(case.id) >= 1 for case in some)
     assert hard_cases_markdown(outcomes, 5).startswith(
-        "It was stopped: 5 of 8 cases were not tried."
+        "The comparison was stopped: 5 of 8 cases were not tried."
     )
     table = hard_cases_table(outcomes)
     assert table.variables["passed"].values.tolist() == [1, 1, 0]

@@ -110,7 +110,7 @@ export class Jobs {
   async cancel(job) {
     try {
       await remove(`/jobs/${job.jobID}`);
-      this.note({ ...job, status: "dismissed", message: "It was cancelled." });
+      this.note({ ...job, status: "dismissed", message: "The job was cancelled." });
     } catch (error) {
       this.note({ ...job, message: error.message });
     }

@@ -35,7 +35,7 @@ export class Measured {
     const list = (id, text, value) =>
       element("span", {}, element("label", { for: id }, text), element("input", { id, value, autocomplete: "off", onchange: () => this.read(unit) }));
     const error = numberInput("Error of each speed, in per cent", 100 * this.error, "%", (value) => (this.error = value / 100), {
-      check: (value) => (value > 0 && value < 100 ? "" : "It has to be between 0 and 100 %"),
+      check: (value) => (value > 0 && value < 100 ? "" : "The error has to be between 0 and 100 %"),
     });
     fill(
       this.host,

@@ -23,7 +23,7 @@ const TYPED = {
 export function readNumber(text, unit) {
   const typed = text.trim().replaceAll("\u2212", "-");
   if (typed === "") return { problem: "No number is given" };
-  if (typed.length > MAX_CHARACTERS) return { problem: "That is too long to be a number" };
+  if (typed.length > MAX_CHARACTERS) return { problem: "The text is too long to be a number" };
   if (/^[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])/.test(typed)) {
     return { problem: `"${typed}" may mean two numbers: leave the comma out, or write a point` };
   }

@@ -162,7 +162,7 @@ async function posted(path, study, { tell, signal }) {
 }
 
 // Why nobody waits any more: reasons of a signal.
-export const cancelled = () => new DOMException("It was cancelled.", "AbortError");
+export const cancelled = () => new DOMException("The computation was cancelled.", "AbortError");
 export const left = () => new DOMException("The request was cancelled because another view was opened.", "AbortError");
 
 // Have the service end a job that nobody waits for any more, so that others have their turn; where it is

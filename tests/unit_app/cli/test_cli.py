@@ -113,7 +113,7 @@ def test_an_interrupt_after_one_study_leaves_the_others_and_says_so(tmp_path, mo
         path.write_text(MOTION)
     result = run("run", one, other)
     assert result.exit_code == 1
-    assert f"It was stopped: not carried out are {other}." in " ".join(result.output.split())
+    assert f"The run was stopped: not carried out are {other}." in " ".join(result.output.split())
     assert one.with_suffix(".nc").exists()
     assert not other.with_suffix(".nc").exists()
 

@@ -263,7 +263,7 @@ def test_a_stopped_study_says_how_much_is_done_and_how_to_go_on(tmp_path, stoppe
     stopped_after(1)
     stopped = run("run", study)
     assert stopped.exit_code == 1
-    assert "It was stopped: 1 of 2 cells are computed." in stopped.output
+    assert "The run was stopped: 1 of 2 cells are computed." in stopped.output
     assert "The same command with --resume computes the whole study again." in stopped.output
     assert "1 of 2 cells evaluated in" in stopped.output
     stopped_after(-1)  # never

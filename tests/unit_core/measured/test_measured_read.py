@@ -211,10 +211,10 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("core.measured.read.MAX_BYTES", 1000)
     file.write_bytes(TEXT.encode())
     for source in (file, TEXT):
-        assert "MB, the limit is 0 MB. Cut it" in refused(source)[0]
+        assert "MB, the limit is 0 MB. Shorten the recording" in refused(source)[0]
     monkeypatch.undo()
     monkeypatch.setattr("core.measured.read.MAX_ROWS", 100)
-    assert refused(TEXT)[0].startswith("recording: it has more than 100 rows. Cut it")
+    assert refused(TEXT)[0].startswith("recording: it has more than 100 rows. Shorten the recording")
 
 
 def test_unknown_columns_are_named_with_what_is_there():

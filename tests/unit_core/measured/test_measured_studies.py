@@ -173,8 +173,8 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
     prepare_content(study())
     monkeypatch.setattr(measured, "MAX_ROWS_SENT", 700)
     assert refused(study(), files=False) == [
-        "drive.data: it has 800 rows, the limit over HTTP is 700. Cut it: one second of "
-        "recording is enough."
+        "drive.data: it has 800 rows, the limit over HTTP is 700. Shorten the recording: one "
+        "second is enough."
     ]
     prepare_content(study(), files=True)
 
