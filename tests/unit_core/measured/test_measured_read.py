@@ -214,7 +214,8 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
         assert "MB, the limit is 0 MB. Shorten the recording" in refused(source)[0]
     monkeypatch.undo()
     monkeypatch.setattr("core.measured.read.MAX_ROWS", 100)
-    assert refused(TEXT)[0].startswith("recording: it has more than 100 rows. Shorten the recording")
+    told = refused(TEXT)[0]
+    assert told.startswith("recording: it has more than 100 rows. Shorten the recording")
 
 
 def test_unknown_columns_are_named_with_what_is_there():
