@@ -9,6 +9,7 @@ import { pictured } from "./opening.js";
 import { STROKE, hasChoice, restated } from "./stroke.js";
 import { furtherParameters, shownParameters, typical, unusual, usual } from "./view.js";
 
+const SELDOM = "gravity"; // turned by hardly anybody: it stands last
 const KINDS_OF_FRICTION = {
   friction: "kinetic",
   friction_kinetic: "kinetic",
@@ -51,6 +52,7 @@ export class Controls {
         this.stroke(),
         ...parameters
           .filter(({ name }) => name !== view.x.name && name !== view.y?.name)
+          .sort((one, other) => Number(one.name === SELDOM) - Number(other.name === SELDOM))
           .map((parameter) => this.field(parameter)),
         further.length
           ? this.select(

@@ -7,7 +7,7 @@ import { svgDocument } from "./exported.js";
 import { bordersDrawn, clipDrawn, contoursDrawn, hatchDrawn, paint, thinned } from "./layers.js";
 import { legendOf, occurring, scaleTold } from "./legend.js";
 import { markDrawn } from "./marks.js";
-import { namesDrawn } from "./names.js";
+import { giveWay, namesDrawn } from "./names.js";
 import { capital, withUnit, words } from "./words.js";
 
 let maps = 0;
@@ -94,6 +94,7 @@ export class HeatMap {
     this.marks[whose] = marks;
     if (!this.x) return;
     this.svg.querySelector(".marks")?.replaceWith(this.marksDrawn());
+    this.arrange();
   }
 
   resize() {
@@ -131,6 +132,14 @@ export class HeatMap {
       this.marksDrawn(),
       this.cursorDrawn(),
     );
+    this.arrange();
+  }
+
+  // Names of regimes stand beside marked points.
+  arrange() {
+    const marks = Object.values(this.marks).flat().filter(({ isSmall }) => !isSmall);
+    const names = this.svg.querySelector(".names");
+    if (names) giveWay(names, marks.map(({ x, y }) => [this.x.place(x), this.y.place(y)]));
   }
 
   // The axes, drawn anew where they are others than before.

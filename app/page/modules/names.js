@@ -4,6 +4,7 @@ import { drawn } from "./elements.js";
 import { capital, words } from "./words.js";
 
 const LETTER = { wide: 8, tall: 20 }; // px, of a name
+const RING = 10; // px, around a marked point
 const FITS = 0.5; // of the name's own size, from its middle to the next border
 
 export function namesDrawn({ data, x, y }, regimes) {
@@ -16,6 +17,17 @@ export function namesDrawn({ data, x, y }, regimes) {
     group.append(drawn("text", { ...place, "text-anchor": "middle" }, texts.get(value)));
   }
   return group;
+}
+
+// A name that a ring, of [x, y], would stand on gives way to it, up or down.
+export function giveWay(group, rings) {
+  const room = 0.5 * LETTER.tall + RING;
+  for (const text of group.children) {
+    const [x, y] = [Number(text.getAttribute("x")), Number((text.dataset.y ??= text.getAttribute("y")))];
+    const half = 0.5 * LETTER.wide * text.textContent.length + RING;
+    const ring = rings.find(([across, up]) => Math.abs(across - x) < half && Math.abs(up + 4 - y) < room);
+    text.setAttribute("y", ring ? ring[1] + 4 + (ring[1] + 4 > y ? -room : room) : y);
+  }
 }
 
 // The place of each regime with the most room around it: {room, i, j} by value.

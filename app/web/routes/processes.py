@@ -170,9 +170,8 @@ async def _dataset_in_time(
             request, execute_at_once, name, body, settings, who.cells, seconds=seconds
         )
     except StoppedError:  # its process was ended, perhaps before the study was read
-        await calculate_in_process(
-            request, check_study, name, body, settings, seconds=settings.grace_seconds
-        )
+        # On a busy machine the next process begins late, too.
+        await calculate_in_process(request, check_study, name, body, settings, seconds=seconds)
         return None
 
 
