@@ -7,6 +7,8 @@ export const { ticks } = /** @type {any} */ (window).d3;
 
 export const FRAME = { left: 62, right: 14, top: 10, bottom: 46 };
 
+const FAR = 1e6; // px: beyond all screens, and a number that a picture takes
+
 // A linear axis from the ends of a quantity to places on the screen.
 export function axisOf({ name, unit, values }, from, to) {
   const [factor, unitShown] = shown(unit);
@@ -20,7 +22,7 @@ export function axisOf({ name, unit, values }, from, to) {
     factor,
     first,
     last,
-    place: (value) => from + ((value - first) / span) * (to - from),
+    place: (value) => Math.max(-FAR, Math.min(FAR, from + ((value - first) / span) * (to - from))),
     value: (place) => first + ((place - from) / (to - from)) * span,
     ticks: (count) => ticks(Math.min(first, last) * factor, Math.max(first, last) * factor, count),
     label: label(name, unit),
