@@ -111,10 +111,12 @@ def travel_time(
         q = way / pace
     arrives &= np.isfinite(q)
     q = np.where(arrives, q, 0.0)
-    square = np.where(from_rest, -np.expm1(-s), friction_kinetic / radius * q * (K * q))
     # Past LONG_WAY the exponential would underflow, and what was carried is long gone.
-    fade = np.exp(-np.minimum(s, LONG_WAY) / 2)
-    root = np.where(from_rest, fade, fade / np.where(goes, way, 1.0) * ((v + v0) * q))
+    square, root = -np.expm1(-s), np.exp(-np.minimum(s, LONG_WAY) / 2)
+    if np.any(~from_rest):  # else both stay on the small grid of their own
+        moving = root / np.where(goes, way, 1.0) * ((v + v0) * q)
+        square = np.where(from_rest, square, friction_kinetic / radius * q * (K * q))
+        root = np.where(from_rest, root, moving)
     late = np.where(square > LOGARITHMIC, np.maximum(0.0, s - LONG_WAY) / 2, 0.0)
     return np.where(arrives, q * (arc_quotient(square, root) + late), np.inf)
 
