@@ -10,13 +10,14 @@ two axes, which stay. In order:
 - the hundredth in parts, a process with a core of its own for each at a time. One is killed by
   SIGKILL half way; `vibrafeed join` says which is missing, and it is computed again;
 - whether both results have the same values, to the bit;
-- the whole, by what each cell took that the hundredth has more than the thousandth. Its error is
-  the spread of the parts, or the share of what both took that does not grow with cells, if larger.
+- the whole, by some of 2,048 parts of it, drawn at random and computed on all cores: what a cell
+  takes hangs on the lengths of axes. Its error is twice that of their mean.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import resource
 import statistics
@@ -34,11 +35,13 @@ import numpy as np
 import xarray
 
 from benchmarks.options import options
-from benchmarks.reduce import study
+from benchmarks.reduce import prepared, study
+from benchmarks.timing import timed
 from core.reduce.run import cores
 
 COMMAND = [sys.executable, "-c", "from app.cli import main; main()"]
 ASKED = {"statistics": ["max"]}
+SHARES, SAMPLE = 2048, 12
 
 
 @dataclass(frozen=True)
@@ -87,8 +90,8 @@ def processor() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def at_once(sweep: Sweep, cells: int, predicted: float) -> tuple[int, float]:
-    """Print what a sweep takes on all cores; return its cells and seconds."""
+def at_once(sweep: Sweep, cells: int, predicted: float) -> None:
+    """Print what a sweep takes on all cores."""
     started, before = time.perf_counter(), processor()
     command("run", sweep.file, "-o", sweep.result, "--quiet").check_returncode()
     took, worked = time.perf_counter() - started, processor() - before
@@ -99,7 +102,23 @@ def at_once(sweep: Sweep, cells: int, predicted: float) -> tuple[int, float]:
         f"{memory:.0f} MiB at most",
         flush=True,
     )
-    return cells, took
+
+
+def extrapolated(sweep: Sweep) -> None:
+    """Print what the whole takes, by some random parts of it."""
+    whole = prepared(study(sweep.cells, ASKED))
+    parts = whole.parts(str(sweep.folder / "whole.nc"), SHARES)
+    chosen = np.random.default_rng(36).choice(SHARES, SAMPLE + 1, replace=False)
+    seconds = [timed(parts.compute, int(part))[1] for part in chosen][1:]  # the first may compile
+    hours, error = (
+        value * SHARES / 3600
+        for value in (statistics.mean(seconds), 2 * statistics.stdev(seconds) / math.sqrt(SAMPLE))
+    )
+    pace = statistics.mean(seconds) * SHARES / whole.cells * 1e9
+    print(
+        f"{whole.cells:,} cells, by {SAMPLE} of {SHARES:,} parts of {min(seconds):.2f} to "
+        f"{max(seconds):.2f} s: {pace:.2f} ns each, {hours:.2f} h within {error:.2f} h"
+    )
 
 
 class Parts:
@@ -164,11 +183,11 @@ def main() -> None:
         folder = Path(path)
         whole, part = Sweep(folder, "whole", asked.whole), Sweep(folder, "part", asked.cells)
         small = Sweep(folder, "small", asked.cells / 10)
-        cells_of_whole, _ = price(whole)
+        price(whole)
         cells, predicted = price(part)
-        times = []
         if not asked.only_parts:
-            times = [at_once(small, *price(small)), at_once(part, cells, predicted)]
+            at_once(small, *price(small))
+            at_once(part, cells, predicted)
         parts = Parts(part, asked.parts)
         before = processor()
         took, worked = parts.run(), processor() - before
@@ -177,16 +196,9 @@ def main() -> None:
             f"in {asked.parts} parts, one killed: {took:.1f} s, {took / cells * 1e9:.2f} ns "
             f"a cell; {worked:.1f} s of the processor; a part {min(each):.1f} to {max(each):.1f} s"
         )
-        pace, error = took / cells, statistics.stdev(each) / statistics.mean(each)
-        if times:
+        if not asked.only_parts:
             print(f"same values: {same_values(part.result, parts.result)}")
-            (few, short), (many, long) = times
-            pace = (long - short) / (many - few)
-            error = max(error, abs(long / many / pace - 1))
-        hours = pace * cells_of_whole / 3600
-        print(
-            f"{cells_of_whole:,} cells: {pace * 1e9:.2f} ns each, {hours:.2f} h within {error:.0%}"
-        )
+        extrapolated(whole)
 
 
 if __name__ == "__main__":
