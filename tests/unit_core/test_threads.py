@@ -35,6 +35,30 @@ def test_the_next_call_takes_the_same_threads():
     assert len(names) <= 2
 
 
+def test_the_caller_takes_part_and_does_all_where_others_are_busy():
+    held, free = threading.Event(), threading.Event()
+
+    def call(task):
+        if threading.current_thread() is not threading.main_thread():
+            held.set()
+            free.wait(PATIENCE)
+
+    blocked = threading.Thread(target=lambda: share_out(lambda _: call(0), range(2), 2))
+    blocked.start()  # has both the kept thread and its own wait
+    held.wait(PATIENCE)
+    done: list[str] = []
+    share_out(lambda _: done.append(threading.current_thread().name), range(5), 2)
+    free.set()
+    blocked.join(PATIENCE)
+    assert done == [threading.current_thread().name] * 5
+
+
+def test_tasks_may_share_out_tasks_of_their_own():
+    done: list[int] = []
+    share_out(lambda _: share_out(done.append, range(3), 2), range(4), 2)
+    assert sorted(done) == sorted([0, 1, 2] * 4)
+
+
 def test_the_first_error_comes_after_what_has_begun_and_the_rest_is_left_out():
     begun, ended, released = [], [], threading.Event()
 

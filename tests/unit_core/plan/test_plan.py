@@ -467,3 +467,15 @@ def test_a_problem_says_which_name_it_is_about_beside_what_users_see():
     assert problem.about == "speed_" + 70 * "x"
     assert problem == Problem(problem.place, problem.message, problem.fix)
     assert problem.about not in f"{problem!r} {problem}"
+
+
+def test_what_one_output_needs_is_found_once():
+    plan = make_plan(
+        "rectangle-on-plane", None, ("acceleration_x", "throw_number"), (*DRIVE, "friction")
+    )
+    assert plan.only("throw_number") is plan.only("throw_number")
+    assert plan.only("throw_number").parameters == DRIVE
+    depends = plan.depends_on(["beta"])
+    depends["throw_number"] = frozenset()  # the caller's own
+    assert plan.depends_on(["beta"])["throw_number"] == {"beta"}
+    assert plan.depends_on(["frequency"])["throw_number"] == {"frequency"}
