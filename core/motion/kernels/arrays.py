@@ -18,6 +18,9 @@ NEVER: Stop = np.zeros(1, dtype=np.int8)
 
 @compiled
 def copy(source: Floats, target: Floats) -> None:
-    """Copy a row into another: `target[:] = source`, which takes a second to compile."""
+    """Copy a 1-d array of floats into another of the same length: `target[:] = source`.
+
+    A loop, because numba takes a second to compile the slice assignment.
+    """
     for place in range(target.size):
         target[place] = source[place]

@@ -22,5 +22,5 @@ GROUPS = len(Cell._fields)
 
 @compiled
 def cell_of(row: Floats) -> Cell:
-    """Return the first columns of a kernel's row as a `Cell`."""
+    """Return the first columns of a kernel's row, shape (columns,), as a named tuple `Cell`."""
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one

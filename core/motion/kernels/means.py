@@ -32,11 +32,11 @@ Random numbers that do not depend on each other give 2 on the mean; a straight l
 
 @compiled
 def batch_means(values: Floats) -> Floats:
-    """Return the means of successive batches of the values but the first quarter; shape (16,).
+    """Return the means of 16 successive batches of the values after their first quarter.
 
-    m_b = (sum of the s values of batch b)/s, with s = floor((n - floor(n/4))/16) of n values: all
-    batches are equally long, and the last ends with the values. NaN where there are fewer values
-    than batches.
+    `values` holds one number a period of the drive, shape (n,); the result has shape (16,). All
+    batches hold s = floor((n - floor(n/4))/16) values, and the last ends with the values. NaN if s
+    = 0.
     """
     means = np.full(BATCHES, math.nan)
     size = (values.size - int(SETTLING * values.size)) // BATCHES
@@ -52,7 +52,7 @@ def batch_means(values: Floats) -> Floats:
 
 @compiled
 def scatter(means: Floats) -> float:
-    """Return the sample standard deviation, s = sqrt(sum (m - mean)^2/(n - 1))."""
+    """Return the sample standard deviation of n means m, s = sqrt(sum (m - mean)^2/(n - 1))."""
     centre, square = np.mean(means), 0.0
     for mean in means:
         square += (mean - centre) ** 2
@@ -61,11 +61,11 @@ def scatter(means: Floats) -> float:
 
 @compiled
 def succession(means: Floats) -> float:
-    """Return von Neumann's ratio of successive differences.
+    """Return von Neumann's ratio of successive differences of batch means m, which shows a drift.
 
-    r = sum (m[k + 1] - m[k])^2/sum (m[k] - mean)^2 is 2 on the mean of independent numbers, less
-    where each is like the one before: r = 2 (1 - q) with the correlation q of neighbours
-    (von Neumann, Annals of Mathematical Statistics 12, 1941, 367-395).
+    r = sum (m[k + 1] - m[k])^2/sum (m[k] - mean)^2 is 2 on the mean for independent numbers, and
+    less where each is like the one before: r = 2 (1 - q), with the correlation q of neighbours (von
+    Neumann, Annals of Mathematical Statistics 12, 1941, 367-395). 2 if all means are equal.
     """
     square, steps = scatter(means) ** 2 * (means.size - 1), 0.0
     for k in range(means.size - 1):
@@ -77,20 +77,20 @@ def succession(means: Floats) -> float:
 def is_steady(means: Floats, resolved: float) -> bool:
     """True if batch means show no drift and no correlation between neighbouring batches.
 
-    s(m) <= `resolved`: those that scatter by less than what is known of them are the same; or r >=
-    0.684, with `scatter` and `succession`. False of NaN. Batches of a steady motion fail once in
-    1,000 times (theory 13.13).
+    `resolved` is the error with which each batch mean is known, in its unit: means that scatter by
+    no more are equal. Otherwise von Neumann's ratio (`succession`) must be at least 0.684, which
+    batches of a steady motion miss once in 1,000 times. False if a mean is NaN (theory 13.13).
     """
     return scatter(means) <= resolved or succession(means) >= LEAST_RATIO
 
 
 @compiled
 def mean_error(means: Floats) -> float:
-    """Return the 99 % statistical error of the mean of independent batch means.
+    """Return the 99 % statistical error of the mean of n batch means, in their unit.
 
-    t s/sqrt(n) sqrt((1 + q)/(1 - q)): Student's quantile t times the standard error of the mean of
-    n numbers with standard deviation s, of which neighbours have the correlation q = 1 - r/2, if
-    above 0, and others its powers.
+    t s/sqrt(n) sqrt((1 + q)/(1 - q)), with Student's quantile t = 2.947 for n = 16, the standard
+    deviation s, and the correlation q = max(0, 1 - r/2) of neighbouring batches, from von Neumann's
+    ratio r (at least 0.684). Batches k apart are taken to have the correlation q^k.
     """
     likeness = max(0.0, 1.0 - 0.5 * max(LEAST_RATIO, succession(means)))
     memory = math.sqrt((1.0 + likeness) / (1.0 - likeness))
@@ -99,9 +99,10 @@ def mean_error(means: Floats) -> float:
 
 @compiled
 def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float:
-    """Return the mean velocity over the periods from `first` to before `last`.
+    """Return the mean velocity over the periods of the drive from index `first` to before `last`.
 
-    v = (sum of x_k)/(n T). x_k is the way of a period k, T how long a period is, n = last - first.
+    v = (sum of travel[k])/((last - first) T). `travel` holds the distance covered in each period;
+    `period` is the duration T of one period.
     """
     total = 0.0
     for k in range(first, last):
@@ -111,9 +112,10 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 @compiled
 def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
-    """Return the growth of the mean velocity from the third to the last quarter, and before that.
+    """Return two growths of the mean velocity: last less third quarter, third less second.
 
-    v_4 - v_3 and v_3 - v_2, with v_q the `mean_velocity` of quarter q.
+    Quarters of the first `done` periods; `travel` holds the distance covered in each period,
+    `period` is the duration of one period. A motion that runs away keeps gaining speed.
     """
     quarter = done // 4
     first = mean_velocity(travel, quarter, 2 * quarter, period)
@@ -126,17 +128,20 @@ def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
 def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
     """True if the mean velocity grows steadily because gravity exceeds friction.
 
-    For its growth d after d', d d' > 0, |d| > |d'|/2 and `pull` >= `friction`, g sin(gamma) against
-    mu_k times the mean load: at high speed friction is kinetic, whether the part hops or not.
+    `gain` and `before` are two successive growths of the mean velocity d and d' (from `gains`).
+    They must have one sign, with |d| > |d'|/2, and `pull`, gravity along the track in g, must be at
+    least `friction`, mu_k times the mean load in g: at high speed friction is kinetic.
     """
     return gain * before > 0.0 and pull >= friction and abs(gain) > 0.5 * abs(before)
 
 
 @compiled
 def fill_means(tallies: Floats, first: int, last: int, period: float, result: Floats) -> None:
-    """Fill a result with the mean values of the periods from `first` to before `last`.
+    """Fill `result` with the mean values over the periods from index `first` to before `last`.
 
-    A part that touched the wall meanwhile has no mean velocity across: it comes back.
+    `tallies` has one row a period with the columns of `TALLY`, `period` is the duration of one
+    period, `result` has the columns of `COLUMN`. The mean velocity across the track is set to 0 if
+    the part touched the wall in these periods, because it then returns to the wall.
     """
     result[:] = 0.0
     travel, across, at_wall = 0.0, 0.0, 0.0
@@ -163,10 +168,13 @@ def fill_means(tallies: Floats, first: int, last: int, period: float, result: Fl
 def ended(
     cell: Cell, wall: bool, pull: float, travel: Floats, period: float, resolved: float
 ) -> tuple[int, Floats]:
-    """Return the status of a motion that did not repeat, and its batch means.
+    """Return the status of a motion that did not repeat, and the batch means of its velocity.
 
-    `pull` is gravity's, sin(gamma), against the friction mu_k n + mu_w max(0, n_y) that may not
-    hold it (theory 13.8); `resolved` as in `is_steady`.
+    The status is `runaway`, `aperiodic` or `limit_reached` (the batches drift). `wall` tells if
+    there is a wall; `pull` is gravity along the track, sin(gamma) in g, which wins if friction,
+    mu_k n + mu_w max(0, n_y) with the loads n, n_y on floor and wall in g, cannot hold the part;
+    `travel` holds the distance of each period, `period` the duration of one; batch means within
+    `resolved` are equal (theory 13.8).
     """
     gain, before = gains(travel, travel.size, period)
     friction = cell.friction_kinetic * cell.gravity_number_normal
@@ -180,11 +188,11 @@ def ended(
 
 @compiled
 def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
-    """Return the difference of two distances from the wall, 0 where it does not matter.
+    """Return the change of the distance from the wall as far as it keeps a motion from repeating.
 
-    |dy| for a part that touched the wall over the periods from `first` to before `last`; max(0,
-    -dy) for one that did not, with `drift` = dy: to one that does not come nearer it does not
-    matter.
+    `drift` is the change of the distance, outwards positive. The result is |drift| if the part
+    touched the wall in the periods from index `first` to before `last` of `tallies` (columns of
+    `TALLY`), and max(0, -drift) if not: a part that never touches the wall may move away from it.
     """
     for k in range(first, last):
         if tallies[k, TALLY.at_wall] > 0.0:

@@ -57,7 +57,11 @@ def wave_columns(row: Floats, start: int) -> WaveColumns:
 
 
 class SineSum(NamedTuple):
-    """A sum of sines: its table, the rows of its coefficients there, and its highest order."""
+    """A sum of sines S(tau) = sum of a_k sin(k tau) + b_k cos(k tau), k = 1 to `orders`.
+
+    The coefficients stand in two rows of `table`: a_k in row `sines`, b_k in row `cosines`, column
+    k.
+    """
 
     table: Floats
     sines: int
@@ -67,9 +71,10 @@ class SineSum(NamedTuple):
 
 @borrowing
 def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
-    """Return the value and the derivative of a sum of sines, S and sum of k (a_k cos - b_k sin).
+    """Return the value S and the derivative dS/dtau of a sum of sines at the phase `tau` in rad.
 
-    sin(k tau) and cos(k tau) come from those of (k - 1) tau by the addition theorem.
+    S = sum of a_k sin(k tau) + b_k cos(k tau), dS/dtau = sum of k (a_k cos(k tau) - b_k sin(k
+    tau)). sin(k tau) and cos(k tau) come from those of (k - 1) tau by the addition theorem.
     """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -84,7 +89,10 @@ def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
 
 @borrowing
 def bend_bound(wave: SineSum) -> float:
-    """Return an upper bound of a sum's second derivative, sum of k^2 sqrt(a_k^2 + b_k^2)."""
+    """Return an upper bound of |S''| of a sum of sines, sum of k^2 sqrt(a_k^2 + b_k^2).
+
+    S = sum of a_k sin(k tau) + b_k cos(k tau).
+    """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     total = 0.0
     for k in range(1, wave.orders + 1):
@@ -94,7 +102,10 @@ def bend_bound(wave: SineSum) -> float:
 
 @borrowing
 def at_point(wave: SineSum, point: int) -> tuple[float, float]:
-    """Return value and derivative of a sum at one of `POINTS` phases, from a table of sines."""
+    """Return value and derivative of a sum of sines at the phase 2 pi `point`/128.
+
+    From a table of sines, without calls of sine and cosine; the derivative is by the phase.
+    """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
     for k in range(1, wave.orders + 1):
@@ -108,15 +119,13 @@ def at_point(wave: SineSum, point: int) -> tuple[float, float]:
 
 @borrowing
 def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
-    """Fill row `row`, from column 1, with the phases where a sum passes a level.
+    """Write the phases at which a sum S of sines passes `level` into a row; return their number.
 
-    Return their number.
-
-    Ascending in [0, 2 pi). On each of some equal pieces, h on either side of its middle, with the
-    bound M of the second derivative: |S - level| > |S'| h + M h^2/2, and the sum is off the level
-    all along; or |S'| > M h, it runs one way only, and a sign at both ends decides; or the piece is
-    halved. None is missed but a pair within `FINEST` (theory 13.14).
-    There are 2 `orders` at most; what finds no `capacity` is left out.
+    They stand from column 1 of row `row` of the sum's own table on, ascending in [0, 2 pi); those
+    beyond `capacity` are left out (there are 2 `orders` at most). On each of some equal pieces,
+    with half width h and the bound M of |S''|: if |S - level| > |S'| h + M h^2/2 at the middle,
+    there is none; if |S'| > M h, S is monotonic and the signs at both ends decide; otherwise the
+    piece is halved. Only a pair nearer together than `FINEST` can be missed (theory 13.14).
     """
     table, orders = wave.table, wave.orders
     if orders == 1:
@@ -146,10 +155,11 @@ def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
 
 @borrowing
 def two_passages(sine: float, cosine: float, level: float, table: Floats, row: int) -> int:
-    """Fill the phases where one sine passes a level, in closed form; return 2 or 0.
+    """Write the two phases at which a single sine passes `level`; return 2, or 0 without any.
 
-    a sin(tau) + b cos(tau) = A sin(tau + lead) = level at asin(level/A) - lead and
-    pi - asin(level/A) - lead, with A = sqrt(a^2 + b^2) and lead = atan2(b, a).
+    a sin(tau) + b cos(tau) = A sin(tau + lead) = level, a = `sine`, b = `cosine`, A = sqrt(a^2 +
+    b^2), lead = atan2(b, a): at asin(level/A) - lead and pi - asin(level/A) - lead, in [0, 2 pi),
+    ascending in columns 1 and 2 of row `row` of `table`.
     """
     size = math.sqrt(sine * sine + cosine * cosine)
     if not abs(level) < size:
@@ -174,9 +184,12 @@ def in_piece(
     wave: SineSum, level: float, low: float, high: float, bend: float, first: float, row: int,
     count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Find a sum's passages within an interval by halving.
+    """Find the phases in [low, high] at which a sum of sines S passes `level`, by halving.
 
-    Return their number and the end's value.
+    `bend` bounds |S''|, `first` is S - level at `low`, `count` the number of phases written so far
+    into row `row` of the sum's table, `capacity` the largest number. Return the new number and S -
+    level at `high`. The step is halved where S may turn, and doubled after each piece (see
+    `passages`).
     """
     tau, step = low, 0.5 * (high - low)
     while tau < high:
@@ -203,10 +216,11 @@ def in_piece(
 def passage(
     wave: SineSum, level: float, low: float, high: float, first: float, last: float
 ) -> float:
-    """Return the phase at which a monotonic sum passes a level, by Halley's bracketed iteration.
+    """Return the phase in [low, high] at which a sum S of sines, monotonic there, passes `level`.
 
-    `first` and `last` are how far it is off the level at both ends. The step is that of `halley`
-    with S - level, S' and S'' = -sum of k^2 (a_k sin(k tau) + b_k cos(k tau)).
+    `first` and `last` are S - level at `low` and `high`, of opposite signs. Halley's iteration in
+    this bracket, with S' and S'' = -sum of k^2 (a_k sin(k tau) + b_k cos(k tau)); halving where it
+    leaves it.
     """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     piece, at = high - low, low + (high - low) * first / (first - last)
@@ -237,17 +251,22 @@ def passage(
 
 @borrowing
 def halley(value: float, slope: float, bend: float) -> float:
-    """Return Halley's step to a root, f f'/(f'^2 - f f''/2); infinite without one."""
+    """Return Halley's step to a root, f f'/(f'^2 - f f''/2), to subtract from the argument.
+
+    `value`, `slope` and `bend` are f, f' and f''. Infinite if the denominator is not positive: the
+    local parabola then has no root near.
+    """
     below = slope * slope - 0.5 * value * bend
     return value * slope / below if below > 0.0 else math.inf
 
 
 @borrowing
 def is_near_root(value: float, slope: float, bend: float, nearness: float) -> bool:
-    """True if Halley's step ends at a root of the local parabola: |f f''| <= nearness f'^2.
+    """True if Halley's step from here ends at a root of f: |f f''| <= nearness f'^2.
 
-    A short step alone tells nothing: where the slope f' vanishes it is some 2 f'/f'', however far
-    off the root. The height f'^2/(2 |f''|) of the parabola above or below its vertex is the scale
-    by which a value is small. With r = f f''/f'^2 the step's own error is some r^2/4 of it.
+    `value`, `slope` and `bend` are f, f' and f''; `nearness` is a relative bound. A short step is
+    not enough: where f' vanishes, the step is some 2 f'/f'', short however far the root is. f'^2/(2
+    |f''|) is the distance of the local parabola's vertex from 0, by which a small value is
+    measured; the step's own error is some (f f''/f'^2)^2/4 of it.
     """
     return abs(value * bend) <= nearness * slope * slope

@@ -48,11 +48,13 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 
 @compiled
 def follow(row: Floats, waves: Waves, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Return the motion pieces of one cell's cycle, its phase shift, and the sign of its direction.
+    """Return a cell's motion pieces, phase shift, direction sign, and True if they repeat.
 
-    The last value tells whether the motion repeats after them. A piece is a row of the log, columns
-    of `PIECE`, by `follow_cycle`. `known` is the status of the cell, for a motion that does not
-    repeat.
+    `row` holds the cell's numbers, `waves` the room for its drive, `known` the status that the cell
+    has if its motion does not repeat, `stop` a flag that ends the work. A piece is a stretch in one
+    mode, one row with the columns of `PIECE`; shape (pieces, 6). The phase shift in rad and the
+    sign -1 or 1 undo the mirror images of `drive_of`. The pictures of a part's path are drawn from
+    this.
     """
     cell = cell_of(row)
     rows, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
@@ -72,10 +74,23 @@ def pieces_of(
     drive: Drive, phase: float, cell: Cell, status: int, rows: Floats, count: int, u: float,
     sums: Floats, log: Floats,
 ) -> tuple[Floats, bool]:  # fmt: skip
-    """Return the motion pieces of a solved cycle, and whether the motion repeats after them.
+    """Return the motion pieces of a solved cycle, and True if the motion repeats after them.
 
-    By `follow_cycle`, from the velocity u at its start. Of a motion that does not repeat, the last
-    `SHOWN_PERIODS` of the way that it takes from rest.
+    Pieces have the columns of `PIECE`, shape (pieces, 6). A motion that does not repeat is followed
+    from rest at the phase `phase`, and the last `SHOWN_PERIODS` periods of its way are returned.
+
+    Parameters
+    ----------
+    phase
+        Phase in rad at which the study's own period starts.
+    cell, status
+        The cell's numbers, and the status of its motion.
+    rows, count
+        The segments of the cycle normal to the floor (columns of `SEGMENT`), and how many.
+    u
+        Slip velocity at the start of the cycle in g/w.
+    sums, log
+        Work arrays for the sums of `follow_cycle` and for the pieces.
     """
     used = 0
     if status == STATUS.at_rest:
@@ -100,10 +115,22 @@ def pieces_of(
 def sample(
     pieces: Floats, row: Floats, waves: Waves, shift: float, phases: Floats, repeats: bool
 ) -> Floats:
-    """Return position, height, velocities and mode at phases counted from the start of the cycle.
+    """Return position, height, velocities and mode of a part at given phases of the drive.
 
-    The columns of the result, shape (n, 5), are those of `SAMPLE`. NaN and mode `unknown` where
-    there is no cycle, and beyond the end of pieces after which the motion does not repeat.
+    Phases count from the start of the study's own period. Lengths in g/w^2, velocities in g/w. The
+    columns of the result, shape (n, 5), are those of `SAMPLE`; the first position is 0. NaN and
+    mode `unknown` without a cycle, and beyond the last piece if the motion does not repeat.
+
+    Parameters
+    ----------
+    pieces, repeats
+        Motion pieces of one cycle (columns of `PIECE`), and if it repeats after them.
+    row, waves
+        The cell's numbers, and the room for its drive.
+    shift
+        Phase shift of the drive in rad, from `follow`.
+    phases
+        The n phases in rad.
     """
     drive, _, _ = drive_of(cell_of(row), row, waves)
     samples = np.full((phases.size, len(SAMPLE)), math.nan)
@@ -137,9 +164,11 @@ def sample(
 
 @compiled
 def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, float, float]:
-    """Return position, height and both velocities at a phase after the start of a motion piece.
+    """Return position, height, velocity along and velocity normal at a phase within a motion piece.
 
-    x + that of `fly` or `slide`, and z of `rise`, with the velocities at the start of the piece.
+    `piece` is a row with the columns of `PIECE`, `since` the phase after its start in rad. Lengths
+    in g/w^2, velocities in g/w. By `fly` and `rise` in flight, `slide` on the floor; a part that
+    sticks keeps its position.
     """
     tau, mode, x = piece[PIECE.phase], piece[PIECE.mode], piece[PIECE.position]
     u, w = piece[PIECE.along], piece[PIECE.normal]
@@ -158,10 +187,12 @@ def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, f
 
 @compiled
 def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
-    """Add the work of drive and friction over one motion piece to `spent` (theory 13.15).
+    """Add the work of drive and friction over one motion piece to `spent`, per mass, in (g/w)^2.
 
-    The integrals of b.u, of b'.u (theory 13.15, the mass that the drive feels) and, while it slips,
-    of mu_k N |u|, with N = n - b_z, by Gauss's rule.
+    `piece` is a row with the columns of `PIECE`, `spent` has the columns of `SPENT`. The integrals
+    over the phase of b.u (drive), of b'.u (swing: it gives the mass that the drive feels) and,
+    while the part slips, of mu_k N |u| (friction), with the push b and its derivative b' by the
+    phase, the velocity u and the load N = n - b_z; by Gauss's rule (theory 13.15).
     """
     tau, span, flies = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode] == MODE.flight
     if piece[PIECE.mode] == MODE.stick:
@@ -188,10 +219,20 @@ def spend_over_cycle(
     drive: Drive, rows: Floats, count: int, u: float, periods: float, sums: Floats, log: Floats,
     spent: Floats,
 ) -> None:  # fmt: skip
-    """Fill `spent` with mean powers over `periods` periods of a chain of segments.
+    """Fill `spent` (columns of `SPENT`) with mean powers per mass over a chain of segments.
 
-    An impact takes the kinetic energy by which the piece after it starts with less, (u-^2 - u+^2 +
-    w-^2 - w+^2)/2.
+    In g^2/w. The chain is followed as often as fits into `periods` periods of the drive. An impact
+    takes the kinetic energy by which the next piece starts with less, (u-^2 - u+^2 + w-^2 - w+^2)/2
+    of the velocities along and normal before and after it. NaN if the log is too short.
+
+    Parameters
+    ----------
+    rows, count
+        Segments of the motion normal to the floor (columns of `SEGMENT`), and how many.
+    u
+        Slip velocity at their start in g/w.
+    sums, log
+        Work arrays for the sums of `follow_cycle` and the motion pieces.
     """
     spent[:] = 0.0
     after_last = max(0.0, rows[0, SEGMENT.take_off])
@@ -215,7 +256,12 @@ def spend_over_cycle(
 
 @compiled
 def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the energy table, columns as in `SPENT`, and statuses of cells; NaN without a cycle."""
+    """Fill energy table and statuses of all cells: what drive, friction and impacts take.
+
+    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
+    columns of `SPENT`, mean powers per mass in g^2/w; `status` one value a cell; `stop` is a flag
+    that ends the work. NaN for cells without a cycle, 0 for parts at rest (theory 13.15).
+    """
     rows, sums, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):

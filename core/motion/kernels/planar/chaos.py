@@ -56,13 +56,14 @@ COARSER = 1.0 / (KEPT_BITS * EPSILON)
 
 
 class FollowedRun(NamedTuple):
-    """The result of a run.
+    """Sums over one long run of a part whose motion does not repeat.
 
-    `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
-    is dropped, and `periods` of it are in the table of travel; then impacts, largest landing speed
-    and height; whether it slid downhill all the time, gaining speed. `least` and `most` are the
-    extreme mean velocities from one rest on the floor to the next. If the run ended in a cycle of
-    hops, `hops` tells how many they are, and `time` how long they take.
+    `time` (phase in rad) is what the sums are taken over, 0 if the hops allowed did not reach
+    beyond the first part, which is dropped; the table of travel holds its first `periods` complete
+    periods. `impacts`, `fastest` and `highest` are the number of landings, the largest landing
+    speed and the largest height. `runs_away`: it slid downhill all the time and gained speed.
+    `least` and `most` are the extreme mean velocities from one rest on the floor to the next.
+    `hops` is not 0 if the run ended in a cycle of so many hops, which takes `time`.
     """
 
     time: float
@@ -78,9 +79,10 @@ class FollowedRun(NamedTuple):
 
 @compiled
 def jolted(number: int, gn: float) -> float:
-    """Return a tiny lift-off speed for run number k from rest, different for every k.
+    """Return a tiny take-off speed for the `number`-th lift-off from rest, different for every one.
 
-    1e-8 n (0.618 k mod 1), since the multiples of the golden ratio come nowhere twice.
+    1e-8 n (0.618 k mod 1), with the load number n = `gn` and k = `number`, in g/w. Multiples of the
+    golden ratio modulo 1 never coincide, so that no two ways from rest are alike to the last bit.
     """
     return JOLT * gn * ((GOLDEN * number) % 1.0)
 
@@ -89,8 +91,9 @@ def jolted(number: int, gn: float) -> float:
 def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
     """Add a distance to the periods in which it was covered; return the number of complete periods.
 
-    Each gets x |[begin, end] in the period|/(end - begin), as if the speed were steady between two
-    landings. `begin` and `end` are phases since the start of the first period.
+    `travel` has one entry a period; `begin` and `end` are phases in rad since the start of the
+    first period. Each period gets the share of `distance` that its overlap has in [begin, end], as
+    if the speed were steady between two landings.
     """
     period = int(begin // TURN)
     while period < travel.size and period * TURN < end:
@@ -102,7 +105,11 @@ def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
 
 @borrowing
 def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
-    """Return the slip speed after a landing, reduced by mu_k I, I = v + w, to 0 at least."""
+    """Return the slip velocity after a landing, where friction takes mu_k (v + w) off its size.
+
+    `u` is the slip velocity before, v = `speed` the landing speed and `w` the rebound speed, all in
+    g/w. 0 if friction would take more than |u|.
+    """
     friction = mu_k * (speed + w)
     return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
 
@@ -111,9 +118,12 @@ def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
 def flight(
     drive: Drive, e: Restitution, u: float, w: float, tau: float, span: float
 ) -> tuple[float, float, float, float, bool]:
-    """Return the results of a flight: landing speed, rebound, slip, distance, if the part stays.
+    """Return landing speed, rebound, slip and distance of a flight, and True if the part stays.
 
-    By `fly` and `rise` over the span, `rebound`, `slowed`; the last tells whether the part `rests`.
+    Speeds in g/w, distance in g/w^2. `u` and `w` are the velocities along and off the floor at
+    take-off at phase `tau`, `span` is the flight time in rad. The slip velocity is that after the
+    friction of the landing. The part stays on the floor if its further hops shrink to nothing
+    (`rests`).
     """
     speed = max(0.0, -rise(drive, w, tau, span)[0])
     up = rebound(e, speed)[0]
@@ -126,9 +136,12 @@ def flight(
 def first_flight(
     run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
-    """Return the state where a run from rest first lifts off, and whether it rested on the floor.
+    """Return a run's first lift-off: slip, take-off speed, phase, and time on the floor before.
 
-    Each run starts from another phase; a part that the floor holds there stays up to lift-off.
+    The last of the five values is True if the part was on the floor. Run `run` starts from rest at
+    its own phase, spread over the period around the study's start `phase`. If the floor holds the
+    part there, it stays until lift-off, `sums` gets that stay, and the take-off speed is a tiny
+    jolt; otherwise the values are 0, 0, the phase, 0 and False. `no_log` is an empty log.
     """
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
@@ -141,9 +154,10 @@ def first_flight(
 def stay(
     drive: Drive, tau: float, u: float, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float]:
-    """Return slip and phase at lift-off after contact with the floor, and the contact's duration.
+    """Return slip velocity and phase at lift-off of a part on the floor, and the contact time.
 
-    By `contact`, up to `lift_off`.
+    The part touches the floor at phase `tau` with slip velocity `u` in g/w; phases and times are in
+    rad; `sums` gets the distance and the times in each mode; `no_log` is an empty log.
     """
     span = to_lift_off(drive, tau)
     u, _, _ = contact(tau, span, u, drive, sums, no_log, 0)
@@ -152,23 +166,32 @@ def stay(
 
 @borrowing
 def ran_away(slips_down: bool, gs: float, before: float, u: float, sums: Floats) -> bool:
-    """True if a part slipped downhill at all landings, |u| grew, and it neither stuck nor rose."""
+    """True if a run slid downhill at all landings, gained speed, and never stuck or slid uphill.
+
+    `slips_down` tells of the landings; `gs` is gravity along the track, sin(gamma); `before` and
+    `u` are the slip velocities at the start and end of the counted time; `sums` holds the times in
+    modes.
+    """
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
     return slips_down and uphill == 0 and abs(u) > abs(before)
 
 
 @borrowing
 def is_over(enough: bool, count: int, patience: int) -> bool:
-    """True if a run may end: it is long enough, and no cycle seems to be near.
+    """True if a run may end: it is long enough (`enough`), and no cycle seems to be near.
 
-    One may where 64 <= k < `patience`, of the hops k since the last rest.
+    `count` is the number of hops since the part last rested on the floor. From 64 hops on the part
+    may be nearing a cycle of hops; the run then goes on until `patience` hops.
     """
     return enough and not RECENT <= count < patience
 
 
 @borrowing
 def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
-    """Return min(least, v) and max(most, v); v is NaN where the part has not rested before."""
+    """Return `least` and `most` of a range, widened to hold `velocity`; unchanged if it is NaN.
+
+    The mean velocity is NaN where the part has not rested on the floor before.
+    """
     if math.isnan(velocity):
         return least, most
     return min(least, velocity), max(most, velocity)
@@ -179,15 +202,22 @@ def long_run(
     run: int, phase: float, periods: int, patience: int, drive: Drive, e: Restitution,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> FollowedRun:  # fmt: skip
-    """Follow a part from rest on the floor in several runs, each starting at another drive phase.
+    """Follow a part from rest in run number `run`, and return its sums.
 
-    The run lasts so many periods, and until the part comes to rest, if it did not lately, or has
-    made so many hops, `patience`. Its first part is dropped; of what follows `travel` gets the
-    distance of each period, as far as it has room. `sums` is as in `contact`. From rest a part
-    would take the same course again, to the last bit: it is lifted off with a jolt, each time
-    another one, so that the mean is over the ways that it may take and not over one of them. If it
-    ends in a cycle of hops, which is looked for where there is any patience, the first of `rows`
-    hold that.
+    The run takes `periods` periods, and goes on until no cycle of hops is near; its first quarter
+    is dropped. Each lift-off from rest gets another tiny jolt, so that the mean is over all ways
+    that the part may take. If it falls into a cycle of hops, `rows` start with that cycle.
+
+    Parameters
+    ----------
+    phase
+        Phase in rad of the study's own start; each run starts at another one.
+    patience
+        Hops without rest after which no cycle is expected; 0 looks for none.
+    travel
+        Filled with the distance of each counted period in g/w^2, as far as it has room.
+    rows, sums
+        Work arrays for hops (columns of `SEGMENT`), and for distance and times as in `contact`.
     """
     gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
@@ -258,10 +288,12 @@ def means_of(
     run: FollowedRun, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats,
     result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
-    """Fill `result` with the means of one run's motion; return its status.
+    """Fill `result` (columns of `COLUMN`) with the means of one run's motion; return its status.
 
-    v = x/T, shares t_mode/T and impacts 2 pi k/T of the time T that is counted. A motion that ends
-    in a cycle has the means of that, by `repeating`.
+    v = x/T, shares t_mode/T and impacts 2 pi k/T, with distance x, times t_mode, k impacts and the
+    counted phase T of the run; `sums` holds x and t_mode. A run that ended in a cycle has the means
+    of that cycle, whose hops are in `rows`, by `repeating`. `phase` is the study's own start in
+    rad.
     """
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
@@ -283,9 +315,10 @@ def means_of(
 
 @compiled
 def sure_change(later: Floats, before: Floats) -> float:
-    """Return the mean change between two sets of numbers, 0 if chance may explain it.
+    """Return the mean difference of two sets of n numbers, 0 if chance may explain it.
 
-    d of n pairs, where |d| > t s(d)/sqrt(n) with Student's t for 99.9 %.
+    The numbers are taken in pairs. The mean d of `later` - `before` counts if |d| > t s/sqrt(n),
+    with the standard deviation s of the differences and Student's t = 5.41 for 99.9 % and n = 8.
     """
     change = later - before
     mean = change.mean()
@@ -294,13 +327,13 @@ def sure_change(later: Floats, before: Floats) -> float:
 
 @compiled
 def batch_error(quarters: Floats) -> float:
-    """Return the statistical error of the mean velocity over runs, from quarters of each run.
+    """Return the statistical error of the mean velocity of runs, from means of their quarters.
 
-    The statistical one of the halves of all runs, `mean_error`, and by how much the second halves
-    surely differ from the first, d: as far as that the runs still know how they began. Where the
-    last quarters surely go on in that way, the drift slows by a factor q from half to half, that of
-    the steps within them, and ends d (1 + q)/(2 (1 - q)) from the mean. Under little friction it
-    hardly slows; there it shows in the scatter, too: the runs begin with slips of both ways.
+    `quarters` has shape (runs, 4), in g/w. The error is that of the means of half runs
+    (`mean_error`) plus the drift |d| by which second halves surely differ from first ones, since
+    the runs then still know how they began. Where the last quarters surely drift on in that way, by
+    a factor q from half to half, the drift counts (1 + q)/(2 (1 - q)) times if that is more (theory
+    13.8).
     """
     runs = quarters.shape[0]
     halves = np.empty(2 * runs)
@@ -320,17 +353,13 @@ def batch_error(quarters: Floats) -> float:
 def from_phases(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
-    """Fill `result` for a motion that rounding decides, from runs at several phases.
+    """Fill `result` with means over runs from several phases of the drive; return the status.
 
-    Return the status.
-
-    The means are those of runs from several phases of the drive. Where none of them ends in a cycle
-    the motion is aperiodic. The mean velocity is then that of batches, the two halves of each run,
-    and its error is statistical: `batch_error`.
-
-    Where a run ends in a cycle, the part falls into it or into another one, or comes to rest and
-    repeats the way from there; more starts tell into which, and the error holds what each of them
-    gives.
+    For motions that rounding decides. If no run ends in a cycle: `aperiodic`, with the mean
+    velocity of the quarters of all runs and its statistical error by `batch_error`. If a run ends
+    in a cycle, more starts follow, and the error reaches to the furthest of all means: `sensitive`.
+    Also `runaway` and `limit_reached`. `phase` is the study's own start in rad; `rows` and `sums`
+    are work arrays; `result` has the columns of `COLUMN`.
     """
     drive = rounded(drive)
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))

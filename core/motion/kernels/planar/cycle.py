@@ -39,7 +39,12 @@ SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
 def write_segment(
     rows: Floats, row: int, tau: float, span: float, w: float, speed: float, impulse: float
 ) -> None:
-    """Write one segment of a cycle into a row, columns of `SEGMENT`."""
+    """Write one segment of the motion normal to the floor, a contact or a flight, into a row.
+
+    `rows` has the columns of `SEGMENT`; `tau` is the phase at the start and `span` the duration in
+    rad, `w` the velocity off the floor at the start (-1 for contact), `speed` the landing speed and
+    `impulse` what the landing takes from the floor, in g/w.
+    """
     rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
     rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
 
@@ -48,16 +53,15 @@ def write_segment(
 def one_hop(
     drive: Drive, tau: float, w: float, e: Restitution
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Return span, landing speed, phase and rebound of a hop, and derivatives of phase and rebound.
+    """Return span, landing speed, landing phase and rebound of a hop, and four derivatives.
 
-    With the loads n0 at take-off and n1 at the landing, speed v after the span D, and rebound R(v),
-    R = eps v or as `rebound` says,
+    A part takes off at phase `tau` in rad with velocity `w` in g/w. With the loads n0 at take-off
+    and n1 at the landing, span D, landing speed v and rebound R(v) (eps v, or by `rebound`), the
+    derivatives of landing phase and rebound by those at take-off are, in this order (theory 13.16),
 
         d(phase)/d(tau)   = (n0 D - w)/v                 d(phase)/d(w)   = D/v
         d(rebound)/d(tau) = -R' (n0 - n1 d(phase)/d(tau))
         d(rebound)/d(w)   = -R' (1 - n1 d(phase)/d(w))
-
-    in this order: the landing velocity changes by dw + n0 dtau - n1 dphase (theory 13.16).
     """
     span = landing(drive, w, tau)
     speed = max(0.0, -rise(drive, w, tau, span)[0])
@@ -78,10 +82,11 @@ def one_hop(
 def run_cycle(
     drive: Drive, tau: float, w: float, hops: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
-    """Return phase, rebound and their four derivatives after some hops; write the hops into `rows`.
+    """Return phase and rebound after `hops` hops, and their derivatives by those at the start.
 
-    The derivatives are the product of the matrices of `one_hop`. A hop that ends on the floor, or
-    that never ends, gives a phase of NaN.
+    The part takes off at phase `tau` in rad with velocity `w` in g/w. The four derivatives are the
+    product of the matrices of `one_hop`, in its order. The hops are written into `rows` (columns of
+    `SEGMENT`). The phase is NaN if a hop ends in a stay on the floor, or never ends.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
@@ -98,10 +103,12 @@ def run_cycle(
 def fixed_point(
     drive: Drive, at: float, up: float, hops: int, periods: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, bool]:
-    """Return the fixed point of the map of some hops near a state, and whether it attracts.
+    """Return take-off phase and speed of a cycle of `hops` hops, and True if it attracts.
 
-    By Newton's iteration, (M - 1) dy = -(y1 - y0), with M of `run_cycle`; False as well where none
-    is found. It attracts where |tr M| < 1 + det M and det M < 1 (Jury). Fills `rows`.
+    The cycle takes `periods` periods and is sought near the take-off phase `at` in rad with speed
+    `up` in g/w, by Newton's iteration (M - 1) dy = -(y1 - y0) with the derivatives M of
+    `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1 (Jury). False also if none is
+    found. The hops are written into `rows`.
     """
     for _ in range(MAX_NEWTON):
         after, up_after, a, b, c, d = run_cycle(drive, at, up, hops, e, rows)
@@ -122,10 +129,11 @@ def fixed_point(
 
 @compiled
 def shortest_part(rows: Floats, hops: int, periods: int) -> int:
-    """Return the hops of the shortest cycle; near a period doubling two hops may be one hop twice.
+    """Return the number of hops after which a cycle of `hops` hops already repeats.
 
-    The smallest part p of the hops, in whole periods, with sum |y[k + p] - y[k]| < 1e-7 a hop, y
-    the phase and the rebound.
+    Near a period doubling a cycle of two hops may be one hop twice. The result is the smallest part
+    p of the hops, in whole periods, with sum |y[k + p] - y[k]| < 1e-7 a hop, y the phase and the
+    take-off speed in `rows`.
     """
     for part in range(1, hops // 2 + 1):
         if hops % part == 0 and periods % (hops // part) == 0:
@@ -142,11 +150,12 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
 def find_cycle(
     drive: Drive, e: Restitution, rows: Floats, count: int, tau: float, w: float
 ) -> tuple[int, int]:
-    """Return hops and periods of an attracting cycle near the last states; 0, 0 without one.
+    """Return hops and periods of an attracting cycle of hops near the last states; 0, 0 if none.
 
-    Fills the first rows with the cycle. `fixed_point` of the map of some hops, from where the
-    motion nearly recurs, |sum of D - 2 pi k| + |w1 - w0| < 0.01; accepted if it attracts and the
-    motion nears it (theory 13.7).
+    `rows` hold the `count` hops so far (columns of `SEGMENT`); the part now takes off at phase
+    `tau` with speed `w`. The search starts from where the motion nearly recurs, |sum of spans - 2
+    pi k| + |w1 - w0| < 0.01, by `fixed_point`, and accepts a cycle that attracts and that the
+    motion nears. The first rows are then filled with it (theory 13.7).
     """
     travelled, tries = 0.0, 0
     for hops in range(1, min(LONGEST_CYCLE, count) + 1):
@@ -186,12 +195,13 @@ def find_cycle(
 def normal_cycle(
     drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float, rows: Floats
 ) -> tuple[int, int, int]:
-    """Return the cycle into which a part settles that starts at rest on the floor at phase `start`.
+    """Return the cycle normal to the floor into which a part settles from rest at phase `start`.
 
-    Fills `rows`; the result is the first segment of the cycle, the end of its segments, and its
-    periods. Those before the first lead into it; of a cycle of hops alone nothing leads. Periods 0
-    means that the motion does not repeat, or that roundings grow on the way by more than
-    `most_growth`, so that they decide where it does; -1 that a limit came first.
+    `rows` are filled with contacts and flights (columns of `SEGMENT`). The result is the index of
+    the cycle's first segment, the end of its segments, and its periods; segments before the first
+    lead into it (none if the cycle has hops only). Periods 0: the motion does not repeat, or the
+    errors of rounding grow by more than `most_growth` on the way, so that they decide how it
+    repeats; -1: a limit came first. `max_periods` bounds the search (theory 13.7).
     """
     if not lifts(drive):
         write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
@@ -237,9 +247,10 @@ def normal_cycle(
 
 @compiled
 def same_start(rows: Floats, count: int, tau: float) -> int:
-    """Return the segment that took off from rest at the same phase before; -1 without one.
+    """Return the index of an earlier segment that took off from rest at phase `tau`; -1 if none.
 
-    |tau - tau_k| < 1e-9, modulo a turn. A drive has few phases of lift-off, each known to rounding.
+    Among the first `count` of `rows` (columns of `SEGMENT`), with |tau - tau_k| < 1e-9 modulo a
+    turn. From there on the motion normal to the floor repeats.
     """
     for row in range(count):
         if rows[row, SEGMENT.take_off] == 0.0:
@@ -251,13 +262,13 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 
 @compiled
 def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
-    """Return the error of a cycle's phases by rounding, weighted by its effect on the part.
+    """Return the error by rounding of a cycle's phases, weighted by its effect on the part.
 
-    They grow along a chain of hops by the product M of the matrices of `one_hop`, |M|/min |M| so
-    far, until the part rests on the floor; where it never does, the cycle is known the less, the
-    nearer its map is to one that has it twice, (2 + |M|)/|det(M - 1)|. A landing that comes late
-    matters by what the floor gives there, its force and the impulse, (|n1| + v)/(s + n): next to
-    nothing where a part has hardly lifted off.
+    Of `count` segments in `rows` (columns of `SEGMENT`). Errors grow along a chain of hops by the
+    product M of the matrices of `one_hop`, so far by |M|/min |M|, until the part rests on the
+    floor; if it never rests, at least by (2 + |M|)/|det(M - 1)|, which is large if the cycle hardly
+    closes. A landing that comes late matters by the floor's force n1 and the impulse v, (|n1| +
+    v)/(s + n): next to nothing if the part has hardly lifted off.
     """
     s, gn = sizes(drive)[1], drive.gn
     a, b, c, d = 1.0, 0.0, 0.0, 1.0

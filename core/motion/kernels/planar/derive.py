@@ -42,10 +42,12 @@ DERIVED_COLUMNS = MARGIN + 1
 
 @borrowing
 def start_of_cycle(drive: SineDrive, rows: Floats, count: int, d: Floats) -> int:
-    """Fill the derivatives at the start of a cycle; return the number of directions.
+    """Fill the derivatives of the state at the start of a cycle; return the number of directions.
 
-    A cycle with a rest starts at a lift-off, `lift`, one without contact at a landing, whose phase
-    and rebound are free, and one that never lifts off where static friction lets go, `release`
+    `d` has a row for each quantity (`ROW`) and a column for each direction (`BY`): the parameters
+    and the free quantities of the state. A cycle with a rest on the floor starts at a lift-off
+    (`lift`); one of hops only at a landing, whose phase and rebound are free; one that never lifts
+    off where static friction lets go (`release`). `rows` and `count` are the cycle's segments
     (theory 13.16).
     """
     d[:, :] = 0.0
@@ -72,9 +74,24 @@ def carry(
     drive: SineDrive, e: float, rows: Floats, count: int, cycles: int, u: float, energy: bool,
     d: Floats, nearest: Floats,
 ) -> int:  # fmt: skip
-    """Propagate derivatives through some rounds of a cycle; return the number of directions.
+    """Propagate derivatives through `cycles` rounds of a cycle; return the number of directions.
 
-    Segment by segment: `in_air` of a flight, `on_floor` of a stay up to its `lift` (theory 13.16).
+    Segment by segment: `in_air` for a flight, `on_floor` for a contact up to its lift-off.
+
+    Parameters
+    ----------
+    e
+        Restitution.
+    rows, count
+        Segments of the cycle (columns of `SEGMENT`), and how many.
+    u
+        Slip velocity at the start in g/w.
+    energy
+        If the work of friction is derived, too.
+    d
+        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+    nearest
+        Least relative distances of decisions from their other outcomes, shape (5,).
     """
     size = start_of_cycle(drive, rows, count, d)
     flies = lifts(drive)
@@ -98,18 +115,20 @@ def carry(
 
 @borrowing
 def add(d: Floats, to: int, factor: float, of: int) -> None:
-    """Add a multiple of one row of derivatives to another, d_to + `factor` d_of."""
+    """Add a multiple of one column of derivatives to another: d[:, to] += factor d[:, of]."""
     for row in range(d.shape[0]):
         d[row, to] += factor * d[row, of]
 
 
 @borrowing
 def close(size: int, d: Floats, nearest: Floats) -> None:
-    """Add the change of the cycle's start state by each parameter, so that the cycle stays closed.
+    """Add what each parameter changes at the start of the cycle, so that the cycle stays closed.
 
-    y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter (theory
-    13.16): of hops y is phase and rebound, and the slip after them. With M = (a, b; c, f) + 1,
-    phase. = (b Q_2 - f Q_1)/det and rebound. = (c Q_1 - a Q_2)/det, det = a f - b c.
+    `d` holds derivatives at the end of the cycle, in `size` directions. The start state y (slip
+    velocity; of hops only also phase and rebound) changes by y. = (1 - M)^-1 Q, with what the cycle
+    makes of a change of y, M, and of the parameter, Q. For hops, with M = (a, b; c, f) + 1 and det
+    = a f - b c: phase. = (b Q_2 - f Q_1)/det and rebound. = (c Q_1 - a Q_2)/det. `nearest[0]` notes
+    a cycle that hardly closes (theory 13.16).
     """
     free = DIRECTIONS - size
     if not free:
@@ -134,8 +153,10 @@ def close(size: int, d: Floats, nearest: Floats) -> None:
 def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) -> None:
     """Propagate derivatives for a part that slides to and fro without sticking, in closed form.
 
-    The cycle starts where it turns forward, at a phase tau that is free: the forward slip of
-    `two_sided` and the backward one after it, tau. = Q/(1 - M) (theory 13.16).
+    The cycle starts where the part turns forward, at a free phase tau: a forward slip, then a
+    backward one (`two_sided`); tau. = Q/(1 - M), with what the cycle makes of a change of the
+    parameter, Q, and of tau, M. `d` holds the derivatives, `energy` asks for those of friction
+    work, `nearest[0]` is the least distance from sticking or from another motion (theory 13.16).
     """
     _, share = two_sided(drive)
     c, s, gs, gn, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
@@ -163,9 +184,11 @@ def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) 
 
 @borrowing
 def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
-    """Fill the derivatives of the mean values, shape (results, groups).
+    """Fill `slopes` with the derivatives of the mean values by the parameters.
 
-    A sum over the cycle, over its time; drive = friction + impacts + sin(gamma) v (theory 13.15).
+    `slopes` has a row for each mean (`DERIVED`) and a column for each parameter (`BY`), `d` the
+    derivatives of sums over the cycle, `result` the mean values. Sums are divided by the cycle's
+    duration in rad; the drive's power is friction + impacts + sin(gamma) v (theory 13.15).
     """
     time = result[COLUMN.multiple] * TURN
     for told, row in SUMMED:
@@ -182,10 +205,12 @@ def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
 
 @borrowing
 def turn_slopes(c: float, s: float, slopes: Floats) -> None:
-    """Undo in the derivatives the mirror images applied by `flow.upright`, for a drive (c, s).
+    """Undo in the derivatives the mirror images that `flow.upright` applies to a drive (c, s).
 
-    d/dc and d/ds of (-c, -s) change sign, and d/dc and d/dsin(gamma) of the mirror, where v. does,
-    too, and the shares forward and backward change places.
+    `slopes` has a row for each mean (`DERIVED`) and a column for each parameter (`BY`). If s < 0
+    the derivatives by c and s change sign; in the mirror of the track's direction those by c and
+    sin(gamma) do, and those of the mean velocity, and the shares forward and backward change
+    places.
     """
     mirrored = (-c if s < 0 else c) < 0
     for told in range(len(DERIVED)):
@@ -205,8 +230,9 @@ def turn_slopes(c: float, s: float, slopes: Floats) -> None:
 def from_edges(drive: SineDrive) -> float:
     """Return the relative distance of a drive from its thresholds: lift-off, slip, running away.
 
-    The least of |s - n|/n, |1 - |S|| of both bounds of `stick_range`, and |mu_s n -
-    |sin(gamma)||/(mu_s n + |sin(gamma)|). Beside these a motion changes its kind.
+    The least of |s - n|/n, |1 - |S|| for both bounds S of `stick_range`, and |mu_s n -
+    |sin(gamma)||/(mu_s n + |sin(gamma)|), with the normal drive number s and load number n. At a
+    threshold the motion changes its kind and has no derivative.
     """
     gn, least, largest = drive.gn, drive.least, drive.largest
     edge = min(abs(drive.s - gn) / gn, abs(1.0 - abs(least)), abs(1.0 - abs(largest)))
@@ -216,14 +242,14 @@ def from_edges(drive: SineDrive) -> float:
 
 @compiled
 def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells under a sine drive, with derivatives by the groups.
+    """Fill table and statuses of cells under a sine drive: means, and their derivatives.
 
-    A row of the table holds the results as `solve_cells` gives them, the derivatives of
-    `DerivedMeans` by the first `DERIVED_BY` directions, NaN where the motion does not repeat, and
-    the least distance of a decision on the way from its other outcome; below `KINK` the motion has
-    no derivative.
-    Those by restitution are NaN, too, where the least restitution is a jump (theory 13.16).
-    Those of landing speed and hop height are NaN where two are the largest.
+    A row of `table` holds the results of `solve_cells`, the derivatives of `DerivedMeans` by the
+    first seven parameters of `Direction` (NaN if the motion does not repeat), and the least
+    relative distance of a decision from its other outcome: below `KINK` there is no derivative.
+    Derivatives by restitution are NaN where the smallest restitution is a jump, those of landing
+    speed and hop height where two are the largest. `groups` has a row of numbers for each cell;
+    `energy` asks for derivatives of powers; `stop` is a flag that ends the work (theory 13.16).
     """
     rows = np.empty((MAX_SEGMENTS, len(SEGMENT)))
     sums, nearest = np.empty(SUMS), np.empty(5)

@@ -32,67 +32,76 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
-    """Return a decorator that selects the sine's or the wave's function by the type of `drive`."""
+    """Return a decorator that selects a sine's or a wave's function by the type of `drive`."""
     return by_type("drive", {SineDrive: for_sine, WaveDrive: for_wave})
 
 
 @by_type("waves", {NoWaves: flow.upright, wave.WaveTable: wave.wave_of})
 def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
-    """Return the drive of a cell, its phase shift and direction sign (0 and 1 for waves).
+    """Return the drive of a cell, its phase shift in rad and its direction sign.
 
-    A sine has c and s positive: `flow.upright`. One that points down pushes up half a turn later,
-    `phase` is where the study's own phase 0 lies; one that points back is the mirror image, `way`
-    is -1 there.
+    `row` holds the cell's numbers, `waves` the room for the coefficients of a wave. A sine is
+    mirrored so that its amplitudes along, c, and normal, s, are positive: the phase shift (0 or pi)
+    is where the study's own phase 0 lies, and the sign is -1 if the track's direction is mirrored.
+    Waves have 0 and 1.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.sizes, wave_flight.sizes)
 def sizes(drive: Drive) -> tuple[float, float]:
-    """Return the largest drive acceleration along and normal to the floor.
+    """Return the largest drive acceleration along and normal to the floor, in g.
 
-    max |b_x| and max |b_z| in units of g, p cb and p sb of a sine, bounds for a wave.
+    max |b_x| and max |b_z| of the push b of the drive, p cos(beta) and p sin(beta) for a sine;
+    upper bounds for a wave.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.track_speed, wave_flight.track_speed)
 def track_speed(drive: Drive, tau: float) -> float:
-    """Return the velocity of the track along itself at a phase.
+    """Return the velocity of the track along itself at the phase `tau`, in g/w.
 
-    Minus the integral of the push b_x, without mean.
+    Minus the integral of the drive acceleration b_x over the phase, without its mean.
     """
     raise NotImplementedError
 
 
 @by_type("drive", {SineDrive: flow.rounded, WaveDrive: wave.rounded})
 def rounded(drive: Drive) -> Drive:
-    """Return the drive with its numbers rounded to their first bits, by `flow.kept`."""
+    """Return the drive with its numbers rounded to their first 32 bits; a wave is unchanged.
+
+    Neighbouring studies then have the same runs where rounding decides the motion.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.push, wave_flight.push)
 def push(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the drive acceleration along and normal to the floor at a phase.
+    """Return the drive acceleration along and normal to the floor at the phase `tau`, in g.
 
-    Minus the acceleration of the track over g, (c, s) sin(tau) of a sine (theory 13.2), p(tau) of a
-    wave (13.14).
+    Minus the acceleration of the track: (c, s) sin(tau) for a sine (theory 13.2), p(tau) for a wave
+    (13.14).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.push_slope, wave_flight.push_slope)
 def push_slope(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the derivative of the drive acceleration by phase, (c, s) cos(tau); NaN for a wave."""
+    """Return the derivative of the drive acceleration by the phase, along and normal to the floor.
+
+    (c, s) cos(`tau`) for a sine with the amplitudes c and s; NaN for a wave.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.smooth_span, wave_flight.smooth_span)
 def smooth_span(drive: Drive, tau: float) -> float:
-    """Return a phase interval after tau in which b(tau + D) is a polynomial, up to rounding.
+    """Return a phase interval after `tau` in which the drive is a polynomial up to rounding.
 
-    `SMOOTH` over the highest order, 1.5 of a sine, whose terms beyond D^10 are rounding; of steps
-    that to the next one.
+    In rad: 1.5 for a sine, whose terms beyond the tenth power are rounding there; 1.5 over the
+    highest order for a sum of sines; for a drive in steps the phase to the next step. Integrals are
+    taken over such intervals.
     """
     raise NotImplementedError
 
@@ -102,70 +111,79 @@ def smooth_span(drive: Drive, tau: float) -> float:
 
 @_by_drive(sine_flight.lifts, wave_flight.lifts)
 def lifts(drive: Drive) -> bool:
-    """True if the drive lifts parts off the floor at any phase: n(tau) = n - b_z(tau) < 0."""
+    """True if the drive lifts parts off the floor at any phase: n - b_z(tau) < 0.
+
+    n is the gravity onto the floor and b_z the drive acceleration normal to it, in g.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.load, wave_flight.load)
 def load(drive: Drive, tau: float) -> float:
-    """Return the load on the floor of a part in contact, n(tau) = n - b_z(tau).
+    """Return the load on the floor of a part in contact at the phase `tau`, n - b_z(tau), in g.
 
-    With gravity's n; below 0 the drive lifts it off (theory 13.2).
+    n is the gravity onto the floor, b_z the drive acceleration normal to it; below 0 the drive
+    lifts the part off (theory 13.2).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.lift_off, wave_flight.lift_off)
 def lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase, in [0, 2 pi), at which a part in contact at tau lifts off.
+    """Return the phase in [0, 2 pi) at which a part in contact at the phase `tau` lifts off.
 
-    The next at which n(tau) of `load` falls through 0 (theory 13.3).
+    The next phase at which the load on the floor falls through 0 (theory 13.3).
     """
     raise NotImplementedError
 
 
 @compiled
 def to_lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase interval from tau, where the part is in contact, to its `lift_off`.
+    """Return the phase interval in rad from `tau`, where a part is in contact, to its lift-off.
 
-    (tau1 - tau) mod 2 pi.
+    (tau1 - tau) mod 2 pi, with the phase tau1 of `lift_off`.
     """
     return phase_to(lift_off(drive, tau), tau)
 
 
 @_by_drive(sine_flight.landing, wave_flight.landing)
 def landing(drive: Drive, w: float, tau: float) -> float:
-    """Return the flight time (phase) after take-off at tau with velocity w >= 0; -1 if not found.
+    """Return the flight time in rad of a part that takes off at phase `tau`; -1 if not found.
 
-    The first D > 0 at which the height of `rise` comes down to z = 0 (theory 13.3). The drive lifts
-    the part off at times.
+    `w` >= 0 is the velocity off the floor at take-off in g/w. The first phase D > 0 at which the
+    height comes down to 0 (theory 13.3). The drive must be one that lifts the part off (`lifts`).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.rise, wave_flight.rise)
 def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height at phase D after take-off with velocity w.
+    """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
-    w1 = w + integral of (b_z - n), z = integral of w over the phase: C = s, k = n in 13.2.
+    In g/w and g/w^2, `w` being the velocity at take-off: w1 = w + integral of (b_z - n), and the
+    height is the integral of w1, with the drive acceleration b_z normal to the floor and gravity n
+    (theory 13.2).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.hop_height, wave_flight.hop_height)
 def hop_height(drive: Drive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, max z over 0 <= D <= span of `rise`.
+    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
 
-    `known` if larger.
+    The part takes off at phase `tau` with velocity `w` in g/w and flies for `span` rad. `known` is
+    the largest height of earlier flights; most flights are then recognised as lower without a
+    search.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.fly, wave_flight.fly)
 def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track at phase D of a flight, u at its start.
+    """Return velocity and distance along the track at the phase `d` of a flight.
 
-    u1 = u + integral of (b_x - sin(gamma)), x = integral of u: C = c, k = sin(gamma) in 13.2.
+    In g/w and g/w^2; `u` is the velocity along at take-off at phase `tau`: u1 = u + integral of
+    (b_x - sin(gamma)), distance = integral of u1, with the drive acceleration b_x (theory 13.2).
     """
     raise NotImplementedError
 
@@ -175,79 +193,88 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
 
 @_by_drive(sine_slip.holds, wave_slip.holds)
 def holds(drive: Drive, at: float) -> bool:
-    """True if static friction holds a part without slip at a phase.
+    """True if static friction holds a part without slip at the phase `at` in rad.
 
-    |b_x - sin(gamma)| <= mu_s n(tau), by the bounds of 13.3.
+    |b_x - sin(gamma)| <= mu_s n(tau), with the drive acceleration b_x along and the load n on the
+    floor (theory 13.3).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.hold, wave_slip.hold)
 def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return the stick of a part without slip: if it sticks, its last phase, the slip after it.
+    """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
 
-    It sticks while |b_x - sin(gamma)| <= mu_s n(tau) (theory 13.3), until `end` at the latest.
+    It sticks while |b_x - sin(gamma)| <= mu_s n(tau), with the drive acceleration b_x along and the
+    load n on the floor (theory 13.3), until the phase `end` at the latest. The third value is True
+    if the slip that follows is forward. If it does not stick the phase is `at`.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.always_holds, wave_slip.always_holds)
 def always_holds(drive: Drive) -> bool:
-    """True if static friction holds a part at every phase: |b_x - sin(gamma)| <= mu_s n(tau)."""
+    """True if static friction holds a part at every phase: |b_x - sin(gamma)| <= mu_s n(tau).
+
+    b_x is the drive acceleration along and n the load on the floor.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.first_slip, wave_slip.first_slip)
 def first_slip(drive: Drive, tau: float) -> float:
-    """Return a phase at which a part that never lifts off starts to slip, where `hold` ends.
+    """Return a phase from `tau` on at which a part that never lifts off starts to slip.
 
-    NaN if there is none.
+    In rad; NaN if static friction always holds it.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.stop_after, wave_slip.stop_after)
 def stop_after(drive: Drive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip in direction `sign` stops; -1 if it does not within `span`.
+    """Return the phase in rad until a slip stops; -1 if it does not stop within `span`.
 
-    The first D at which the velocity of `slide` is 0. From u = 0 it starts to slip.
+    The part slips in direction `sign` (1 forward, -1 backward) with velocity `u` in g/w at the
+    phase `at`. From u = 0 it starts to slip, and stops later.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.slide, wave_slip.slide)
 def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at phase D after velocity u, in direction `sign`.
+    """Return slip velocity and distance at the phase `d` after slip velocity `u`, in g/w and g/w^2.
 
-    u' = b_x - sin(gamma) -+ mu_k n(tau): C = c +- mu_k s, k = sin(gamma) +- mu_k n in 13.2.
+    The part slips in direction `sign` (1 forward, -1 backward) from the phase `at` on: u' = b_x -
+    sin(gamma) -+ mu_k n(tau), with the drive acceleration b_x and the load n on the floor (theory
+    13.2).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.slip_acceleration, wave_slip.slip_acceleration)
 def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in direction `sign`, u' of `slide`.
+    """Return the acceleration u' of a slip at the phase `at`, in g; of a flight for `sign` 0.
 
-    Of a flight for sign 0.
+    u' = b_x - sin(gamma) - sign mu_k n(tau), with the drive acceleration b_x, the load n on the
+    floor, and `sign` 1 for a slip forward, -1 backward.
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.two_sided, wave_slip.two_sided)
 def two_sided(drive: Drive) -> tuple[float, float]:
-    """Return mean velocity and forward share of sliding that never sticks; 0 where not known.
+    """Return mean velocity in g/w and forward share of a slide to and fro that never sticks.
 
-    The closed form of a sine, `sine_slip.two_sided`.
+    A closed form for a sine drive; 0, 0 if it does not hold, and for waves (theory 13.8).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.slip_uncertainty, wave_slip.slip_uncertainty)
 def slip_uncertainty(drive: Drive) -> float:
-    """Return the uncertainty of the mean velocity by rounding of the phases at which slips start.
+    """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
-    Friction falls there by (mu_s - mu_k) n, so that a slip starts with a jerk, and velocity changes
-    by that times the error of the phase, which is known the less, the slower the push passes the
-    threshold.
+    Friction falls there by (mu_s - mu_k) n, with the load n, so that the velocity changes by that
+    times the error of the phase, which is larger the slower the push passes the threshold.
     """
     raise NotImplementedError

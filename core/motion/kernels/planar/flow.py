@@ -34,9 +34,12 @@ NO_WAVES = NoWaves()
 
 
 class SineDrive(NamedTuple):
-    """Drive and gravity along and normal to the floor, and both coefficients of friction.
+    """A sine drive: accelerations along and normal to the floor in g, gravity, and friction.
 
-    `up_at` is the phase at which a part on the floor lifts off, NaN if it never does; the rest is
+    `c` and `s` are the amplitudes along and normal, `gs` and `gn` gravity along (sin(gamma),
+    downhill) and onto the floor, `mu_s` and `mu_k` the friction coefficients. `up_at` is the phase
+    at which a part on the floor lifts off, NaN if it never does; `least`, `largest` and `way` are
+    the range of sin(tau) in which friction holds, and the direction of the slip beyond it, from
     `stick_range`.
     """
 
@@ -58,10 +61,10 @@ def stick_range(
 ) -> tuple[float, float, float]:
     """Return the range of sin(tau) within which friction holds, and the slip direction above it.
 
-    (sin(gamma) + mu_s n)/(c + mu_s s) is the one bound, (sin(gamma) - mu_s n)/(c - mu_s s) the
-    other, with gs = sin(gamma) and gn = n. Below the least value the part slips backward; beyond
-    the largest one forward (1), or backward (-1) where the drive lifts it off more than it pushes
-    it on (theory 13.3).
+    (gs + mu_s gn)/(c + mu_s s) is one bound, (gs - mu_s gn)/(c - mu_s s) the other, with drive
+    amplitudes c, s along and normal and gravity gs, gn along and onto the floor, in g. Below the
+    least value the part slips backward, beyond the largest forward (1), or backward (-1) where the
+    drive lifts it off more than it pushes it on (theory 13.3).
     """
     least, largest, way = -math.inf, math.inf, 1.0
     if c + mu_s * s > 0:
@@ -82,9 +85,10 @@ def stick_range(
 
 @compiled
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> SineDrive:
-    """Return the sine drive with these numbers, s made positive.
+    """Return the sine drive with amplitudes c, s along and normal, gravity gs, gn, and friction.
 
-    Lift-off at asin(n/s), stick by `stick_range`.
+    All accelerations in g, s >= 0. It adds the phase of lift-off, asin(gn/s), NaN if s <= gn, and
+    the range in which friction holds, by `stick_range`.
     """
     least, largest, way = stick_range(c, s, gs, gn, mu_s)
     up_at = math.asin(gn / s) if s > gn else math.nan
@@ -95,9 +99,11 @@ def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) 
 def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
     """Return the drive mirrored so that c and s are positive, its phase shift and direction sign.
 
-    (c, s) sin(tau) = (-c, -s) sin(tau - pi): a drive that points down pushes up half a turn later.
-    (c, sin(gamma)) -> (-c, -sin(gamma)) mirrors one that points back. `phase` is where the study's
-    own phase 0 lies, `way` is -1 in the mirror.
+    c and s are its amplitudes along and normal. (c, s) sin(tau) = (-c, -s) sin(tau - pi): a drive
+    that points down pushes up half a turn later, and the phase shift in rad (0 or pi) is where the
+    study's own phase 0 lies. A drive that points back is mirrored, (c, sin(gamma)) -> (-c,
+    -sin(gamma)), and the sign is then -1. `row` and `waves` are not used: they stand for those of
+    other drives.
     """
     c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
     phase, way = 0.0, 1.0
@@ -111,14 +117,17 @@ def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, 
 
 @compiled
 def kept(value: float) -> float:
-    """Return a number rounded to 32 bits, round(m 2^32)/2^32 2^e for m 2^e with 1/2 <= |m| < 1."""
+    """Return a number rounded to its first 32 bits, so that neighbouring studies have equal runs.
+
+    round(m 2^32)/2^32 2^e for m 2^e with 1/2 <= |m| < 1.
+    """
     mantissa, exponent = math.frexp(value)
     return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
 
 
 @compiled
 def rounded(drive: SineDrive) -> SineDrive:
-    """Return a drive rounded to first bits by `kept`, if the part then still lifts off."""
+    """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off."""
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
         kept(drive.mu_s), kept(drive.mu_k),
@@ -147,9 +156,10 @@ def arc(d: float) -> tuple[float, float]:
 
 @compiled
 def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return the velocity and distance that sin(tau) adds over phase D from tau0.
+    """Return the velocity and distance that an acceleration sin(tau) adds over a phase D from tau0.
 
-    cos(tau0) (1 - cos D) + sin(tau0) sin D  and  cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
+    `sine` and `cosine` are those of tau0, `d` is D in rad: cos(tau0) (1 - cos D) + sin(tau0) sin D
+    and cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """
     cubic, square = arc(d)
     return cosine * square + sine * (d - cubic), cosine * cubic + sine * square
@@ -157,10 +167,10 @@ def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
 
 @compiled
 def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance at phase D after velocity v, under u' = C sin(tau) - k.
+    """Return velocity and distance at phase `d` after velocity `v`, under u' = C sin(tau) - k.
 
-    u = v + C swing - k D, x = v D + C sway - k D^2/2, with `swings` from the sine and the cosine of
-    the phase at the start (theory 13.2).
+    u = v + C swing - k D and x = v D + C sway - k D^2/2, D = `d` in rad, with the integrals swing
+    and sway of `swings`; `sine` and `cosine` are those of the phase at the start (theory 13.2).
     """
     swing, sway = swings(sine, cosine, d)
     return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
@@ -168,19 +178,22 @@ def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> 
 
 @compiled
 def velocity_after(v: float, C: float, k: float, tau: float, d: float) -> float:
-    """Return the velocity at phase D after velocity v at tau, u of `flow`."""
+    """Return the velocity at phase `d` after velocity `v` at phase `tau`, u' = C sin(tau) - k."""
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)[0]
 
 
 @compiled
 def distance_after(v: float, C: float, k: float, tau: float, d: float) -> float:
-    """Return the distance covered in phase D after velocity v at tau, x of `flow`."""
+    """Return the distance at phase `d` after velocity `v` at phase `tau`, u' = C sin(tau) - k."""
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)[1]
 
 
 @compiled
 def phase_to(target: float, tau: float) -> float:
-    """Return the phase from tau to the next `target`, (target - tau) mod 2 pi, in [0, 2 pi)."""
+    """Return the phase interval from tau to the next `target`, (target - tau) mod 2 pi, in rad.
+
+    In [0, 2 pi); a target up to 1e-12 before tau counts as reached, 0.
+    """
     d = (target - tau) % TURN
     # What rounding put a hair before tau is at tau.
     return 0.0 if d > TURN - 1e-12 else d
@@ -188,5 +201,5 @@ def phase_to(target: float, tau: float) -> float:
 
 @compiled
 def arc_sine(value: float) -> float:
-    """Return the arc sine of a number cut to [-1, 1], which rounding may have left."""
+    """Return the arc sine of a number, cut to [-1, 1] if rounding has put it outside."""
     return math.asin(min(1.0, max(-1.0, value)))

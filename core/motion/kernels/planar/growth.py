@@ -31,13 +31,14 @@ def grown(
     known: Uncertainty, span: float, speed: float, after: float, drive: Drive, slope: float,
     slopes: tuple[float, float, float, float],
 ) -> Uncertainty:  # fmt: skip
-    """Return the error matrix after a hop from the one before, E' = M E M^T + j j^T (theory 13.7).
+    """Return the growth of rounding errors by one hop, E' = M E M^T + j j^T, as a new error matrix.
 
-    What was there is carried on by M, the derivatives of the hop, d(phase)/d(tau), d(phase)/d(w),
-    d(rebound)/d(tau) and d(rebound)/d(w) of `one_hop`. What is added, j, is a rounding of the
-    parameters: it moves the height at the landing by (s + n) D^2, thus the phase by that over the
-    speed. A landing that only grazes the floor makes it huge; it is at most the flight itself.
-    `slope` is the derivative of the rebound by the speed before it, the restitution if constant.
+    E = `known` holds the mean squares of the errors of phase and rebound and their mean product, in
+    roundings. M = `slopes`: d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w) of
+    `one_hop`. j is what one rounding of the parameters adds: it moves the height at the landing by
+    (s + n) D^2, thus the phase by that over the landing speed, at most the flight itself. `span` is
+    the flight D in rad, `speed` the landing speed, `after` the landing phase, `slope` the
+    derivative of the rebound by the landing speed (theory 13.7).
     """
     square, product, rebounds = known
     tt, tw, wt, ww = slopes
@@ -54,11 +55,11 @@ def grown(
 
 @compiled
 def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> float:
-    """Return the error of the state after a hop in units of rounding, weighted by its effect.
+    """Return the error of the state after a hop, in roundings, weighted by its effect.
 
-    sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22): a landing that comes late matters by what
-    the floor gives there, its force and the impulse: next to nothing where a part has hardly lifted
-    off.
+    sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22) with the error matrix E = `known`, landing
+    speed v = `speed` and load n1 at the landing phase `after`: a late landing matters by what the
+    floor gives there, its force and the impulse, next to nothing if the part has hardly lifted off.
     """
     given = min(1.0, (abs(load(drive, after)) + speed) / (sizes(drive)[1] + drive.gn))
     return math.sqrt(known[0]) * given + math.sqrt(known[2])

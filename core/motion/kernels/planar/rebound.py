@@ -30,7 +30,7 @@ def restitution_of(cell: Cell) -> Restitution:
 
 @compiled
 def excess(x: float) -> float:
-    """Return exp(x) - 1 - x without cancellation."""
+    """Return exp(x) - 1 - x, without loss of digits near 0 by a series."""
     if abs(x) >= SMALL:
         return math.expm1(x) - x
     series = 1.0
@@ -41,10 +41,11 @@ def excess(x: float) -> float:
 
 @compiled
 def hunt_crossley(number: float) -> float:
-    """Return rebound times damping, e d, of an impact with number d = b v > 0.
+    """Return e d, rebound speed times damping, of an impact with the number d = b v > 0.
 
-    With s = ln(1 + d) and t = -ln(1 - e d) the law is exp(s) - 1 - s = exp(-t) - 1 + t: t by
-    Newton's method, from s.
+    b is the damping of a Hunt-Crossley contact, v the speed of impact, e the restitution: d - ln(1
+    + d) = -e d - ln(1 - e d). With s = ln(1 + d) and t = -ln(1 - e d) this is exp(s) - 1 - s =
+    exp(-t) - 1 + t, solved for t by Newton's method from s (theory 18.3).
     """
     t = math.log1p(number)
     known = excess(t)
@@ -58,10 +59,11 @@ def hunt_crossley(number: float) -> float:
 
 @compiled
 def rebound(e: Restitution, speed: float) -> tuple[float, float]:
-    """Return the speed after an impact, and its derivative by the speed before.
+    """Return the rebound speed after an impact, and its derivative by the speed of impact.
 
-    eps v and eps; or e(b v) v and (1 - e d)/((1 + d) e), which lies between 0 and 1: a faster
-    impact rebounds faster, and phases of landing stay in their order.
+    With a constant restitution eps: eps v and eps, v = `speed`. By Hunt-Crossley's law with damping
+    b: e(d) v and (1 - e d)/((1 + d) e) with d = b v. The derivative lies between 0 and 1: a faster
+    impact rebounds faster, so that landings stay in their order (theory 18.3).
     """
     if e.damping == 0.0:
         return e.constant * speed, e.constant
@@ -74,7 +76,11 @@ def rebound(e: Restitution, speed: float) -> tuple[float, float]:
 
 @compiled
 def impulse(e: Restitution, speed: float, up: float) -> float:
-    """Return the impulse per mass of an impact on the floor: speed before plus speed after."""
+    """Return the impulse per mass of an impact on the floor: speed before plus speed after.
+
+    `speed` is the speed before, `up` the rebound speed; a constant restitution gives (1 + eps)
+    `speed`.
+    """
     if e.damping == 0.0:
         return (1.0 + e.constant) * speed
     return speed + up

@@ -44,10 +44,12 @@ times its largest: what is huge acts for as short a time."""
 
 @compiled
 def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, count: int) -> float:
-    """Return the slip velocity at the start of the cycle of a part at rest on the floor at `phase`.
+    """Return the slip velocity in g/w at the start of the cycle of a part at rest at `phase`.
 
-    That of `contact` and `follow_cycle` up to there. Where it never lifts off the cycle may start
-    anywhere: it is moved to where slip begins. Without friction on the level u + v_track is kept.
+    `rows` hold the `count` segments of the motion normal to the floor, the cycle from index `first`
+    on; the part is followed up to there. If it never lifts off the cycle may start anywhere: its
+    first phase in `rows` is moved to where slip begins. Without friction on the level, slip
+    velocity plus track velocity stays the same.
     """
     if drive.mu_s == 0 and drive.gs == 0:  # nothing acts along the track but the drive
         return track_speed(drive, phase) - track_speed(drive, rows[first, SEGMENT.phase])
@@ -70,10 +72,11 @@ def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, coun
 def keep_speed(
     drive: Drive, phase: float, rows: Floats, count: int, periods: int, sums: Floats
 ) -> None:
-    """Fill `sums` for a cycle without friction, in which the part keeps its speed.
+    """Fill `sums` (distance, times in modes) for a cycle without friction at constant speed.
 
-    As the part does not run away on the level, it keeps the speed that the track had at the start:
-    the fastest forward, or backward half a turn later.
+    On the level the part keeps the speed that the track had at the start, at `phase` in rad. `rows`
+    hold the `count` segments of the cycle, of which the flights are counted; it takes `periods`
+    periods.
     """
     flying = 0.0
     for row in range(count):
@@ -87,9 +90,11 @@ def keep_speed(
 
 @compiled
 def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: Floats) -> None:
-    """Fill the results that a cycle's flights determine, such as impacts and hop height.
+    """Fill the results that a cycle's flights give: impacts a period, landing speed, hop height.
 
-    Impacts over the periods, the largest landing speed, and the largest `hop_height`.
+    `rows` hold the `count` segments of the cycle (columns of `SEGMENT`), which takes `periods`
+    periods; landing speed and hop height are the largest ones. `result` has the columns of
+    `COLUMN`.
     """
     impacts, fastest, highest = 0, 0.0, 0.0
     for row in range(count):
@@ -112,12 +117,25 @@ def repeating(
     rows: Floats, count: int, periods: int, phase: float, u: float, drive: Drive, cell: Cell,
     sums: Floats, log: Floats, result: Floats, stop: Stop,
 ) -> tuple[int, float]:  # fmt: skip
-    """Fill `result` with the mean values over a cycle of the motion normal to the floor.
+    """Fill `result` with the mean values of a motion that repeats; return status and velocity.
 
-    v = x/T and shares t_mode/T of the sums of `follow_cycle` over the cycles after which the slip
-    repeats, by `settle` (theory 13.8). Returns the status and the velocity at the start of the
-    cycle; u is that at which it is first entered. Where no motion along the track is found that
-    repeats, `result` is left as it was.
+    The velocity in g/w is the slip at the start of the cycle once it repeats (`settle`); v = x/T
+    and shares t_mode/T of the sums over the cycles after which it repeats. If no motion along the
+    track is found that repeats, `result` is left as it was (theory 13.8).
+
+    Parameters
+    ----------
+    rows, count, periods
+        The segments of the cycle normal to the floor (columns of `SEGMENT`), how many, and the
+        periods that they take.
+    phase
+        Phase in rad at which the part starts from rest.
+    u
+        Slip velocity in g/w with which the cycle is first entered.
+    sums, log
+        Filled with distance and times in modes, and with the motion pieces of the last pass.
+    result
+        One value a column of `COLUMN`.
     """
     gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
     c, s = sizes(drive)

@@ -35,12 +35,24 @@ def settle(
 ) -> Settled:
     """Return the slip velocity at the start of a cycle once the motion along the track repeats.
 
-    By `settle_bracketed` where mu_s = mu_k, else by `settle_followed` (theory 13.8).
+    By bracketing if mu_s = mu_k, else by following the part from cycle to cycle (theory 13.8).
+
+    Parameters
+    ----------
+    rows, count
+        Segments of the cycle normal to the floor (columns of `SEGMENT`), and how many.
+    u
+        Slip velocity in g/w with which the cycle is first entered.
+    tolerance
+        Error of the velocity that is allowed, over the drive.
+    sums, log
+        Work arrays of `follow_cycle`.
 
     Returns
     -------
     tuple
-        Velocity, estimate of its error, cycles after which it repeats (0: not found), status.
+        Velocity in g/w, estimate of its error, cycles after which it repeats (0: not found),
+        status.
     """
     if drive.mu_s == drive.mu_k:
         return settle_bracketed(rows, count, u, drive, tolerance, sums, log)
@@ -53,10 +65,12 @@ def settle_bracketed(
 ) -> Settled:
     """Return the repeating slip velocity for equal friction coefficients, by bracketing.
 
-    Coulomb friction never drives two motions under the same normal force apart: the map u -> f(u)
-    of `follow_cycle` is increasing and stretches nothing, 0 <= f' <= 1, so that the change f(u) - u
-    falls with the velocity. u -> u + (f(u) - u)/(1 - f') in the bracket that its sign gives; the
-    state is known to 2e-15 of the drive over 1 - f' (theory 13.8).
+    Coulomb friction never drives two motions under the same normal force apart: the map f from the
+    slip u at the start of a cycle to that at its end has 0 <= f' <= 1, so that f(u) - u falls with
+    u and its sign brackets the root. Newton's step is u + (f(u) - u)/(1 - f'). `rows` hold the
+    `count` segments of the cycle, `u` is the first guess, `tolerance` is relative to the drive,
+    `sums` and `log` are work arrays. The result is velocity, error, cycles (0 or 1) and status
+    (theory 13.8).
     """
     scale = sizes(drive)[0] + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
@@ -109,9 +123,11 @@ def settle_followed(
 ) -> Settled:
     """Return the repeating slip velocity by following the motion, for larger static friction.
 
-    Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
-    The slip u_k after k cycles of `follow_cycle` repeats after m, |u_k - u_(k-m)| <= tol (1 - f'),
-    with f' the product of the m slopes (theory 13.8).
+    Sticking motions may then lie beside sliding ones, and the start decides which is reached. The
+    slip u_k after k cycles repeats after m if |u_k - u_(k-m)| <= tol (1 - f'), with f' the product
+    of the m slopes of the cycles. `rows` hold the `count` segments of the cycle, `u` is the slip at
+    the start, `tolerance` is relative to the drive, `sums` and `log` are work arrays. The result is
+    velocity, error, cycles after which it repeats (0: not found) and status (theory 13.8).
     """
     scale = sizes(drive)[0] + abs(drive.gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
@@ -140,8 +156,9 @@ def settle_followed(
 def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float) -> bool:
     """True if a part slid downhill over a whole cycle and gained speed, so that it runs away.
 
-    mu_k n < |sin(gamma)|, f' = 1 with neither stick nor slip uphill, and u, f(u) and f(u) - u
-    downhill (theory 13.8).
+    `u` and `after` are the slip velocities at the start and end of the cycle, `slope` the
+    derivative of the second by the first (1: it only slid), `sums` the times in the modes. Kinetic
+    friction must be less than gravity along the track, mu_k n < |sin(gamma)| (theory 13.8).
     """
     gs = drive.gs
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)]
@@ -154,10 +171,12 @@ def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float
 def repeated(
     after: float, states: Floats, slopes: Floats, known: int, tolerance: float, scale: float
 ) -> Settled:
-    """Return after how many cycles a slip repeats, 0 if it does not, with its error.
+    """Return velocity, error, number of cycles after which a slip repeats (0: it does not), status.
 
-    From the slips before and the products f' of the slopes since: d/(1 - f') of the change d, and
-    2e-15 of the drive over 1 - f' for what rounding leaves of the state (theory 13.8).
+    `after` is the slip velocity after the last cycle, `states` the `known` + 1 velocities at the
+    starts of the cycles before, newest first, `slopes` the derivatives of `after` by each, `scale`
+    the drive in g, `tolerance` relative to it. The error is d/(1 - f') of a change d with slope f',
+    and 2e-15 of the drive over 1 - f' for rounding (theory 13.8).
     """
     for multiple in range(1, known + 2):
         earlier, factor = states[multiple - 1], abs(slopes[multiple - 1])
@@ -177,8 +196,11 @@ def sped_up(
 ) -> float:  # fmt: skip
     """Return the next slip velocity to try: f(u), or the fixed point of the tangent if nearer.
 
-    u + (f(u) - u)/(1 - f') where convergence is slow, f' > 1/2. It is kept if a cycle changes it by
-    a tenth at most, and if the motion would drift there: no stick and no turning back on the way.
+    `u` and `after` = f(u) are the slips at the start and end of a cycle, `slope` is f'. The
+    tangent's fixed point is u + (f(u) - u)/(1 - f'), tried if f' > 1/2. It is taken if a cycle
+    changes it by at most a tenth of f(u) - u, and if the motion drifts towards it from points
+    between, without stick. `rows` hold the `count` segments of the cycle, `sums` and `log` are work
+    arrays.
     """
     change = after - u
     guess = u + change / (1 - slope) if 0 < slope < 1 else after

@@ -30,16 +30,19 @@ def sizes(drive: SineDrive) -> tuple[float, float]:
 
 @compiled
 def track_speed(drive: SineDrive, tau: float) -> float:
-    """Return the velocity of the track along itself, c cos(tau).
+    """Return the velocity of the track along itself at phase `tau`, c cos(tau), in g/w.
 
-    Minus the integral of c sin(tau).
+    Minus the integral of the drive acceleration c sin(tau), c its amplitude in g.
     """
     return drive.c * math.cos(tau)
 
 
 @compiled
 def push(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the drive acceleration along and normal to the floor, (c, s) sin(tau)."""
+    """Return the drive acceleration along and normal to the floor at phase `tau`, (c, s) sin(tau).
+
+    In g, with the amplitudes c and s.
+    """
     sine = math.sin(tau)
     return drive.c * sine, drive.s * sine
 
@@ -48,7 +51,7 @@ def push(drive: SineDrive, tau: float) -> tuple[float, float]:
 def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
     """Return the derivative of the drive acceleration by phase, along and normal to the floor.
 
-    (c, s) cos(tau).
+    (c, s) cos(tau) at phase `tau`, with the amplitudes c and s in g.
     """
     cosine = math.cos(tau)
     return drive.c * cosine, drive.s * cosine
@@ -56,7 +59,7 @@ def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
 
 @compiled
 def smooth_span(drive: SineDrive, tau: float) -> float:
-    """Return a phase interval in which the drive is nearly a polynomial, `SMOOTH` = 1.5."""
+    """Return the phase interval in rad, 1.5, in which a sine is a polynomial up to rounding."""
     return SMOOTH
 
 
@@ -74,36 +77,39 @@ def load(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def lift_off(drive: SineDrive, tau: float) -> float:
-    """Return the phase of the next lift-off, asin(n/s).
+    """Return the phase in rad of the next lift-off, asin(n/s), whatever the phase `tau` is.
 
-    Where s sin(tau) rises through n (theory 13.3).
+    There s sin(tau) rises through n, with normal drive amplitude s and gravity n (theory 13.3).
     """
     return drive.up_at
 
 
 @compiled
 def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height at phase D after take-off.
+    """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
-    `flow` with C = s, k = n.
+    In g/w and g/w^2, `w` the velocity at take-off: the flow of w' = s sin(tau) - n.
     """
     return flow(w, drive.s, drive.gn, math.sin(tau), math.cos(tau), d)
 
 
 @compiled
 def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track at phase D of a flight, u at its start.
+    """Return velocity and distance along the track at the phase `d` of a flight.
 
-    `flow` with C = c, k = sin(gamma).
+    In g/w and g/w^2, `u` the velocity along at take-off at phase `tau`: the flow of u' = c sin(tau)
+    - sin(gamma).
     """
     return flow(u, drive.c, drive.gs, math.sin(tau), math.cos(tau), d)
 
 
 @compiled
 def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, start: float) -> float:
-    """Return the landing time by Newton's method from `start`, which stays on one side of the root.
+    """Return the flight time in rad by Newton's method from `start`, on one side of the root.
 
-    D -> D - z(D)/w(D), with w and z of `flow` for C = s, k = n.
+    D -> D - z(D)/w(D), with velocity w and height z of `flow` for w' = s sin - n; `w` is the
+    velocity at take-off, `sine` and `cosine` are those of its phase, `gn` is n. The height bends
+    one way between `start` and the root, so that no step passes it but by rounding.
     """
     d, first = start, 0.0
     for _ in range(MAX_ITERATIONS):
@@ -121,9 +127,10 @@ def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, star
 
 @compiled
 def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
-    """Return the phase between two phases at which the normal velocity rises through zero.
+    """Return the phase after take-off between `low` and `high` at which a height is least.
 
-    w(D) = 0 by Newton's iteration in a bracket, D -> D - w/w', w' = s sin(tau + D) - n.
+    There the velocity off the floor rises through 0, found by Newton's iteration in this bracket, D
+    -> D - w/w', w' = s sin(tau + D) - gn; `w` is the velocity at take-off at phase `tau`.
     """
     d = (low + high) / 2
     for _ in range(MAX_ITERATIONS):
@@ -146,12 +153,13 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 
 @compiled
 def landing(drive: SineDrive, w: float, tau: float) -> float:
-    """Return the flight time (phase) after take-off at tau, for s > n and w >= 0; -1 if not found.
+    """Return the flight time in rad after take-off at phase `tau`, if s > n; -1 if not found.
 
-    The height z of `rise` bends down where s sin(tau) < n, and up elsewhere. Where it bends down
-    and ends above the floor it was above all the way; where it bends up its least value is found
-    first (theory 13.3). It is above the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2,
-    since sin(tau + D) <= 1: whole turns of that are skipped.
+    `w` >= 0 is the velocity at take-off in g/w. The height bends down where s sin(tau) < n, and up
+    elsewhere. A piece that bends down and ends above the floor was above it all the way; on a piece
+    that bends up the least height is found first (theory 13.3). As sin <= 1, the height is above
+    the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2: whole turns in which that is
+    positive are skipped.
     """
     s, gn, up_at = drive.s, drive.gn, drive.up_at
     sine, cosine = math.sin(tau), math.cos(tau)
@@ -197,10 +205,11 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 
 @compiled
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight, z at `top_at`; `known` if that is larger.
+    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
 
-    z <= (n + s) span^2/8, since z'' >= -(n + s) and both ends are on the floor; and z <=
-    `height_bound`. A top is looked for only where both are above what is known.
+    The part takes off at phase `tau` with velocity `w` and flies for `span` rad. The top is looked
+    for only if two bounds are above `known`: (n + s) span^2/8, since z'' >= -(n + s) and both ends
+    are on the floor, and `height_bound`.
     """
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
@@ -212,15 +221,15 @@ def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float
 
 @compiled
 def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
-    """Return an upper bound of a flight's height, only as close as comparing with `known` needs.
+    """Return an upper bound of a flight's height, only as close as a comparison with `known` needs.
 
-    With r = w + s cos(tau) and x = D - r/n
+    The part takes off at phase `tau` with velocity `w`. With r = w + s cos(tau) and x = D - r/n
 
         z = r^2/(2 n) + s sin(tau) - n x^2/2 - s sin(tau + r/n + x).
 
     The last term is at most s, and s cos(d - |x|) where the sine's trough is d <= pi away at x = 0.
-    That rises with |x| up to d and -n x^2/2 falls: on each of some pieces the end of the one and
-    the start of the other.
+    That rises with |x| up to d while -n x^2/2 falls: on each of some pieces it is bounded by the
+    end of the one and the start of the other.
     """
     s, gn = drive.s, drive.gn
     speed = w + s * math.cos(tau)
@@ -239,11 +248,12 @@ def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
 
 @compiled
 def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
-    """Return the phase from take-off to the top of a flight, the last zero of w of `rise`.
+    """Return the phase in rad from take-off to the top of a flight of `span` rad.
 
-    z is the parabola w D + s cos(tau) D - n D^2/2 and a sine of size s: its top is within 2
-    sqrt(s/n) + 1 of that of the parabola, (w + s cos(tau))/n. The highest of many places there,
-    then w = 0 by Newton's iteration.
+    The part takes off at phase `tau` with velocity `w`. The height is the parabola w D + s cos(tau)
+    D - n D^2/2 and a sine of size s, so that its top is within 2 sqrt(s/n) + 1 of that of the
+    parabola, (w + s cos(tau))/n: the highest of many points there, then w = 0 by Newton's
+    iteration.
     """
     s, gn = drive.s, drive.gn
     # The height is a parabola and a sine: its top lies near that of the parabola.

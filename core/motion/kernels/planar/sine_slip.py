@@ -31,11 +31,11 @@ def next_phase(target: float, at: float) -> float:
 
 @compiled
 def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float:
-    """Return the phase until the velocity v >= 0 under u' = C sin - k is zero; -1 if beyond span.
+    """Return the phase in rad until a velocity v >= 0 is 0 under u' = C sin(tau) - k; or -1.
 
-    The first D with v + C swing - k D = 0, of `flow`. v rises from asin(k/C) to pi - asin(k/C) in
-    each turn and falls elsewhere: the first fall at whose end it is not positive holds the root,
-    which Newton's iteration finds in that bracket (theory 13.3).
+    Counted from the phase `at`; -1 if it does not stop within `span`. The velocity rises from
+    asin(k/C) to pi - asin(k/C) in each turn and falls elsewhere: the first fall at whose end it is
+    not positive holds the root, which Newton's iteration finds in that bracket (theory 13.3).
     """
     if C < 0:
         C, at = -C, at + math.pi
@@ -71,8 +71,8 @@ def stop_between(
 ) -> float:
     """Return the phase between `low` and `high` at which a falling velocity is 0.
 
-    By Newton's iteration in that bracket, D -> D - u/u' with u of `flow`, from sine and cosine of
-    the phase `at`, and u' = C sin(at + D) - k.
+    Phases count from `at`, where the velocity is `v` and whose `sine` and `cosine` are handed over.
+    Newton's iteration in this bracket, D -> D - u/u', with u of `flow` and u' = C sin(at + D) - k.
     """
     first, last = flow(v, C, k, sine, cosine, low)[0], flow(v, C, k, sine, cosine, high)[0]
     d = low + (high - low) * first / (first - last) if first > last else low
@@ -96,7 +96,7 @@ def stop_between(
 
 @compiled
 def holds(drive: SineDrive, at: float) -> bool:
-    """True if static friction holds a part without slip at a phase.
+    """True if static friction holds a part without slip at the phase `at`: sin(at) is in the range.
 
     least <= sin(at) <= largest, the bounds of `stick_range`.
     """
@@ -105,11 +105,12 @@ def holds(drive: SineDrive, at: float) -> bool:
 
 @compiled
 def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return the stick of a part without slip: if it sticks, its last phase, the slip after it.
+    """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
 
-    Until the next phase at which sin(tau) leaves the bounds of `stick_range`: asin(largest),
-    rising, or pi - asin(least), falling (theory 13.3). Where it does not stick, forward if c
-    sin(at) > sin(gamma).
+    It sticks until the next phase at which sin(tau) leaves the bounds of `stick_range`,
+    asin(largest) rising or pi - asin(least) falling, or until `end` (theory 13.3). The third value
+    is True if the slip that follows is forward; if the part does not stick, that is where c sin(at)
+    > sin(gamma).
     """
     least, largest = drive.least, drive.largest
     sine = math.sin(at)
@@ -138,9 +139,10 @@ def always_holds(drive: SineDrive) -> bool:
 
 @compiled
 def first_slip(drive: SineDrive, tau: float) -> float:
-    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none.
+    """Return a phase in rad at which a part that never lifts off starts to slip; NaN if none.
 
-    asin(largest) or pi - asin(least), the bounds of `stick_range`, whichever comes first from tau.
+    asin(largest) or pi - asin(least), the bounds of `stick_range`, whichever comes first from
+    `tau`.
     """
     rises, falls = drive.largest < 1, drive.least > -1
     if rises and (math.cos(tau) > 0 or not falls):
@@ -150,11 +152,10 @@ def first_slip(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip in direction `sign` stops, by `phase_to_stop`.
+    """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
 
-    -1 if it does not.
-
-    For |u|, and sign times C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
+    The slip velocity is `u` at phase `at`; `sign` is 1 forward, -1 backward. By `phase_to_stop` of
+    |u|, with sign times C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
     """
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return phase_to_stop(abs(u), sign * C, sign * k, at, span)
@@ -162,9 +163,10 @@ def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) 
 
 @compiled
 def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at phase D after velocity u, in direction `sign`.
+    """Return slip velocity and distance at the phase `d` after slip velocity `u` at phase `at`.
 
-    `flow` with C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
+    In g/w and g/w^2; `sign` is 1 forward, -1 backward. The flow of u' = C sin(tau) - k with C = c +
+    sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
     """
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return flow(u, C, k, math.sin(at), math.cos(at), d)
@@ -172,17 +174,20 @@ def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple
 
 @compiled
 def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in direction `sign`, u' = C sin(tau) - k."""
+    """Return the acceleration of a slip in direction `sign` at phase `at`, C sin(at) - k, in g.
+
+    C = c + sign mu_k s, k = sin(gamma) + sign mu_k n; 1 is forward, -1 backward, 0 a flight.
+    """
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return C * math.sin(at) - k
 
 
 @compiled
 def slip_uncertainty(drive: SineDrive) -> float:
-    """Return the uncertainty of the mean velocity by rounding of the phases at which slips start.
+    """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
-    (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S moves the phase asin(S)
-    by dS/sqrt(1 - S^2): it is known the less, the nearer S is to 1.
+    (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S of sin(tau) moves the
+    phase asin(S) by dS/sqrt(1 - S^2): the phase is known the less, the nearer |S| is to 1.
     """
     jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
     uncertainty = 0.0
@@ -194,7 +199,7 @@ def slip_uncertainty(drive: SineDrive) -> float:
 
 @compiled
 def two_sided(drive: SineDrive) -> tuple[float, float]:
-    """Return mean velocity and forward share of sliding that never sticks, in closed form.
+    """Return mean velocity in g/w and forward share of a slide to and fro that never sticks.
 
     Slips forward and backward close, with c1 = mu s, k1 = mu n, H = c k1 - c1 sin(gamma) and E = pi
     (c1 k1 - c sin(gamma))/H, the forward one over the phase pi + E about pi - asin(S), where
@@ -202,7 +207,7 @@ def two_sided(drive: SineDrive) -> tuple[float, float]:
         S = pi (k1^2 - sin(gamma)^2)/(2 H cos(E/2))
         v = sqrt(1 - S^2) (2 c1 cos(E/2) + (pi c + c1 E) sin(E/2))/pi
 
-    The share is 0 where there is no such motion: the part lifts off, or sticks.
+    Both are 0 if there is no such motion: the part lifts off, or sticks.
     """
     c, s, gs, gn, mu_s, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
     c1, k1 = mu * s, mu * gn

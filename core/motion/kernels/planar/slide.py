@@ -29,9 +29,11 @@ its sign, which those of ten harmonics do 20 times each. More are roundings that
 def write_piece(
     log: Floats, used: int, at: float, span: float, mode: int, u: float, w: float, x: float
 ) -> int:
-    """Write one motion piece into the log, if a log is kept and has room; return the rows used.
+    """Write one motion piece into the log if it has room; return the number of rows in use.
 
-    Columns of `PIECE`.
+    A piece is a stretch in one mode (columns of `PIECE`): start phase `at` and duration `span` in
+    rad, `mode`, velocities `u` along and `w` normal in g/w, and position `x` in g/w^2 at its start.
+    `used` rows were in use before; a log without rows keeps nothing.
     """
     if used < log.shape[0]:
         log[used, PIECE.phase], log[used, PIECE.span], log[used, PIECE.mode] = at, span, mode
@@ -44,14 +46,13 @@ def write_piece(
 def contact(
     tau: float, span: float, u: float, drive: Drive, sums: Floats, log: Floats, used: int
 ) -> tuple[float, float, int]:
-    """Return slip velocity and its derivative after contact with the floor.
+    """Return slip velocity after a contact, its derivative by that before, and log rows in use.
 
-    Add to `sums` and `log`.
-
-    Stick until `hold` ends, slip by `slide` until `stop_after`, and so on (theory 13.4). The
-    derivative by the velocity at the start is 1 while sliding, u'(after)/u'(before) at a turn, 0 at
-    a stick (13.8). `sums` holds the distance and the times in the four modes. The last value
-    returned is the number of rows of the log in use, -1 if the stretch held too many stops.
+    The part touches the floor from phase `tau` for `span` rad, with slip `u` in g/w at first. It
+    sticks until `hold` ends, slips until `stop_after`, and so on (theory 13.4). The derivative is 1
+    while sliding, u'(after)/u'(before) times that at a turn, 0 after a stick (13.8). Distance and
+    times in the modes are added to `sums`, pieces to `log` from row `used` on. The last value is -1
+    if the contact held too many stops.
     """
     at, end, slope = tau, tau + span, 1.0
     for _ in range(MAX_MODES):
@@ -90,12 +91,12 @@ def contact(
 
 @borrowing
 def skids(drive: Drive, tau: float) -> float:
-    """Return the direction in which tiny hops drive a part from rest: 1, -1, or 0 if none.
+    """Return the direction in which tiny hops at phase `tau` drive a part from rest: 1, -1 or 0.
 
-    A hop with rebound w gives it the slip 2 |a| w/n, its landing takes mu_k (1 + eps) w; with the
-    push along a = b_x - sin(gamma) and the load n at the phase. The slip grows from hop to hop
-    where |a| > mu_k n, and the floor does not stop it afterwards, whatever static friction could
-    hold (theory 13.5).
+    A hop with rebound w gives the part the slip 2 |a| w/n, its landing takes mu_k (1 + eps) w, with
+    the acceleration along a = b_x - sin(gamma) and the load n. If |a| > mu_k n the slip grows from
+    hop to hop, and the floor does not stop it afterwards, whatever static friction could hold
+    (theory 13.5).
     """
     along = push(drive, tau)[0] - drive.gs
     return math.copysign(1.0, along) if abs(along) > drive.mu_k * load(drive, tau) else 0.0
@@ -103,13 +104,12 @@ def skids(drive: Drive, tau: float) -> float:
 
 @borrowing
 def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
-    """Return the slip velocity with which a part begins a contact that stands for many small hops.
+    """Return the slip velocity in g/w at the start of a contact that stands for many small hops.
 
-    u if |u| > mu_k w, else 0, or +-mu_k w of a part that `skids` (theory 13.5). The landing has
-    taken mu_k times its speed off the slip, as if there were no rebound: a slip up to mu_k w stops
-    there after all. A part that then skids leaves the hops as if it had entered the stay with mu_k
-    w: the landing had no slip to take, and the hops after it rub by w less than the floor does in
-    their time. One that does not skid is stopped by the floor.
+    `u` is the slip after the last landing, at phase `tau`, `w` the rebound of the hops left out.
+    The result is u if |u| > mu_k w, else 0, or +-mu_k w of a part that tiny hops drive on
+    (`skids`): the landing had no slip to take, and the hops after it rub by w less than the floor
+    in their time (theory 13.5).
     """
     if w == 0.0 or abs(u) > drive.mu_k * w:
         return u
@@ -121,11 +121,12 @@ def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
 def follow_cycle(
     rows: Floats, count: int, u: float, drive: Drive, sums: Floats, log: Floats
 ) -> tuple[float, float, int]:
-    """Return slip velocity and its derivative after one cycle that starts with velocity u.
+    """Return slip velocity after a cycle, its derivative by `u` at the start, and log rows in use.
 
-    Segment by segment, `contact` and `fly`; a landing with the impulse I takes mu_k I off the slip,
-    or all of it if |u| <= mu_k I (theory 13.4). Fills `sums`; the last value is the number of rows
-    of the log in use, -1 if a limit came first.
+    `rows` hold the `count` segments normal to the floor (columns of `SEGMENT`): contacts by
+    `contact`, flights by `fly`; a landing with the impulse I takes mu_k I off the slip, or all of
+    it if |u| <= mu_k I (theory 13.4). `sums` are filled with distance and times in the modes, `log`
+    with the motion pieces. The last value is -1 if a limit came first.
     """
     mu_k = drive.mu_k
     sums[:] = 0.0

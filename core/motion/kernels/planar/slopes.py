@@ -42,10 +42,12 @@ def copy_row(d: Floats, to: int, of: int) -> None:
 
 @borrowing
 def force(drive: SineDrive, sign: float, at: float, span: float, d: Floats) -> None:
-    """Fill the derivatives of velocity and distance along by the groups, at a fixed phase.
+    """Fill the derivatives of velocity and distance along by the parameters, at a fixed phase.
 
-    C. swing - k. D and C. sway - k. D^2/2 over the phase D, of C = c +- mu_k s and
-    k = sin(gamma) +- mu_k n (theory 13.16). `sign` tells the slip, 0 is a flight.
+    Rows `forced` and `path` of `d`: C. swing - k. D and C. sway - k. D^2/2 over the phase D =
+    `span` from `at` on, with the derivatives C. and k. of C = c +- mu_k s and k = sin(gamma) +-
+    mu_k n, and the integrals swing, sway of `swings`. `sign` is 1 for a slip forward, -1 backward,
+    0 for a flight (theory 13.16).
     """
     swing, sway = swings(math.sin(at), math.cos(at), span)
     half = span * span / 2
@@ -65,11 +67,26 @@ def along(
     drive: SineDrive, sign: float, u: float, after: float, at: float, span: float, stops: bool,
     mode: int, size: int, d: Floats,
 ) -> None:  # fmt: skip
-    """Propagate derivatives through a slip or flight to its end: a stop, or the segment's end.
+    """Propagate derivatives along the track through a slip or flight that ends in a stop or event.
 
-    With delta u0 = u0. - u'(tau0) tau0. it ends with u1. = delta u + u'(tau1) tau1., or with 0 at a
-    stop, which moves by tau1. = -delta u/u'(tau1); x1. - x0. = delta x + u1 tau1. - u0 tau0.
-    (theory 13.16).
+    A dot is a derivative by a parameter. With delta u0 = u0. - u'(tau0) tau0. it ends with u1. =
+    delta u + u'(tau1) tau1., or with 0 at a stop, which moves by tau1. = -delta u/u'(tau1); x1. -
+    x0. = delta x + u1 tau1. - u0 tau0. (theory 13.16).
+
+    Parameters
+    ----------
+    sign, mode
+        Slip direction 1 or -1, 0 for a flight; and the mode whose time is counted.
+    u, after
+        Velocities along at the start and end, in g/w.
+    at, span
+        Phase at the start and duration, in rad.
+    stops
+        If the slip ends in a stop; else row `end` of `d` holds the end's derivatives.
+    size
+        Number of directions, the columns of `d` in use.
+    d
+        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
     """
     first = slip_acceleration(drive, sign, at)
     last = slip_acceleration(drive, sign, at + span)
@@ -96,7 +113,9 @@ def rub(
 ) -> None:
     """Add the derivatives of friction work over a slip at fixed phases; call it after `along`.
 
-    The derivative of the integral of mu_k n |u|, n = n0 - s sin(tau), by the rule of 13.15.
+    Those of the integral of mu_k n |u| over the phase, with the load n = n0 - s sin(tau), by
+    Gauss's rule. The slip goes in direction `sign` (1 or -1), from velocity `u` at phase `at` over
+    `span` rad; `d` holds the derivatives, in `size` directions (theory 13.15).
     """
     loads = swung = spans = rubs = slips = waves = 0.0
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
@@ -131,7 +150,8 @@ def rub(
 def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Floats) -> None:
     """Fill the derivative of the phase at which static friction lets go, sin(tau) = S.
 
-    tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +- mu_s s).
+    Into row `phase` of `d`: tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +- mu_s s), minus
+    signs if `by_least` (the lower bound of sin(tau)) or `way` < 0; `leave` is that phase.
     """
     c, s, mu, gn = drive.c, drive.s, drive.mu_s, drive.gn
     rate = math.cos(leave)
@@ -149,7 +169,10 @@ def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Float
 
 @borrowing
 def lift(drive: SineDrive, row: int, d: Floats) -> None:
-    """Fill the derivative of the lift-off phase into a row, (n. - s. sin(tau))/(s cos(tau))."""
+    """Fill the derivative of the lift-off phase by the parameters into row `row` of `d`.
+
+    tau. = (n. - s. sin(tau))/(s cos(tau)), from s sin(tau) = n.
+    """
     sine = drive.gn / drive.s
     rate = drive.s * math.sqrt((1.0 - sine) * (1.0 + sine))
     d[row, :] = 0.0
@@ -158,9 +181,11 @@ def lift(drive: SineDrive, row: int, d: Floats) -> None:
 
 @borrowing
 def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the relative distance of a slip from a stop: its least speed over its scale.
+    """Return the relative distance of a slip from a stop on its way: least speed over its scale.
 
-    |u| of `flow` where it ceases to fall, at asin(k/C) on the way, over |C| + |k|.
+    The slip goes in direction `sign`, from velocity `u` at phase `at` over `span` rad. Its speed is
+    least at asin(k/C), where it ceases to fall; the scale is |C| + |k|, with u' = C sin(tau) - k.
+    Next to 0 the motion has a kink or jump.
     """
     C, k = sign * drive.c + drive.mu_k * drive.s, sign * drive.gs + drive.mu_k * drive.gn
     if C < 0:
@@ -179,7 +204,8 @@ def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float
 def low_passage(drive: SineDrive, w: float, at: float, span: float) -> float:
     """Return the relative distance of a flight from touching the floor on its way.
 
-    |z| of `rise` at `lowest_at`, over s + n.
+    The least height |z| at `lowest_at` over s + n; the part takes off at phase `at` with velocity
+    `w` and flies for `span` rad. Next to 0 the motion has a jump.
     """
     s, gn = drive.s, drive.gn
     least, since = 1.0, phase_to(drive.up_at, at)
@@ -204,8 +230,11 @@ def stick(
 ) -> tuple[float, bool]:
     """Propagate derivatives through a stick; return the phase at its end and the slip direction.
 
-    t_stick. = tau1. - tau0., with tau1. of `release`, or that of the segment's end. The sine is
-    |sin(tau) - S| from letting go at once.
+    The part sticks from phase `at` to where friction lets go (`release`) or to `end`, whose
+    derivatives are in row `end` of `d`; the time of sticking changes by tau1. - tau0. The direction
+    is True for forward. `fresh` tells that the part came to this phase by itself: `nearest[0]` then
+    notes its distances from letting go at once, |sin(tau) - S|, and from `end`. `size` directions
+    are in use.
     """
     least, largest, way = drive.least, drive.largest, drive.way
     sticks, leave, forward = hold(drive, at, end)
@@ -233,10 +262,26 @@ def on_floor(
     drive: SineDrive, tau: float, span: float, u: float, fresh: bool, energy: bool, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
-    """Propagate derivatives through contact with the floor; return the velocity at its end.
+    """Propagate derivatives through a contact with the floor; return the slip velocity at its end.
 
-    What is done is that of `slide.contact`. `fresh` tells that the part came to this phase by
-    itself, not to one at which it is let go.
+    As `slide.contact` follows the motion.
+
+    Parameters
+    ----------
+    tau, span
+        Phase at the start and duration, in rad.
+    u
+        Slip velocity at the start in g/w.
+    fresh
+        If the part came to this phase by itself, not to one at which friction lets go.
+    energy
+        If the derivatives of friction work are asked for.
+    size
+        Number of directions, the columns of `d` in use.
+    d
+        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+    nearest
+        `nearest[0]` is the least relative distance of a decision from its other outcome.
     """
     at, end = tau, tau + span
     for _ in range(MAX_MODES):
@@ -274,11 +319,12 @@ def on_floor(
 
 @borrowing
 def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
-    """Return the effect of small hops that are not followed: slip direction, later slip, its time.
+    """Return the effect of small hops left out at phase `at`: skid, later slip, and its time.
 
-    The way in which they drive it into a slip, as `skids`; the way in which it then slips, which at
-    e = 0, where there are none, is up to static friction; and for how long per w it slips before
-    it sticks: (2 |a|/n - mu_k (1 + eps))/((1 - eps) (mu_k n - |a|)), if above 0.
+    First the direction in which they drive the part into a slip (`skids`: 1, -1, 0); then that in
+    which it slips on afterwards (at restitution `e` = 0 static friction decides); then for how long
+    it slips before it sticks, per rebound w: (2 |a|/n - mu_k (1 + e))/((1 - e) (mu_k n - |a|)), if
+    above 0, with acceleration a along and load n. `nearest[0]` notes how near |a| is to mu_k n.
     """
     n, skid = load(drive, at), skids(drive, at)
     forced, rubbed = abs(drive.c * math.sin(at) - drive.gs), drive.mu_k * n
@@ -295,7 +341,9 @@ def land(
 ) -> None:
     """Fill the derivatives of a landing's phase, (delta z)/w, and speed, n tau1. - delta w.
 
-    delta z = -w0 tau0. + delta w0 D + s. sway - n. D^2/2 (theory 13.16).
+    Into rows `end` and `normal` of `d`, in `size` directions; delta z = -w0 tau0. + delta w0 D + s.
+    sway - n. D^2/2. The part took off at phase `tau` with velocity `w`, and lands after `span` rad
+    with the speed `speed` (theory 13.16).
     """
     swing, sway = swings(math.sin(tau), math.cos(tau), span)
     n0, n1 = load(drive, tau), load(drive, tau + span)
@@ -315,10 +363,27 @@ def in_air(
     drive: SineDrive, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
-    """Propagate derivatives through a flight and its landing; return the velocity along after it.
+    """Propagate derivatives through a flight and its landing; return the slip velocity after it.
 
-    By `land`, `along` and `rebound`, and where the part then `rests`, after hops that shrink to
-    nothing, by `leave_out_hops` (theory 13.16).
+    By `land`, `along` and `rebound`, and by `leave_out_hops` if the part then rests after hops that
+    shrink to nothing (theory 13.16).
+
+    Parameters
+    ----------
+    e
+        Restitution.
+    rows, row
+        Segments of the cycle (columns of `SEGMENT`), and the index of the flight.
+    rests
+        If the part then stays on the floor.
+    u
+        Velocity along at take-off in g/w.
+    size
+        Number of directions, the columns of `d` in use.
+    d
+        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+    nearest
+        Least relative distances of decisions from their other outcomes, shape (5,).
     """
     tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
     w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
@@ -357,9 +422,10 @@ def in_air(
 
 @borrowing
 def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
-    """Fill the derivatives of the largest landing speed max v; note how near another landing is.
+    """Fill the derivatives of the largest landing speed, if this landing has it.
 
-    Its distance is |v - v_max|/max(v, v_max).
+    `speed` is its speed in g/w, `nearest[1]` the largest so far; `nearest[2]` notes the relative
+    distance of the two fastest, since the largest of equals has no derivative.
     """
     if speed > nearest[1]:
         nearest[2] = (speed - nearest[1]) / speed
@@ -371,26 +437,27 @@ def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
 
 @borrowing
 def time_of_hops(n1: float, e: float) -> float:
-    """Return the duration of omitted hops per rebound w, 2/(n (1 - eps)) (theory 13.5).
+    """Return the duration in rad of omitted hops over their rebound speed, 2/(n (1 - eps)).
 
-    At an edge, which is a kink, the part lands as the floor lets go, and n is taken above 0.
+    n = `n1` is the load on the floor at the landing, eps = `e` the restitution. At a kink the part
+    lands as the floor lets go, and n is taken above 0 (theory 13.5).
     """
     return 2.0 / (max(n1, 1e-300) * (1.0 - e))
 
 
 class Landing(NamedTuple):
-    """A landing: its phase and speed, and the slip `after` the flight.
+    """A landing: its phase `at` in rad, its speed, and the slip velocity `after` the flight.
 
     Attributes
     ----------
-    impulse : float
-        Of the floor, I; the slip loses mu_k I, or all of it where it `stops`.
-    slow : float
-        The slip that is left.
-    rests : bool
-        Whether the part then stays on the floor, after hops that shrink to nothing.
-    skid, slips : float
-        As from `in_hops`: the way in which hops drive the part, and the way in which it then slips.
+    impulse
+        Of the floor, I in g/w; the slip loses mu_k I, or all of it if it `stops`.
+    slow
+        The slip velocity that is left, in g/w.
+    rests
+        If the part then stays on the floor, after hops that shrink to nothing.
+    skid, slips
+        Direction (1, -1, 0) in which such hops drive the part, and in which it then slips.
     """
 
     at: float
@@ -408,9 +475,10 @@ class Landing(NamedTuple):
 def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) -> None:
     """Propagate derivatives through an impact: those of rebound, slip and energy.
 
-    (eps w). = eps. w + eps w., and (mu_k I). = mu_k. I + mu_k I. off the slip, or all of it; then
-    what hops leave, (mu_k eps w). in their way, which has no slope where it begins with a jump.
-    The energy (u^2 - u1^2 + w^2 - w1^2)/2 changes by u u. - u1 u1. + w w. - w1 w1. (theory 13.16).
+    (eps w). = eps. w + eps w.; the slip loses (mu_k I). = mu_k. I + mu_k I., or all of it if it
+    stops; then it gains what hops leave, (mu_k eps w)., which has no derivative by restitution `e`
+    where it begins with a jump. The energy (u^2 - u1^2 + w^2 - w1^2)/2 changes by u u. - u1 u1. + w
+    w. - w1 w1. `d` holds the derivatives, in `size` directions (theory 13.16).
     """
     speed, up = landing.speed, 0.0 if landing.rests else e * landing.speed
     factor, sign = 1.0 if landing.rests else 1.0 + e, 1.0 if landing.after > 0 else -1.0
@@ -438,11 +506,12 @@ def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) 
 def leave_out_hops(
     drive: SineDrive, e: float, landing: Landing, slides: float, size: int, d: Floats
 ) -> None:
-    """Propagate derivatives through small hops that are treated as contact, after `rebound`.
+    """Propagate derivatives through small hops that count as contact, after `rebound`.
 
-    Their time T = 2 w/(n (1 - eps)) of rebound w, T. = 2 (w. - w n./n + w eps./(1 - eps))/(n (1 -
-    eps)), goes from the floor's mode to the flight, and the friction mu_k n |u| of it to the
-    impacts; a slip that no skid follows stops on the floor after `slides` w (theory 13.5, 13.16).
+    Their time T = 2 w/(n (1 - eps)), with rebound w, changes by T. = 2 (w. - w n./n + w eps./(1 -
+    eps))/(n (1 - eps)). It goes from the contact's mode to the flight, and its friction mu_k n |u|
+    to the impacts. A slip that no skid follows stops on the floor after `slides` w. `e` is the
+    restitution, `d` holds the derivatives, in `size` directions (theory 13.5, 13.16).
     """
     at, speed = landing.at, landing.speed
     n1, slips = load(drive, at), landing.slips
@@ -478,11 +547,11 @@ def leave_out_hops(
 def highest(
     drive: SineDrive, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
 ) -> None:
-    """Fill the derivatives of the largest height, if this flight has it.
+    """Fill the derivatives of the largest height, if this flight has it; call it before `along`.
 
-    Call it before `in_air` ends.
-
-    delta z of `land` at the D of `top_at`: there z' = 0, so that D. changes nothing.
+    The part takes off at phase `tau` with velocity `w` and flies for `span` rad. At the top z' = 0,
+    so that its phase changes nothing. `nearest[3]` is the largest height so far, `nearest[4]` the
+    relative distance of the two highest; `d` holds the derivatives, in `size` directions.
     """
     s, gn = drive.s, drive.gn
     if (gn + s) * span * span / 8 <= nearest[3]:

@@ -29,9 +29,10 @@ LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upri
 
 @compiled
 def turn_round(result: Floats, way: float) -> None:
-    """Undo in the results the mirror image of `upright`: swap forward and backward if `way` is -1.
+    """Undo in the results the mirror image of the track's direction: nothing unless `way` is -1.
 
-    v -> -v, and the shares forward and backward change places.
+    v -> -v, and the shares forward and backward change places; `result` has the columns of
+    `COLUMN`.
     """
     if way < 0:
         result[COLUMN.velocity] = -result[COLUMN.velocity]
@@ -43,8 +44,9 @@ def turn_round(result: Floats, way: float) -> None:
 def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
     """Fill the result of a cell that needs no cycle and return its status; else `UNDECIDED`.
 
-    `runaway` where |sin(gamma)| > mu_s n, `at_rest` where `always_holds`, `limit_reached` where
-    |sin(gamma)| = mu_k n: the mean is then that of the start, for ever (theory 13.8).
+    `runaway` if |sin(gamma)| > mu_s n, `at_rest` if static friction always holds, `limit_reached`
+    if a number is not finite, nothing presses the part onto the floor, or |sin(gamma)| = mu_k n:
+    the mean is then that of the start, for ever. `e` is the restitution or damping (theory 13.8).
     """
     gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
     along, normal = sizes(drive)
@@ -67,9 +69,9 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
 
 @compiled
 def slides_on(drive: Drive, result: Floats) -> bool:
-    """Fill the result of a part that slides to and fro without sticking; return True if it does.
+    """Fill the result of a part that slides to and fro without sticking; True if it does.
 
-    By `two_sided` (theory 13.8).
+    By the closed form of `two_sided` (theory 13.8); `result` has the columns of `COLUMN`.
     """
     velocity, forward = two_sided(drive)
     if not forward > 0:
@@ -89,13 +91,12 @@ def solve(
     drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats,
     stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
-    """Solve one cell: fill `result`, a value per field of `Motion`.
+    """Solve one cell: fill `result`, and return status, first segment, end of segments, velocity.
 
-    Return status, segments, velocity.
-
-    The part starts at rest at `phase`. `rows` then holds the cycle, from the first segment told to
-    before the second, which starts at that velocity; the log holds its last pass. Where no cycle is
-    found, `result` is left as it was, and the status is `UNREPEATED`.
+    The part starts at rest at `phase` in rad. `rows` then hold the cycle (columns of `SEGMENT`)
+    from the first of these segments to before the end, which starts with this slip velocity in g/w;
+    `sums` and `log` hold distance, times and motion pieces of its last pass. If no cycle is found,
+    `result` (columns of `COLUMN`) is left as it was, and the status is `UNREPEATED`.
     """
     e, max_periods = restitution_of(cell), int(cell.max_periods)
     first, count, periods = normal_cycle(drive, phase, e, max_periods, MAX_GROWTH, rows)
@@ -119,10 +120,12 @@ def solve_cell(
     cell: Cell, row: Floats, waves: Waves, closed: bool, rows: Floats, sums: Floats, log: Floats,
     result: Floats, stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
-    """Solve one cell given as a row of numbers, with the results in the row's direction.
+    """Solve one cell from its row of numbers; return status, first segment, end, slip velocity.
 
-    `closed` allows the closed form of a motion without stick under a sine. Segments and velocity
-    are in the axes of the drive as mirrored by `upright`.
+    Results are in the row's own direction, segments and velocity (g/w) as mirrored by `upright`.
+    `waves` is the room for the drive; `closed` allows the closed form of a motion without stick,
+    which leaves no segments; `rows`, `sums` and `log` are filled as in `solve`; `result` has the
+    columns of `COLUMN`.
     """
     drive, phase, way = drive_of(cell, row, waves)
     result[:] = math.nan
@@ -138,7 +141,12 @@ def solve_cell(
 
 @compiled
 def solve_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and statuses of cells, one row of `groups` per cell."""
+    """Fill table and statuses of cells with the means of their motion.
+
+    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
+    columns of `COLUMN`, `status` one value a cell (`UNREPEATED` if no cycle was found); `stop` is a
+    flag that ends the work.
+    """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((0, len(PIECE)))
     for number in range(groups.shape[0]):

@@ -19,20 +19,13 @@ from core.motion.kernels.rebounds import (
 
 @compiled
 def rests(drive: Drive, tau: float, w: float, e: Restitution, settled: float) -> bool:
-    """True if the part stays on the floor after a landing with rebound w (theory 13.5).
+    """True if a part that has just landed at phase `tau` with rebound speed `w` stays on the floor.
 
-    It does where it does not rebound, and where the hops still to come shrink to nothing within the
-    time T = 2 w/(n (1 - eps)), with w T < `settled`, and long before lift-off. Their impulses then
-    add up to what the floor gives in that time, less w: the last impact is taken as one without
-    rebound, and the hops as a stay on the floor. The position is wrong by less than friction times
-    `settled`.
-
-    Without rebound it stays too where it lands just as the floor lets go, n(tau) = 0, as at throw
-    number sqrt(1 + n^2 pi^2): it rests for no time. A landing up to a hair late counts as one (the
-    margin of `to_lift_off`, hundreds of roundings), since from there to fly on or to take off a
-    hair earlier is the same motion but for the square of the hair: dD/dtau = n0/w is 0 there.
-
-    Where restitution falls with the speed of impact: `settles_softly`.
+    It stays if w = 0 and the floor presses it, load n > 0, or if it lands within 1e-12 of a
+    lift-off, where n = 0: it then lifts off again after no time. With a rebound it stays if the
+    shrinking hops end within T = 2 w/(n (1 - eps)), with w T < `settled` and T below a thousandth
+    of the time to lift-off; the position is then wrong by less than mu_k `settled`. With a
+    restitution that depends on the speed `settles_softly` decides (theory 13.5).
     """
     n = load(drive, tau)
     if w == 0:
@@ -49,18 +42,20 @@ def rests(drive: Drive, tau: float, w: float, e: Restitution, settled: float) ->
 
 @compiled
 def soft_time(drive: Drive, tau: float, damping: float) -> float:
-    """Return the phase in which hops lose 1 - 1/e of their speed, T = 3/(b n) (theory 18.3).
+    """Return the phase in rad in which hops lose 1 - 1/e of their speed, T = 3/(b n).
 
-    A hop of rebound w lasts 2 w/n, and the next impact leaves w (1 - 2 b w/3), while b w is little.
+    For an impact that leaves w (1 - 2 b w/3) of a small speed w, with `damping` b, and hops that
+    last 2 w/n each, n the load on the floor at phase `tau` (theory 18.3).
     """
     return 3 / (damping * load(drive, tau))
 
 
 @compiled
 def left_at_lift_off(drive: Drive, tau: float, w: float, damping: float) -> float:
-    """Return an upper bound of the rebound that hops of rebound w still have at the next lift-off.
+    """Return an upper bound of the rebound speed that small hops still have at the next lift-off.
 
-    w exp(-b J/3), with J the impulse of the floor up to there (theory 18.3).
+    w exp(-b J/3), with their rebound speed w at phase `tau`, `damping` b of the speed-dependent
+    restitution, and the impulse J of the floor from there to lift-off (theory 18.3).
     """
     pressed = -rise(drive, 0.0, tau, to_lift_off(drive, tau))[0]
     return w * math.exp(-damping * pressed / 3)
@@ -70,8 +65,9 @@ def left_at_lift_off(drive: Drive, tau: float, w: float, damping: float) -> floa
 def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: float) -> bool:
     """True if hops with speed-dependent restitution are small enough to count as contact.
 
-    They do where w T is below `SETTLED_SOFTLY`, T of `soft_time` (ten times that where little is
-    asked), and the rebound of `left_at_lift_off` times the damping below `LEFT_SOFTLY`.
+    `w` is the rebound speed at phase `tau`. w T must be below 3e-4 (`SETTLED_SOFTLY`), T the phase
+    of `soft_time`, or below ten times that if `settled`, the bound for constant restitution, is a
+    rough one; and the rebound left at lift-off times `damping` below 2e-3 (`LEFT_SOFTLY`).
     """
     bound = SETTLED_SOFTLY if settled <= SETTLED_EXACTLY else 10 * SETTLED_SOFTLY
     if not w * soft_time(drive, tau, damping) < bound:
@@ -81,11 +77,12 @@ def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: 
 
 @compiled
 def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> tuple[float, float]:
-    """Return the effect of small hops taken as contact: position over mu_k, and largest rebound.
+    """Return the effect of small hops taken as contact: position over mu_k, rebound speed left.
 
-    The position over mu_k, the sum of w T: in hops of speed w a part that friction would hold goes
-    on by less than mu_k w in a unit of phase. And the largest rebound of `left_at_lift_off`. Both
-    are 0 for a constant restitution.
+    Of a cycle of `count` segments in `rows` (columns of `SEGMENT`). The first, in g/w^2, is the sum
+    of w T: hops of rebound speed w carry a part that friction would hold on by less than mu_k w per
+    unit of phase, during the phase T of `soft_time`. The second, in g/w, is the largest speed of
+    `left_at_lift_off`. Both are 0 for a constant restitution.
     """
     position, speed = 0.0, 0.0
     for row in range(count if e.damping > 0 else 0):

@@ -37,11 +37,12 @@ LED_IN = 8
 def reach_way(
     drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> None:
-    """Enlarge the error of an aperiodic motion by the mean of its first stretch from rest to rest.
+    """Enlarge the error of an aperiodic mean by that of the first way from rest to rest.
 
-    e(v) >= |v_way - v| + e(v_way), with the means of the way by `repeating` (theory 13.7).
-    Undisturbed it repeats that for ever. As long as roundings leave a digit of it, it is the motion
-    of these very numbers, though neighbouring ones go other ways.
+    error >= |v_way - v| + error(v_way). An undisturbed part would repeat that way for ever; it is
+    the motion of these very numbers as long as rounding leaves a digit of it, though neighbouring
+    numbers go other ways. `phase` is the start in rad, `rows` and `sums` are work arrays, `result`
+    has the columns of `COLUMN` (theory 13.7).
     """
     own, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
     max_periods = int(cell.max_periods)
@@ -62,7 +63,11 @@ def reach_way(
 def average_cells(
     groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table and statuses of cells that do not repeat, with means over a long run."""
+    """Fill table and statuses of cells whose motion does not repeat, with means over long runs.
+
+    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
+    columns of `COLUMN`, `status` one value a cell; `stop` is a flag that ends the work.
+    """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
@@ -89,7 +94,12 @@ def average_cells(
 def average_spent(
     groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill the energy table, columns as in `SPENT`, of cells that do not repeat, from long runs."""
+    """Fill the energy table of cells whose motion does not repeat, from long runs.
+
+    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
+    columns of `SPENT`, mean powers per mass in g^2/w over 256 periods; `stop` is a flag that ends
+    the work. Cells that hop too few times stay NaN, the others get the status `aperiodic`.
+    """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):

@@ -48,10 +48,13 @@ SLACK = 1e-13
 
 
 class WaveDrive(NamedTuple):
-    """A wave with gravity and friction; the table is as above.
+    """A wave with gravity and friction, as a drive of planar motion.
 
+    `table` holds the rows of its accelerations, `orders` the number of harmonics, `steps` that of
+    steps (0 for sums of sines). `gs` and `gn` are gravity along and onto the floor in g, `mu_s` and
+    `mu_k` the friction coefficients, `along` and `normal` bounds of its acceleration in g.
     `forward` and `backward` are the kinds of slip at the static coefficient: those at the kinetic
-    one where both are equal.
+    one if both are equal.
     """
 
     table: Floats
@@ -78,10 +81,11 @@ TABLE = (ROOTS + KINDS, WIDTH)
 
 @compiled
 def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
-    """Read the wave behind a cell's numbers in `row` into the buffer `waves` and return its drive.
+    """Read the wave behind a cell's numbers in `row` into the table of `waves`; return its drive.
 
-    Coefficients s_k and c_k by axis, or levels and the ends of the steps (theory 13.14). Phase and
-    way are 0 and 1: a wave is not mirrored as `upright` mirrors a sine.
+    The row holds coefficients s_k and c_k by axis, or the levels and ends of steps (theory 13.14).
+    The other two values are the phase shift 0 and the direction sign 1: a wave is not mirrored as
+    `upright` mirrors a sine.
     """
     table = waves.table
     columns = wave_columns(row, GROUPS)
@@ -112,8 +116,9 @@ def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: f
     """Fill one column of every kind of acceleration from the drive along and normal to the floor.
 
     p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z - (sin(gamma) +- mu n) for
-    slips forward and backward, at mu_k and at mu_s (theory 13.14). `part` is 0 for sines and for
-    steps, 1 for cosines.
+    slips forward and backward, at mu_k and at mu_s. `along` and `normal` are the coefficients of
+    p_x and p_z in g; `part` is 0 for sines and steps, 1 for cosines; `column` is the order or the
+    step (theory 13.14).
     """
     table, gs, gn = drive.table, drive.gs, drive.gn
     table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gn
@@ -134,9 +139,11 @@ def push_of(drive: WaveDrive, kind: int) -> SineSum:
 
 @borrowing
 def fill_passages(drive: WaveDrive, kind: int) -> None:
-    """Fill the phases in [0, 2 pi) at which the acceleration of a kind changes sign.
+    """Fill the phases in [0, 2 pi) at which an acceleration changes sign, p(tau) = pull.
 
-    p(tau) = pull: `passages` of a sum of sines, the ends of some steps (theory 13.14).
+    `kind` is one of `NORMAL` to `STATIC_BACKWARD`. The passages of a sum of sines, or the ends of
+    some steps, go into row `ROOTS` + kind: the number first, then the phases; and whether it rises
+    at the first (theory 13.14).
     """
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
@@ -168,9 +175,9 @@ def folded(tau: float) -> float:
 
 @borrowing
 def step_at(drive: WaveDrive, tau: float) -> int:
-    """Return the number of the step at a phase in [0, 2 pi): the first with tau < its end.
+    """Return the index of the step at a phase in [0, 2 pi): the first with tau < its end.
 
-    A hair before its start is in it.
+    A phase up to 1e-13 before a step's start counts as in it.
     """
     for step in range(drive.steps - 1):
         if tau < drive.table[ENDS, step] - SLACK:
@@ -180,9 +187,10 @@ def step_at(drive: WaveDrive, tau: float) -> int:
 
 @borrowing
 def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the acceleration of a kind at a phase, p(tau) - k.
+    """Return the acceleration p(tau) - k of a kind at the phase `tau`, in g.
 
-    With the push p of `push_of`, or the level of the step at tau (theory 13.14).
+    `kind` is one of `NORMAL` to `STATIC_BACKWARD`, p its push, a sum of sines or the level of the
+    step at tau, and k its constant pull (theory 13.14).
     """
     table = drive.table
     if drive.steps > 0:
@@ -193,10 +201,10 @@ def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the next phase at or after tau where an acceleration changes sign, and if it rises.
+    """Return the next phase at or after tau where an acceleration changes sign, True if it rises.
 
-    The next of the phases of `fill_passages`, modulo a turn. Infinite if it never does. What is a
-    hair behind is told as tau itself.
+    Infinite if it never does; a change up to 1e-13 before tau counts as tau itself. `kind` is one
+    of `NORMAL` to `STATIC_BACKWARD`.
     """
     table, row = drive.table, ROOTS + kind
     count = int(table[row, 0])
@@ -214,7 +222,10 @@ def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
 
 @borrowing
 def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the next sign change of an acceleration among those beyond tau, and if it rises."""
+    """Return the next phase beyond tau where an acceleration changes sign, True if it rises.
+
+    A change at tau itself is left out; `kind` is one of `NORMAL` to `STATIC_BACKWARD`.
+    """
     return next_passage(drive, kind, tau + 2.0 * SLACK * (1.0 + tau))
 
 
@@ -222,7 +233,8 @@ def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]
 def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
     """Return the first phase from tau on at which an acceleration rises (or falls) through 0.
 
-    The one after `next_passage` where that has the other way.
+    It rises if `rising` is True, else falls; infinite if it never does. `kind` is one of `NORMAL`
+    to `STATIC_BACKWARD`.
     """
     at, rises = next_passage(drive, kind, tau)
     if rises != rising and at < math.inf:
@@ -232,10 +244,11 @@ def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
 
 @borrowing
 def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, float, float]:
-    """Return slope and push of a kind at tau, and the push's first and second integral.
+    """Return slope and push of a kind at phase `tau`, and the push's first and second integral.
 
-    Of the terms a sin(k tau) + b cos(k tau): k (a cos(k tau) - b sin(k tau)), the terms themselves,
-    -(a cos(k tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory 13.14).
+    Sums over the terms a sin(k tau) + b cos(k tau): k (a cos(k tau) - b sin(k tau)), the terms
+    themselves, -(a cos(k tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory
+    13.14).
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -255,10 +268,10 @@ def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, fl
 def speed_from(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
 ) -> tuple[float, float, float]:
-    """Return velocity, acceleration and its slope at phase D after velocity v.
+    """Return velocity, acceleration and its derivative at the phase `d` after velocity `v`.
 
-    v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the first of `integrals`
-    P1. `start` is P1(tau); it is not asked for in steps.
+    v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the push p of a kind, its
+    integral P1 and constant k. `start` is P1(tau) of `speed_start`; steps do not use it.
     """
     if drive.steps > 0:
         force = acceleration(drive, kind, tau + d)
@@ -270,16 +283,17 @@ def speed_from(
 
 @borrowing
 def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the value P1(tau) that `speed_from` takes as `start`."""
+    """Return the integral P1(tau) of a kind's push that `speed_from` takes as `start`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
 @borrowing
 def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance at phase D after velocity v, under an acceleration of a kind.
+    """Return velocity and distance at the phase `d` after velocity `v` at phase `tau`.
 
-    u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 + P2(tau + D) - P2(tau) - P1(tau) D, with
-    P1 and P2 of `integrals` (theory 13.14); short ones by `near_flow`.
+    Under the acceleration p - k of a kind: u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 +
+    P2(tau + D) - P2(tau) - P1(tau) D, with the first and second integral P1, P2 of the push p
+    (theory 13.14); short ones by `near_flow`. In g/w and g/w^2.
     """
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
@@ -296,10 +310,10 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 
 @borrowing
 def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance by the drive alone over a short phase, without cancellation.
+    """Return velocity and distance by the push alone over a short phase, without loss of digits.
 
-    The term of order k turns by K = k D, and gives with p and p' of `integrals`, over k and over
-    k^2, p sin K + (p'/k)(1 - cos K) and p (1 - cos K) + (p'/k)(K - sin K), by `arc`.
+    From phase `tau` over D = `d` rad. A term of order k, value p and derivative over k p', turns by
+    K = k D and gives (p sin K + p' (1 - cos K))/k and (p (1 - cos K) + p' (K - sin K))/k^2.
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -318,9 +332,10 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
 def stepped_flow(
     drive: WaveDrive, kind: int, v: float, tau: float, d: float
 ) -> tuple[float, float]:
-    """Return velocity and distance at phase D where the acceleration is constant in each step.
+    """Return velocity and distance at the phase `d` under an acceleration constant in each step.
 
-    Over each: x -> x + (v + a D/2) D and v -> v + a D (theory 13.14).
+    From velocity `v` at phase `tau`: over a step of D rad with acceleration a, x -> x + (v + a D/2)
+    D and v -> v + a D. In g/w and g/w^2 (theory 13.14).
     """
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0
@@ -345,10 +360,11 @@ def zero_of_velocity(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
     first: float, last: float,
 ) -> float:  # fmt: skip
-    """Return the phase at which a monotonic velocity is 0, by Halley's bracketed iteration.
+    """Return the phase between `low` and `high` at which a monotonic velocity is 0.
 
-    u(D) = 0 with u, u' and u'' of `speed_from`, by the step of `halley`. `first` and `last` are the
-    velocities at both ends; the others are those of `speed_from`.
+    Phases count from `tau`, where the velocity is `v`; by Halley's iteration in this bracket, with
+    velocity and derivatives of `speed_from`. `kind` is that of the acceleration, `start` its
+    integral at tau; `first` and `last` are the velocities at `low` and `high`.
     """
     rises = last > first
     d = low + (high - low) * first / (first - last) if first * last < 0.0 else 0.5 * (low + high)

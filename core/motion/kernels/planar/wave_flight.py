@@ -30,16 +30,16 @@ from core.motion.kernels.waves import halley, is_near_root
 
 @borrowing
 def sizes(drive: WaveDrive) -> tuple[float, float]:
-    """Return upper bounds |b_x|, |b_z| of the drive acceleration along and normal to the floor."""
+    """Return upper bounds of the drive acceleration along and normal to the floor, in g."""
     return drive.along, drive.normal
 
 
 @borrowing
 def track_speed(drive: WaveDrive, tau: float) -> float:
-    """Return the track's velocity along itself: minus the integral of the push, without its mean.
+    """Return the track's velocity along itself at phase `tau`, in g/w, without its mean.
 
-    sum of (s_k cos(k tau) - c_k sin(k tau))/k; of steps, v -> v - p D over each, less the mean of
-    that (theory 13.14).
+    Minus the integral of the push: sum of (s_k cos(k tau) - c_k sin(k tau))/k; of steps v -> v - p
+    D over each, with level p and duration D, less the mean of that (theory 13.14).
     """
     if drive.steps == 0:
         velocity = 0.0
@@ -59,9 +59,9 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def push(drive: WaveDrive, tau: float) -> tuple[float, float]:
-    """Return the drive acceleration along and normal to the floor, p(tau).
+    """Return the drive acceleration along and normal to the floor at phase `tau`, in g.
 
-    `acceleration` and what was taken off it, sin(gamma) and n.
+    The acceleration of a part in the air, plus gravity along, sin(gamma), and onto the floor, n.
     """
     return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
 
@@ -74,9 +74,9 @@ def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
 
 @borrowing
 def smooth_span(drive: WaveDrive, tau: float) -> float:
-    """Return a phase interval in which the drive is nearly a polynomial.
+    """Return a phase interval in rad after `tau` in which the drive is nearly a polynomial.
 
-    1.5/n at the highest order n, and of steps that to the next one.
+    1.5/n at the highest order n; of steps the phase to the next one.
     """
     if drive.steps == 0:
         return SMOOTH / drive.orders
@@ -104,26 +104,29 @@ def lift_off(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height at phase D after take-off, under p_z - n."""
+    """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
+
+    In g/w and g/w^2, `w` the velocity at take-off, under the acceleration p_z - n.
+    """
     return flow(drive, NORMAL, w, tau, d)
 
 
 @borrowing
 def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track at phase D of a flight, u at its start.
+    """Return velocity and distance along the track at the phase `d` of a flight from phase `tau`.
 
-    `wave.flow` of p_x - sin(gamma).
+    In g/w and g/w^2, `u` the velocity along at take-off, under the acceleration p_x - sin(gamma).
     """
     return flow(drive, AIR, u, tau, d)
 
 
 @borrowing
 def landing(drive: WaveDrive, w: float, tau: float) -> float:
-    """Return the flight time (phase) after take-off at tau with velocity w >= 0; -1 if not found.
+    """Return the flight time in rad after take-off at phase `tau`; -1 if not found.
 
-    The first D with z = 0 of `rise`. Between two changes of sign of its acceleration the height
-    bends one way: where it bends down and ends above the floor it was above all the way; where it
-    bends up its least value is found first (theory 13.14).
+    `w` >= 0 is the velocity at take-off in g/w. Between two changes of sign of the normal
+    acceleration the height bends one way: a piece that bends down and ends above the floor was
+    above it all the way; on a piece that bends up the least height is found first (theory 13.14).
     """
     d, velocity = 0.0, w
     force = acceleration(drive, NORMAL, tau)
@@ -159,11 +162,12 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
 def landing_root(
     drive: WaveDrive, z: float, w: float, tau: float, low: float, high: float
 ) -> float:
-    """Return the phase between two phases at which a height, z at the first, falls through 0.
+    """Return the phase between `low` and `high` at which a height falls through 0.
 
-    z(D) = 0 with z' = w and z'' = p_z - n, by the step of `halley` in a bracket. It starts where
-    the parabola at `high` falls through 0, z + z' D + z'' D^2/2 = 0: `high` may be the lowest
-    point, where the velocity is rounding and no step of Halley's or Newton's leads anywhere.
+    Phases count from `tau`, where the height is `z` and the velocity `w`. Halley's iteration in
+    this bracket, with z' = w and z'' = p_z - n. It starts where the parabola at `high` falls
+    through 0: `high` may be the lowest point, where the velocity is rounding and no step of
+    Halley's or Newton's leads anywhere.
     """
     velocity, height = rise(drive, w, tau, high)
     height += z
@@ -193,10 +197,11 @@ def landing_root(
 
 @borrowing
 def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight; `known` if that is larger.
+    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
 
-    z of `rise` where w falls through 0. z <= (n + max |p_z|) span^2/8, since z'' >= -(n + max
-    |p_z|) and both ends are on the floor.
+    The part takes off at phase `tau` with velocity `w` and flies for `span` rad; tops are where w
+    falls through 0. They are looked for only if the bound (n + max |p_z|) span^2/8 is above
+    `known`: z'' >= -(n + max |p_z|), and both ends are on the floor.
     """
     if (drive.gn + drive.normal) * span * span / 8 <= known:
         return known

@@ -29,10 +29,10 @@ THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over it
 
 @borrowing
 def holds(drive: WaveDrive, at: float) -> bool:
-    """True if static friction holds a part without slip at a phase.
+    """True if static friction holds a part without slip at the phase `at`.
 
-    p_x - sin(gamma) - mu_s n(tau) <= 0 <= p_x - sin(gamma) + mu_s n(tau), n(tau) = n - p_z (theory
-    13.14).
+    p_x - sin(gamma) - mu_s n(tau) <= 0 <= p_x - sin(gamma) + mu_s n(tau), with the load on the
+    floor n(tau) = n - p_z (theory 13.14).
     """
     return (
         acceleration(drive, drive.forward, at) <= 0.0
@@ -42,9 +42,10 @@ def holds(drive: WaveDrive, at: float) -> bool:
 
 @borrowing
 def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return the stick of a part without slip: if it sticks, its last phase, the slip after it.
+    """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
 
-    Until the first change of sign of the accelerations of `holds` that lets go.
+    It sticks until the first phase at which |p_x - sin(gamma)| exceeds mu_s n(tau), at the latest
+    until `end`. The third value is True if the slip that follows is forward.
     """
     if not holds(drive, at):
         return False, at, acceleration(drive, AIR, at) > 0.0
@@ -55,19 +56,16 @@ def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
 
 @borrowing
 def always_holds(drive: WaveDrive) -> bool:
-    """True if static friction holds the part at every phase.
-
-    `holds` at 0, and none of its accelerations changes sign.
-    """
+    """True if static friction holds the part at every phase, and it never lifts off."""
     never = drive.table[ROOTS + drive.forward, 0] + drive.table[ROOTS + drive.backward, 0] == 0.0
     return never and not lifts(drive) and holds(drive, 0.0)
 
 
 @borrowing
 def first_slip(drive: WaveDrive, tau: float) -> float:
-    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none.
+    """Return a phase in rad at which a part that never lifts off starts to slip; NaN if none.
 
-    The first from tau on at which an acceleration of `holds` changes sign.
+    The first from `tau` on at which |p_x - sin(gamma)| exceeds mu_s n(tau).
     """
     forward = next_of_way(drive, drive.forward, tau, True)
     slip = min(forward, next_of_way(drive, drive.backward, tau, False))
@@ -82,10 +80,10 @@ def kind_of(sign: float) -> int:
 
 @borrowing
 def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) -> float:
-    """Return the phase until a slip in direction `sign` stops; -1 if it does not.
+    """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
 
-    The first D with u = 0 of `slide`. Between two changes of sign of its acceleration the velocity
-    runs one way (theory 13.14).
+    The slip velocity is `u` at phase `at`; `sign` is 1 forward, -1 backward. Between two changes of
+    sign of the acceleration the velocity is monotonic (theory 13.14).
     """
     kind, low, first = kind_of(sign), 0.0, u
     start = speed_start(drive, kind, at)
@@ -105,29 +103,29 @@ def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) 
 
 @borrowing
 def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at phase D after velocity u, in direction `sign`.
+    """Return slip velocity and distance at the phase `d` after slip velocity `u` at phase `at`.
 
-    `wave.flow` of p_x +- mu_k p_z - (sin(gamma) +- mu_k n).
+    In g/w and g/w^2; `sign` is 1 forward, -1 backward. Under the acceleration p_x + sign mu_k p_z -
+    (sin(gamma) + sign mu_k n), with the push p and gravity n onto the floor.
     """
     return flow(drive, kind_of(sign), u, at, d)
 
 
 @borrowing
 def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in direction `sign`.
+    """Return the acceleration of a slip in direction `sign` at phase `at`, in g.
 
-    p_x +- mu_k p_z - (sin(gamma) +- mu_k n).
+    p_x + sign mu_k p_z - (sin(gamma) + sign mu_k n); 1 is forward, -1 backward.
     """
     return acceleration(drive, kind_of(sign), at)
 
 
 @borrowing
 def slip_uncertainty(drive: WaveDrive) -> float:
-    """Return the uncertainty of the mean velocity by rounding of the phases at which slips start.
+    """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
-    (mu_s - mu_k) max|n(tau)| times the rounding of the push over its slope: a phase at which a sum
-    of sines passes a threshold is known the less, the slower it passes it; one at which the push
-    jumps is given.
+    (mu_s - mu_k) max |n(tau)| times the rounding of the push over its slope: the slower a sum of
+    sines passes a threshold, the less is the phase known; one at which the push jumps is exact.
     """
     if drive.steps > 0:
         return 0.0

@@ -70,7 +70,11 @@ TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 
 @compiled
 def start(number: int, phase: float, drive: Drive, sums: Floats, run: Floats) -> None:
-    """Fill the state of a run with its first lift-off from rest."""
+    """Fill the state `run` and sums of run `number` with its first lift-off from rest.
+
+    `phase` is the study's own start in rad; each run starts at another phase, with a jolt of its
+    own.
+    """
     sums[:], run[:] = 0.0, 0.0
     no_log = np.empty((0, len(PIECE)))
     u, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
@@ -84,10 +88,20 @@ def follow_on(
     run: Floats, until: float, searches: bool, drive: Drive, e: Restitution, travel: Floats,
     rows: Floats, sums: Floats, stop: Stop,
 ) -> bool:  # fmt: skip
-    """Follow a run up to a time; False if it nears a cycle or cannot be followed.
+    """Follow a run up to the time `until`; False if it nears a cycle or cannot be followed.
 
-    `travel` gets the distance of each period, `sums` is as in `contact`. A cycle is looked for, if
-    at all, in the `rows` of the hops since the last rest.
+    Parameters
+    ----------
+    run
+        State of the run, columns of `RUN`; changed to that at the end.
+    until
+        Phase in rad since the start of the run.
+    searches
+        If a cycle of hops is looked for, in the hops since the last rest.
+    travel
+        Filled with the distance of each period in g/w^2.
+    rows, sums
+        Work arrays for these hops (columns of `SEGMENT`), and distance and times in modes.
     """
     no_log = np.empty((0, len(PIECE)))
     tau, u, w, time = run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time]
@@ -130,7 +144,9 @@ def follow_on(
 def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
     """True if a run has slipped downhill at all landings since a mark and is faster now.
 
-    As `ran_away` of `chaos`.
+    `run` is its state now (columns of `RUN`), `sums` its distance and times; `mark` holds the same
+    sums at the mark, with its time, impacts and slip. Kinetic friction must be less than gravity
+    along the track.
     """
     gs = drive.gs
     faster = abs(run[RUN.slip]) > abs(mark[SLIP]) and run[RUN.upheld] <= mark[TIME]
@@ -141,15 +157,16 @@ def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
 
 @compiled
 def end_of(mark: int, most: int) -> int:
-    """Return the number of periods up to a mark of a run, 2 x 2^(k/2), `most` at most."""
+    """Return the number of periods up to mark k = `mark` of a run, 2 x 2^(k/2), at most `most`."""
     return min(most, round(FIRST_STAGE * 2.0 ** (0.5 * mark)))
 
 
 @compiled
 def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
-    """Return the error of means by ending runs anywhere within what they nearly repeat.
+    """Return the error of mean velocities because runs end anywhere within a near repetition.
 
-    The mean over the runs of max |x_p - v T|/((end - begin) T), x_p the distance of a period.
+    The mean over the runs of max |x_p - v T|/((end - begin) T), in g/w, with the distance x_p =
+    `travel[run, p]` of period p from `begin` to before `end`, v = `velocity` and T = 2 pi.
     """
     total = 0.0
     for number in range(travel.shape[0]):
@@ -164,13 +181,14 @@ def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
 def means_within(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
-    """Fill the means of a motion that rounding decides, to a tolerance of its mean velocity.
+    """Fill `result` with means of a motion that rounding decides, to a tolerance of its velocity.
 
-    The runs end where e <= tol |v|, or after `max_periods`. e is 0.8 of the `batch_error` of their
-    quarters and their `cut_error`. Between two looks a run grows by a factor of sqrt(2); its first
-    quarter is not counted, which is at least the c/(2 pi mu n) periods in which friction stops a
-    part as fast as the drive. Returns the status; `UNREPEATED`, with nothing filled, where a run
-    nears a cycle, runs away or is too short.
+    Eight runs from as many phases end if error <= tolerance |v|, or after `max_periods`/8 each; the
+    error is 0.8 of the `batch_error` of their quarters plus their `cut_error`. Between two looks a
+    run grows by a factor of sqrt(2); its first quarter is not counted, at least the c/(2 pi mu n)
+    periods in which friction stops a part as fast as the drive. Return the status; `UNREPEATED`,
+    with nothing filled, if a run nears a cycle, runs away or is too short. `phase` is the study's
+    own start in rad, `rows` and `sums` are work arrays.
     """
     drive = rounded(drive)
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
@@ -219,7 +237,21 @@ def fill(
     runs: Floats, marks: Floats, all_sums: Floats, quarters: Floats, error: float, drive: Drive,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Fill a result with the means of several runs since a mark of each; return the status."""
+    """Fill `result` with the means of eight runs, each since its mark; return the status.
+
+    `UNREPEATED` if a run runs away.
+
+    Parameters
+    ----------
+    runs, all_sums
+        State now (columns of `RUN`), and distance and times in modes, a row a run.
+    marks
+        A row a run: the sums at its mark, then time, impacts and slip.
+    quarters
+        Mean velocities of the four quarters of each run in g/w, shape (8, 4).
+    error
+        Error of the mean velocity in g/w.
+    """
     for number in range(PHASES):
         if runs_off(runs[number], marks[number], all_sums[number], drive):
             return UNREPEATED

@@ -44,10 +44,23 @@ def advance(
     state: Floats, hold: Flags, tally: Floats, work: Work, phases: Floats, samples: Floats,
     spent: Floats,
 ) -> bool:  # fmt: skip
-    """Advance state and friction by one period and tally them; False if it takes too many events.
+    """Advance state and contacts by one period and tally it; False if it takes too many events.
 
-    `samples` get a row for each of the `phases` within the period, ascending: place, velocity and
-    mode. `spent` gets the energies of the period added, columns as in `SPENT`, if it has any.
+    Parameters
+    ----------
+    wall, rolling
+        If there is a wall, and m r^2/I of a cylinder or 0.
+    order, tolerance
+        Highest power of the series, and size in g/w of their last terms.
+    state, hold
+        Columns of `STATE` and `HOLD`; changed to those at the end.
+    tally
+        Filled with the period's distances, times in modes, impacts; columns of `TALLY`.
+    phases, samples
+        Ascending phases within the period in rad, and a row for each, filled with place, velocity
+        and mode.
+    spent
+        The energies of the period are added, columns of `SPENT`, if it has any.
     """
     tally[:] = 0.0
     tau, at_once, sampled = 0.0, 0, 0
@@ -102,9 +115,10 @@ def advance(
 
 @borrowing
 def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None:
-    """Count the event that ends a step, and add it to the period's signature.
+    """Count the event that ends a step in `tally`, and add it to the period's hash of events.
 
-    The signature is a hash of the events, S -> (31 S + 7 event + contacts) mod 1000003.
+    S -> (31 S + 7 event + contacts) mod 1000003: periods with equal hashes had the same events in
+    the same order. A landing counts as an impact with its speed.
     """
     if event == EVENT.land:
         tally[TALLY.landing] = max(tally[TALLY.landing], -state[STATE.uz])
@@ -120,9 +134,10 @@ def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None
 def meet(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats
 ) -> None:
-    """Change contacts at an event, after evaluating the free acceleration there.
+    """Change velocities and contacts at an event; add the energy that an impact takes to `spent`.
 
-    What an impact takes of the energy `kinetic` is counted, if that is asked for.
+    `state` and `hold` have the columns of `STATE` and `HOLD`; the acceleration without contacts in
+    `work` must be that at the event. Nothing is added if `spent` has no columns.
     """
     before = kinetic(state, step.rolling)
     change_contacts(step, cell, state, hold, work)
@@ -132,18 +147,20 @@ def meet(
 
 @borrowing
 def after_jump(event: int) -> int:
-    """Return the event at a jump of the drive, after which the forces decide; an end stays one.
+    """Return the event to go on with after a jump of the drive.
 
-    `EVENT.start`, or the landing, bump or stop that came at once with the jump.
+    `start`, so that the forces decide anew, unless the step ended in a landing, a bump into the
+    wall or a stop at the same phase.
     """
     return event if event in (EVENT.land, EVENT.bump, EVENT.stop) else EVENT.start
 
 
 @borrowing
 def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, int]:
-    """Return span and event of a step after too many events at one phase.
+    """Return span in rad and event of a step after too many events at one phase.
 
-    A slip is then so small that its series reach nowhere: it stops. Else a step of 1e-9 is taken.
+    A slip is then so small that its series reach nowhere: it stops. Otherwise a step of 1e-9 is
+    taken, at most `rest`, the phase to the end of the period or to a jump.
     """
     if slips and contacts != FREE:
         return span, EVENT.stop
@@ -180,7 +197,11 @@ def move(
 
 @borrowing
 def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
-    """Add the phase of a step to its mode, and note the largest height, where w falls through 0."""
+    """Add the phase of a step to the time in its mode in `tally`, and note the largest height.
+
+    The height is largest where the normal velocity falls through 0; `span` is the step's phase in
+    rad, `order` the highest power of its series in `work`.
+    """
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
         place, speed = ROW.place + 2, ROW.velocity + 2
@@ -197,10 +218,10 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
 
 @borrowing
 def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
-    """Add the phase of a slip to forward and backward, also where it turns round along the track.
+    """Add the phase of a slip to forward and backward in `tally`, also where it turns round.
 
-    It turns where u_x = 0, by `first_fall`. A slip straight across does not move along the track:
-    it counts as stick.
+    It turns where u_x = 0. A slip straight across does not move along the track: it counts as
+    stick. `span` is its phase in rad, `order` the highest power of its series in `work`.
     """
     speed, at = ROW.event, 0.0
     for _ in range(order + 1):
@@ -232,7 +253,11 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 
 @borrowing
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
-    """Fill position, velocity and mode at a phase within a step, by its series at t = `since`."""
+    """Fill `row` with position (3), velocity (3) and mode at the phase `since` within a step.
+
+    From the step's series in `work`, up to power `order`; `contacts` and `slips` tell what carries
+    the part and if it slips.
+    """
     for axis in range(3):
         row[axis] = value(work, ROW.place + axis, order, since)
         row[3 + axis] = value(work, ROW.velocity + axis, order, since)

@@ -28,7 +28,10 @@ SAMPLE = 7
 def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
     """Return position, velocity and mode at ascending phases from the start of a cycle.
 
-    Of a motion that does not repeat, from the end of the periods that it is followed for.
+    Shape (phases, 7): place (3) in g/w^2, velocity (3) in g/w, mode. If the motion does not repeat
+    they are those after the periods that it is followed for. `group` holds the cell's numbers,
+    `wall` tells if there is a wall, `rolling` is m r^2/I of a cylinder or 0. NaN and mode `unknown`
+    on failure.
     """
     cell = cell_of(group)
     samples = np.full((phases.size, SAMPLE), math.nan)
@@ -58,9 +61,12 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop
 def spend_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill the energy table, columns as in `SPENT`, and statuses of cells; NaN without a cycle.
+    """Fill the energy table and statuses of cells: what friction, impacts and the drive do.
 
-    The cycle is followed once more, from where the run to it found its start.
+    `table` has the columns of `SPENT`, mean powers per mass in g^2/w; NaN without a cycle. The
+    cycle is followed once more from its start. `groups` has a row of numbers for each cell, `wall`
+    tells if there is a wall, `rolling` is m r^2/I of a cylinder or 0, `stop` is a flag that ends
+    the work.
     """
     if groups.shape[0] == 0:
         return

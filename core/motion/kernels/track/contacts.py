@@ -25,11 +25,12 @@ NEAR_STOP = 3.0
 
 @borrowing
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
-    """Return the restitution of an impact: 0 where the following hops shrink to nothing.
+    """Return the restitution of an impact: 0 if the hops after it shrink to nothing.
 
-    That is where T = 2 w/(L (1 - eps)), of the rebound w = eps `speed` under the load L, has w T <
-    1e-13 and T < `ahead`/1000 (theory 13.5). Their impulses then add up to what the contact carries
-    in their time, less the rebound.
+    With the impact's `speed` v in g/w, the load L that then presses the part on, and `restitution`
+    eps: the hops last T = 2 w/(L (1 - eps)), w = eps v, and vanish if w T < 1e-13 and T <
+    `ahead`/1000, with the phase `ahead` to the next event in rad. Their impulses then add up to
+    what the contact carries in their time, less w (theory 13.5).
     """
     if restitution >= 1.0 or not load > 0.0:
         return restitution
@@ -48,11 +49,12 @@ def strike(
     bounce: float,
     rear: float,
 ) -> None:
-    """Change the velocities by impacts: on the floor with speed `floor`, on the wall with `wall`.
+    """Change the velocities in `state` by impacts on the floor, the wall, or both.
 
-    0 where there is none. Newton's law normal to each, u_n+ = -eps u_n- with restitution `bounce`
-    and `rear`, Coulomb's along it: kinetic friction, |i_t| <= mu i_n, stops the slip if it can
-    (theory 13.1). Of two impacts at once each is solved in its turn until both stand still.
+    `floor` and `wall` are the speeds of impact in g/w, 0 without one; `bounce` and `rear` their
+    restitutions. Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along it: |i_t| <= mu
+    i_n stops the slip if it can (theory 13.1). Of two impacts at once each is solved in its turn
+    until both stand still.
     """
     ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
     normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -113,7 +115,11 @@ def rub_floor(
 def impulse(
     slip_1: float, slip_2: float, limit: float, response: float
 ) -> tuple[float, float, bool]:
-    """Return the friction impulse on a slip, and whether it stops the slip."""
+    """Return the friction impulse on a slip (two components), and True if it stops the slip.
+
+    Per mass, in g/w; `limit` is the largest impulse, `response` that of the second component of the
+    slip to friction.
+    """
     if slip_1 == 0.0 and slip_2 == 0.0:
         return 0.0, 0.0, limit > 0.0
     return friction_impulse(slip_1, slip_2, limit, limit, response)
@@ -121,9 +127,10 @@ def impulse(
 
 @borrowing
 def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
-    """Return the acceleration across of a part without contacts, D_y - kappa V^2.
+    """Return the acceleration across of a part without contacts, D_y - kappa V^2, in g.
 
-    V = u_x + v_track, the speed in space along a curve of curvature number kappa (theory 13.1).
+    V = u_x + v_track is the speed in space along a curve of curvature number kappa; D_y and v_track
+    are in `work` (theory 13.1).
     """
     speed = state[STATE.ux] + work[ROW.track, 0]
     return work[ROW.free + 1, 0] - cell.curvature_number * speed * speed
@@ -131,10 +138,10 @@ def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
 
 @borrowing
 def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) -> None:
-    """Change the velocities where a part lands on the floor or meets the wall.
+    """Change the velocities in `state` where a part lands on the floor or meets the wall.
 
-    The speeds are -u_z on the floor, -u_y at the wall, 0 where it does not approach, and the
-    restitutions those of `rebound`; `bent` is the acceleration across.
+    The speeds are -u_z on the floor and -u_y at the wall, 0 if it does not approach; the
+    restitutions are those of `rebound`. `bent` is the acceleration across in g.
     """
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
     floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
@@ -150,10 +157,11 @@ def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) 
 
 @borrowing
 def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
-    """Change contacts as the last event demands; `ROW.free` must be evaluated at its phase.
+    """Change velocities and contacts as the last event in `hold` demands.
 
-    What opened or closed is told by the event: where it says that a force is 0 it is 0, whatever
-    its rounded number.
+    `state` and `hold` have the columns of `STATE` and `HOLD`; the acceleration without contacts in
+    `work` must be that at the event. The event tells what opened or closed: a force that it says is
+    0 is 0, whatever its rounded value.
     """
     event, across, normal = hold[HOLD.event], ROW.free + 1, ROW.free + 2
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
@@ -175,11 +183,12 @@ def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, 
 
 @borrowing
 def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
-    """Return the slip of the contact; decide whether a contact without slip sticks.
+    """Return the slip of a contact that carries the part, after deciding whether it sticks.
 
-    It sticks where |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L
-    and the response r to friction across; a slip e changes at the rate D.e - mu_k L (e_1^2 + r
-    e_2^2) (theory 13.13).
+    It sticks if |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L and
+    the response r to friction across; a slip in direction e changes at the rate D.e - mu_k L (e_1^2
+    + r e_2^2). `hold` is set to 1 for a slip; a slip of at most two tolerances is set to 0 (theory
+    13.13).
     """
     contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
@@ -231,11 +240,12 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
 def closing(
     tolerance: float, size: float, rate: float, rub: float, need: float, speed: float
 ) -> tuple[bool, float]:
-    """Return the end of a slip along a straight line, if it has one, and when to check again.
+    """Return True if a slip ends on a straight line, and the size at which to look at it again.
 
-    It may turn along the push first: what friction has left, s = mu_k L - |(D_1, D_2/r)|, is its
-    least rate. It ends so where r^2 <= 3 tol s, and forces must not outgrow s while it closes,
-    r (1 + mu_k L) |p| <= s^2 (theory 13.13).
+    `size` is its speed r in g/w, `rate` the rate at which it closes, `rub` mu_k times the load,
+    `need` the force |(D_1, D_2/r)| against it, in g, `speed` the drive's velocity. It ends so if
+    r^2 <= 3 tol s, with what friction has left, s = rub - need, and if forces do not outgrow s
+    meanwhile, r (1 + rub) speed <= s^2. Otherwise it may turn along the push first (theory 13.13).
     """
     if not (rate > 0.0 and need <= rub):
         return False, tolerance
@@ -261,9 +271,10 @@ def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -
 
 @borrowing
 def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
-    """Return the direction in which a contact begins to slip.
+    """Return the direction (cosine, sine) in which a contact begins to slip.
 
-    That of the push less friction, e = (D_1/(z + q), D_2/(z + r q)): `friction_impulse`.
+    That of the push less friction, e = (D_1/(z + q), D_2/(z + r q)) with the z that makes it a unit
+    vector: `push_1`, `push_2` are D, `slide` is q = mu_k times the load, in g, `response` is r.
     """
     if slide > 0.0 and response != 1.0:
         friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)

@@ -49,10 +49,11 @@ NO_PHASES = np.zeros(0)
 
 
 class History(NamedTuple):
-    """States at starts and ends of periods, shape (periods + 1, 7), and what the periods tallied.
+    """States at the starts and ends of periods of the drive, and what happened in each.
 
-    They differ from each other where a jump came between. `holds` are those at the starts. Between
-    periods `stop` is looked at.
+    `starts` and `ends` have shape (periods + 1, 7), columns of `STATE`; they differ where a jump of
+    the iteration came between. `tallies` have the columns of `TALLY`, `holds` those of `HOLD`, at
+    the starts. `stop` is a flag, looked at between periods, that ends the work.
     """
 
     starts: Floats
@@ -74,13 +75,14 @@ class Settled(NamedTuple):
 
     Attributes
     ----------
-    status : int
-    multiple : int
+    status
+        Status of the motion, one of `STATUS`.
+    multiple
         Periods after which it repeats; 0 if it does not.
-    done : int
+    done
         Periods followed.
-    left : float
-        What the state may still be off, as the last periods shrank.
+    left
+        Distance of the state from its limit that may be left, in g/w.
     """
 
     status: int
@@ -91,10 +93,7 @@ class Settled(NamedTuple):
 
 @compiled
 def new_history(most: int, stop: Stop) -> History:
-    """Return buffers for the history of so many periods, rows of `History`.
-
-    It is not touched before it is used.
-    """
+    """Return the buffers for the history of `most` periods, not yet filled; see `History`."""
     return History(
         np.empty((most + 1, len(STATE))), np.empty((most + 1, len(STATE))),
         np.empty((most + 1, len(TALLY))), np.empty((most + 1, len(HOLD)), dtype=np.int64),
@@ -104,12 +103,12 @@ def new_history(most: int, stop: Stop) -> History:
 
 @compiled
 def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
-    """Return the distance of one period's end from another's start, as far as it matters.
+    """Return the distance between the end of period `later` and the start of period `earlier`.
 
-    The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and, by `wall_gap`, |dy|. The floor is the
-    same everywhere, along and, without a wall, across. The distance from a wall does not matter to
-    a part that did not touch it between and does not come nearer. A cylinder keeps the speed at
-    which it rolls across: its slip matters.
+    The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and |dy|, in units of g and w. The position
+    along does not matter, nor does that across without a wall; |dy| is left out for a part that did
+    not touch the wall between and does not come nearer (`wall_gap`). `wall` tells if there is a
+    wall; `rolling` is not 0 for a cylinder, whose slip matters but not the speed at which it rolls.
     """
     new, old = history.ends[later], history.starts[earlier]
     most = max(
@@ -132,10 +131,12 @@ def repeats(
     wall: bool, rolling: float, history: History, last: int, since: int, close: float,
     parted: float,
 ) -> int:  # fmt: skip
-    """Return the number of periods after which the motion repeats, 0 if not; `since` the last jump.
+    """Return the number of periods after which the motion repeats, 0 if it does not.
 
-    The first m with `apart` <= `close`. Where a part of a cycle nearly repeats, by less than
-    `parted`, it may be the same motion, not settled yet.
+    The first m <= 32 with distance (`apart`) at most `close` between the end of period `last` and
+    the start m - 1 periods earlier, not before period `since`, the last jump of the iteration. If a
+    part of such a cycle nearly repeats, by less than `parted`, it may be a shorter one that has not
+    settled: 0.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
     for multiple in range(1, min(MAX_MULTIPLE, last - since + 1) + 1):
@@ -155,10 +156,11 @@ def repeats(
 def remaining(
     wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
 ) -> float:
-    """Return the distance of the state from its limit, if its changes keep shrinking.
+    """Return the distance of the state from its limit, if its changes keep shrinking, in g/w.
 
-    d/(1 - q), q = d/d0 at most 0.999, with the change d over a cycle after d0, by `apart` (theory
-    13.13).
+    d/(1 - q), q = d/d0 at most 0.999, with the change d over the last cycle of `multiple` periods,
+    up to period `last`, and d0 over the one before; d alone if that began before period `since`,
+    the last jump of the iteration (theory 13.13).
     """
     change = apart(wall, rolling, history, last, last - multiple + 1)
     if last - 2 * multiple + 1 < since or change == 0.0:
@@ -194,9 +196,10 @@ def settle(
 ) -> Settled:  # fmt: skip
     """Follow a cell until its motion repeats, or for `most` periods; fill the history.
 
-    Where it does not repeat by jumps it is followed without: then the history holds that motion. If
-    that nears a cycle it is followed on. In one loop, since the compiler then keeps one copy of all
-    that is called.
+    If it does not repeat with jumps of the iteration, it is followed again from its start without
+    any, and the history holds that motion; if that nears a cycle it is followed on. `state` and
+    `hold` are those at the start, and change. In one loop, so that the compiler keeps one copy of
+    what it calls.
     """
     start, start_hold = state.copy(), hold.copy()
     near = APART_AT_MOST * drive.size(work)
@@ -221,10 +224,11 @@ def settle(
 def to_cycle(
     row: Floats, wall: bool, rolling: float, series: Series, history: History, work: Work
 ) -> tuple[Settled, Floats, Flags]:
-    """Follow a cell from rest until it repeats; return state and friction at the cycle's start.
+    """Follow a cell from rest until it repeats; return state and contacts at the cycle's start.
 
-    By `settle`. Of one that does not repeat, those at the end. The table of a step is set for its
-    drive.
+    The first value tells the way in which it came to repeat. If it does not repeat, state (columns
+    of `STATE`) and contacts (columns of `HOLD`) are those at the end. `row` holds the cell's
+    numbers, `work` is set for its drive and its step series.
     """
     cell = cell_of(row)
     drive.set_drive(cell, row, work)
@@ -239,10 +243,12 @@ def to_cycle(
 
 @compiled
 def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
-    """Return the number of periods of a motion that approaches a cycle slowly, without jumps.
+    """Return the periods of a motion that approaches a cycle slowly, without jumps, as `Settled`.
 
-    Its change over a cycle, d, fell from d0 within the last L cycles: with the ratio of a cycle
-    q = (d/d0)^(1/L) the state is still off by d q/(1 - q), less than `near`.
+    Of `done` periods in `history`. The change over a cycle fell from d0 to d, less than a tenth,
+    within the last L cycles (a quarter of all periods): with the ratio q = (d/d0)^(1/L) of one
+    cycle the state is still off by d q/(1 - q), which must be less than `near`. `multiple` is 0 if
+    there is none.
     """
     for multiple in range(1, min(MAX_MULTIPLE, done // 8) + 1):
         cycles = done // 4 // multiple
@@ -307,7 +313,11 @@ def approach(
 
 @compiled
 def same_events(history: History, first: int, second: int) -> bool:
-    """True if two periods had the same events in the same order: equal signatures of `TALLY`."""
+    """True if two periods had the same events in the same order: their event hashes are equal.
+
+    `first` and `second` are indices of periods. Only the maps of such periods are alike, so that
+    the next states can be predicted from the last.
+    """
     tallies = history.tallies
     return bool(tallies[first, TALLY.signature] == tallies[second, TALLY.signature])
 
@@ -316,7 +326,7 @@ def same_events(history: History, first: int, second: int) -> bool:
 def first_coordinate(wall: bool, history: History, period: int) -> int:
     """Return the first column of the state that takes part in Anderson's mixing.
 
-    `STATE.y` at a wall, else z.
+    y if the part touched a wall in the period, else z: x and an unbounded y do not matter.
     """
     touched = wall and history.tallies[period, TALLY.at_wall] > 0.0
     return STATE.y if touched else STATE.z
@@ -324,9 +334,9 @@ def first_coordinate(wall: bool, history: History, period: int) -> int:
 
 @compiled
 def step_size(wall: bool, history: History, period: int) -> float:
-    """Return the largest change of a state over a period, max |end - start|.
+    """Return the largest change of a state over a period, max |end - start|, in g/w and g/w^2.
 
-    Of what takes part in mixing, from `first_coordinate` on.
+    Over the columns of the state that take part in Anderson's mixing (`first_coordinate`).
     """
     most = 0.0
     for i in range(first_coordinate(wall, history, period), len(STATE)):
@@ -338,9 +348,10 @@ def step_size(wall: bool, history: History, period: int) -> float:
 def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> bool:
     """Move the state to the cycle predicted by Anderson's mixing; False if there is no prediction.
 
-    With residuals f = end - start, the weights are those of the least squares of f_last - sum of
-    weights times differences of f; the state is the same combination of the ends. By modified
-    Gram and Schmidt, the latest differences first.
+    With residuals f = end - start of the last periods of equal events up to `last`, after the
+    period `since`: weights minimise |f_last - sum of weights times differences of f|, and the new
+    state is the same combination of the ends. False, too, if it would lie below the floor or behind
+    the wall.
     """
     depth = 0
     while depth < min(DEPTH, last - since) and same_events(history, last - depth - 1, last):
@@ -362,10 +373,11 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
 
 @compiled
 def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple[Floats, int]:
-    """Return the weights of the last differences and their number; 0 where weights are too large.
+    """Return the weights of Anderson's mixing and how many are in use; 0 if one is too large.
 
-    The least squares of |f_last - sum of w_j df_j|, by modified Gram and Schmidt: Q R w = f_last
-    (see `jump`).
+    The least squares of |f_last - sum of w_j df_j| over `depth` differences of residuals f = end -
+    start before period `last`, latest first, over the columns from `first` on, by modified Gram and
+    Schmidt: Q R w = f_last.
     """
     columns = len(STATE)
     basis, triangle, weights = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH)), np.zeros(DEPTH)

@@ -24,10 +24,10 @@ ORDERS, STEPS, SIZE = range(3)
 
 @borrowing
 def set_drive(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill the drive's part of a step's table from a cell's row.
+    """Fill the drive's rows of a step's table `work` from a cell's row of numbers.
 
-    Of a sine its size |(p_x, p_y, p_z)| and its lift-off at sin(tau) = n/p_z (theory 13.3); of a
-    wave what `read_wave` fills.
+    For a sine: its size |(p_x, p_y, p_z)| in g, and the phase of lift-off, sin(tau) = n/p_z with
+    the gravity n onto the floor (theory 13.3); for a wave what `read_wave` fills.
     """
     work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = 0.0, 0.0
     work[ROW.lifts, 0] = 0.0
@@ -45,10 +45,11 @@ def set_drive(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def read_wave(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill the coefficients of a wave, its size, and the phases of its lift-offs.
+    """Fill coefficients, size and lift-off phases of a wave from a cell's row of numbers.
 
-    Behind the cell a row has the counts of harmonics and of steps, the harmonics by axis, sine or
-    cosine, and order, and the levels by axis with the ends of the steps.
+    Behind the fields of `Cell` the row has the numbers of harmonics and of steps; the harmonics by
+    axis (along, across, normal), sine or cosine, and order; and the levels by axis with the ends of
+    the steps. The size bounds the track's velocity in g/w.
     """
     columns = wave_columns(row, GROUPS)
     orders, steps = columns.orders, columns.steps
@@ -76,7 +77,8 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
     """Fill the track's velocity along an axis at the start of each step; return the largest.
 
-    v -> v - p D over each step, less the mean of that over the period (theory 13.14).
+    In g/w: v -> v - p D over a step with push p and duration D, less the mean of that over the
+    period. `axis` is 0, 1, 2 for along, across, normal; `steps` is their number (theory 13.14).
     """
     level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
     at, now, mean, most = 0.0, 0.0, 0.0, 0.0
@@ -94,9 +96,10 @@ def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
 
 @borrowing
 def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
-    """Fill the phases in [0, 2 pi) at which the upward push rises through the weight.
+    """Fill the phases in [0, 2 pi) at which the upward push rises through the weight: lift-offs.
 
-    p_z(tau) = n, by `passages`. Their number comes first.
+    p_z(tau) = n = `weight` in g, `orders` the highest order of the push; their number comes first
+    in row `lifts`.
     """
     push, lifts = SineSum(work, ROW.sines + 2, ROW.cosines + 2, orders), ROW.lifts
     found = passages(push, weight, lifts, MAX_ORDER)
@@ -111,9 +114,9 @@ def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
 
 @borrowing
 def size(work: Work) -> float:
-    """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)| of a sine.
+    """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)|, or a bound for a wave.
 
-    A bound for a wave.
+    In g/w; tolerances are relative to it.
     """
     return work[ROW.wave, SIZE]
 
@@ -127,9 +130,10 @@ def sine_slope(work: Work, tau: float) -> float:
 
 @borrowing
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
-    """Fill the series at tau of the push per mass and of the track's velocity.
+    """Fill the series at phase tau of the push on a part and of the track's velocity along itself.
 
-    The push is minus the acceleration of the track: of a sine (p_x, p_y, p_z) sin(tau).
+    Coefficients of powers 0 to `order` of the phase since tau, in g and g/w, into rows `free` and
+    `track`. The push is minus the acceleration of the track: (p_x, p_y, p_z) sin(tau) for a sine.
     """
     if work[ROW.wave, ORDERS] > 0.0:
         fill_harmonics(tau, order, work)
@@ -152,10 +156,11 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def fill_harmonics(tau: float, order: int, work: Work) -> None:
-    """Fill the series at tau of a sum of sines.
+    """Fill the series at phase tau of a push that is a sum of sines, and of the track's velocity.
 
-    The derivatives of s sin(k tau) + c cos(k tau) are, over k^n, this, its quarter turn, minus
-    this, and so on; the track has the velocity sum of (s cos(k tau) - c sin(k tau))/k (theory
+    Coefficients of powers 0 to `order` of the phase since tau, into rows `free` and `track`. The
+    n-th derivative of s sin(k tau) + c cos(k tau) is k^n times the term, its quarter turn, minus
+    the term, and so on; the track has the velocity sum of (s cos(k tau) - c sin(k tau))/k (theory
     13.14).
     """
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -184,7 +189,7 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def step_at(tau: float, work: Work) -> int:
-    """Return the number of the step at tau, the first with tau < its end."""
+    """Return the index of the drive's step at phase tau, the first with tau < its end."""
     last = int(work[ROW.wave, STEPS]) - 1
     for step in range(last):
         if tau < work[ROW.levels + 3, step]:
@@ -194,7 +199,11 @@ def step_at(tau: float, work: Work) -> int:
 
 @borrowing
 def fill_step(tau: float, order: int, work: Work) -> None:
-    """Fill the series of a constant push p up to the next jump; the track has velocity v - p D."""
+    """Fill the series at tau of a push that is constant up to the next jump.
+
+    Coefficients of powers 0 to `order` of the phase since tau, into rows `free` and `track`: p on
+    each axis, and v - p D for the velocity of the track along itself.
+    """
     step = step_at(tau, work)
     for axis in range(3):
         work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
@@ -209,9 +218,9 @@ def fill_step(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def next_jump(tau: float, work: Work) -> float:
-    """Return the phase of the next jump of the push, at most the end of the period.
+    """Return the phase of the next jump of the push, 2 pi (the end of the period) without any.
 
-    That of the step of `step_at`.
+    `tau` is the phase now.
     """
     if work[ROW.wave, STEPS] == 0.0:
         return TURN
@@ -232,10 +241,10 @@ def jumps(work: Work) -> bool:
 
 @borrowing
 def to_lift_off(work: Work, tau: float) -> float:
-    """Return the phase from tau until a part on the floor lifts off; infinite if it never does.
+    """Return the phase in rad from tau until a part on the floor lifts off; infinite if never.
 
-    The least (tau_k - tau) mod 2 pi of `fill_lift_offs`. Where the push jumps it is not told: what
-    happens there is seen from the forces after it.
+    The least (tau_k - tau) mod 2 pi of the phases tau_k in row `lifts`. Lift-offs at jumps of the
+    push are not among them: the forces after a jump decide.
     """
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):

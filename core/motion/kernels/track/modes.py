@@ -46,10 +46,24 @@ REACH = 0.02
 
 
 class StepSettings(NamedTuple):
-    """The settings of a step: contacts, order, tolerance of a term.
+    """The settings of a step: contacts, order of the series, tolerance, and phases that end it.
 
-    `rest` is the phase to the end of the period or to a jump of the drive, `lift` that to the next
-    lift-off of a part on the floor, `even` that to a jump alone.
+    Attributes
+    ----------
+    wall
+        If there is a wall.
+    rolling
+        M r^2/I of a cylinder, 0 for a block.
+    order
+        Highest power of the series.
+    tolerance
+        Size in g/w below which the last terms of a series must stay.
+    rest
+        Phase in rad to the end of the period or to a jump of the drive.
+    lift
+        Phase to the next lift-off of a part on the floor.
+    even
+        Phase to a jump of the drive, infinite without jumps.
     """
 
     wall: bool
@@ -64,8 +78,20 @@ class StepSettings(NamedTuple):
 class Begin(NamedTuple):
     """A slip at the start of a step: its size and direction, and how it changes.
 
-    `onset` where it begins, at the rate `rate`; `closes` where what is left of it is a straight
-    line to its end, at that rate; `least` is the size at which it is to be asked again.
+    Attributes
+    ----------
+    size
+        Its speed in g/w.
+    cosine, sine
+        Its direction.
+    rate
+        Rate at which its size grows (at its onset) or falls, in g.
+    onset
+        If the slip begins here.
+    closes
+        If it ends on a straight line, at this rate.
+    least
+        Size in g/w at which the step must end, to look at the slip again.
     """
 
     size: float
@@ -79,9 +105,10 @@ class Begin(NamedTuple):
 
 @borrowing
 def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float:
-    """Return the span over which the last two terms of two series stay below the tolerance.
+    """Return the span in rad over which the last two terms of two series stay below `tolerance`.
 
-    0.95 min((tol/|a_n|)^(1/n), (tol/|a_(n-1)|)^(1/(n-1))).
+    0.95 min((tol/|a_n|)^(1/n), (tol/|a_(n-1)|)^(1/(n-1))), with the larger coefficients of rows `a`
+    and `b` of `work`, and n = `order`.
     """
     last = max(abs(work[a, order]), abs(work[b, order]), 1e-300)
     before = max(abs(work[a, order - 1]), abs(work[b, order - 1]), 1e-300)
@@ -93,9 +120,10 @@ def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float
 def sooner(
     work: Work, row: int, order: int, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to the first fall of a series and its event, or the earlier known event.
+    """Return the span to where a series first falls through 0 and event `name`, or what is known.
 
-    `first_fall`.
+    If the series in row `row` does not fall within `span` rad, the result is `span` and the event
+    `known`, which ends the step so far.
     """
     fall = first_fall(work, row, order, span, ROW.scratch)
     return (fall, name) if fall >= 0.0 else (span, known)
@@ -105,9 +133,11 @@ def sooner(
 def to_zero(
     work: Work, sign: float, row: int, order: int, began: bool, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to where a force, `sign` D, falls to 0 and its event, or the known event.
+    """Return the span to where a force falls to 0 and event `name`, or what is known.
 
-    By `sooner`. A force with which the step `began` is 0, whatever its rounded number.
+    The force is `sign` times the series in row `row`. `began` tells that the step began with this
+    force at 0, whatever its rounded value. If it does not fall within `span` rad, the result is
+    `span` and the event `known`.
     """
     fill_multiple(work, ROW.event, sign, row, order)
     if began or work[ROW.event, 0] < 0.0:
@@ -117,7 +147,10 @@ def to_zero(
 
 @borrowing
 def fill_position(work: Work, axis: int, start: float, order: int) -> None:
-    """Fill the series of a position from that of its velocity, q_(k+1) = u_k/(k + 1)."""
+    """Fill the series of a position from that of its velocity, q_(k+1) = u_k/(k + 1).
+
+    `axis` is 0, 1, 2 for along, across, normal; `start` is q_0 in g/w^2; up to the power `order`.
+    """
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
     for k in range(order):
@@ -126,24 +159,25 @@ def fill_position(work: Work, axis: int, start: float, order: int) -> None:
 
 @borrowing
 def fill_multiple(work: Work, row: int, factor: float, other: int, order: int) -> None:
-    """Fill a series with a multiple of another one, a_k = `factor` b_k."""
+    """Fill row `row` of `work` with a multiple of the series in row `other`, a_k = `factor` b_k."""
     for k in range(order + 1):
         work[row, k] = factor * work[other, k]
 
 
 @borrowing
 def stand(work: Work, axis: int, order: int) -> None:
-    """Fill the velocity along an axis with 0, u_k = 0: the part stands."""
+    """Fill the velocity along an axis (0, 1, 2: along, across, normal) with 0, u_k = 0."""
     for k in range(order + 1):
         work[ROW.velocity + axis, k] = 0.0
 
 
 @borrowing
 def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
-    """Fill the series of a part in free flight.
+    """Fill the series of a part in free flight; return span in rad, event at its end, and order.
 
-    u_(k+1) = D_k/(k + 1), where `bend` adds to D what a curve does. It ends where z falls through
-    0, or y at a wall (theory 13.13).
+    u_(k+1) = D_k/(k + 1), with the acceleration D without contacts, to which `bend` adds what a
+    curve does. The step ends at the latest where z falls through 0 (`land`), or y at a wall
+    (`bump`). `state` has the columns of `STATE` (theory 13.13).
     """
     order = step.order
     for axis in range(3):
@@ -169,11 +203,12 @@ def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[f
 def stick(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a part that sticks to floor, wall or both; a cylinder rolls across.
+    """Fill the series of a part that sticks to floor or wall; return span, event at its end, order.
 
-    u = 0, of a cylinder u_y' = D_y (r - 1)/r, r = 1 + m r^2/I (theory 7.3). It ends at lift-off,
-    where the force across falls through 0, D_y = 0, at a wall that comes to carry or lets go, or
-    where friction gives way, `to_slip` (theory 13.13).
+    u = 0; a cylinder rolls across, u_y' = D_y (r - 1)/r with r = 1 + m r^2/I and the acceleration D
+    without contacts (theory 7.3). The step ends at lift-off, where the force across falls through 0
+    at a wall that comes to carry the part or lets it go, or where friction gives way (`to_slip`).
+    `state` and `hold` have the columns of `STATE` and `HOLD` (theory 13.13).
     """
     order, contacts, before = step.order, hold[HOLD.contacts], hold[HOLD.event]
     response = 1.0 + step.rolling
@@ -211,10 +246,12 @@ def stick(
 def to_slip(
     step: StepSettings, cell: Cell, contacts: int, span: float, name: int, work: Work
 ) -> tuple[float, int]:
-    """Return the span until friction gives way and the event there, or the known event.
+    """Return the span in rad until friction gives way and the event there, or what is known.
 
-    (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L; in the corner mu_s N + mu_w S = |D_x| (theory
-    4.4).
+    (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L, the acceleration D without contacts and r = 1 +
+    m r^2/I; in the corner mu_s N + mu_w S = |D_x| with the loads N, S of floor and wall. `contacts`
+    tells what carries the part. If it holds within `span`, the result is `span` and the event
+    `name` (theory 4.4).
     """
     along, across, normal, event = ROW.free, ROW.free + 1, ROW.free + 2, ROW.event
     top, response = step.order - 1, 1.0 + step.rolling
@@ -242,9 +279,11 @@ def to_slip(
 def slide_in_corner(
     step: StepSettings, cell: Cell, state: Floats, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a slip along floor and wall at once, which has one direction.
+    """Fill the series of a slip along floor and wall at once; return span, event at its end, order.
 
-    u_x' = D_x -+ (mu_k N + mu_w S), N = -D_z and S = -D_y (theory 4.4, 13.13).
+    u_x' = D_x -+ (mu_k N + mu_w S), with the acceleration D without contacts and the loads N = -D_z
+    and S = -D_y. The step ends at lift-off, where the wall carries no more, or where the slip
+    stops. `state` has the columns of `STATE` (theory 4.4, 13.13).
     """
     order, way, event = step.order, begin.cosine, ROW.event
     along, across = ROW.velocity, ROW.free + 1
@@ -278,12 +317,13 @@ def slide_in_corner(
 def slide(
     step: StepSettings, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a slip on floor or wall, in two directions.
+    """Fill the series of a slip on floor or wall, in two directions; return span, event, order.
 
-    By `line_series` where it keeps its direction, `onset_series` where it begins, `last_of_slip`
-    where it ends, else by `slide_series`. It ends at lift-off or where the load falls through 0,
-    where the part meets the other contact, or where slip.e comes down to a share of itself (theory
-    13.13).
+    By `line_series` if it keeps its direction, `onset_series` if it begins, `last_of_slip` if it
+    ends, else by `slide_series`. The step ends at lift-off or where the load falls through 0, where
+    the part meets the other contact, where the slip stops, or where its component along its first
+    direction has fallen to a share of itself. `contacts` is `FLOOR` or `WALL`, `state` has the
+    columns of `STATE` (theory 13.13).
     """
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event
     contact = contact_of(cell, step.rolling, on_floor)
@@ -340,9 +380,10 @@ def slide(
 
 @borrowing
 def contact_of(cell: Cell, rolling: float, on_floor: bool) -> Contact:
-    """Return the record of the contact that slips.
+    """Return the record of the contact that slips: axes, friction, response, curvature.
 
-    With r = 1 + m r^2/I at the floor and 1 at the wall.
+    The response to friction across is r = 1 + m r^2/I at the floor (`rolling` is m r^2/I, 0 for a
+    block) and 1 at the wall.
     """
     if on_floor:
         return Contact(1, 2, cell.friction_kinetic, 1.0 + rolling, cell.curvature_number)

@@ -20,7 +20,10 @@ SHARP = 1e-15
 
 @borrowing
 def value(table: Floats, row: int, order: int, t: float) -> float:
-    """Return the value of a polynomial at t, a_0 + t (a_1 + t (a_2 + ...))."""
+    """Return the value of a polynomial at t, a_0 + t (a_1 + t (a_2 + ...)).
+
+    Its coefficients stand in row `row` of `table`, up to the power `order`.
+    """
     total = table[row, order]
     for k in range(order - 1, -1, -1):
         total = total * t + table[row, k]
@@ -29,14 +32,13 @@ def value(table: Floats, row: int, order: int, t: float) -> float:
 
 @borrowing
 def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -> float:
-    """Return the first t in [0, span] at which a polynomial falls through 0; `NEVER` if none.
+    """Return the first t in [0, span] at which a polynomial falls through 0; `NEVER` (-1) if none.
 
-    A value of exactly 0 at the start is divided out: a fall at once is then one of what is left.
-
-    On the way the polynomial P is followed from place to place: its negative terms alone bound it
-    from below, P(t) >= P(0) + `negative_part`, and where that bound comes down to zero the
-    polynomial itself cannot have done so earlier, `safe_step`. Shifted there, the bound is asked
-    again. Steps never pass a root, and are Newton's near one that it crosses, `near_fall`.
+    Its coefficients stand in row `row` of `table`, up to the power `order`; row `scratch` is
+    overwritten. A value of exactly 0 at the start is divided out. The negative terms alone bound
+    the polynomial P from below, P(t) >= P(0) + `negative_part`: up to where that bound is 0, P has
+    no root. P is shifted there (`safe_step`) and the bound asked again; near a root that P crosses,
+    Newton's iteration finds it (`near_fall`).
     """
     low = 0
     while low < order and table[row, low] == 0.0:
@@ -69,10 +71,11 @@ def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -
 
 @borrowing
 def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
-    """Return the root of a polynomial that falls all the way to it, at most twice the tangent's.
+    """Return the root of a polynomial that falls all the way to it; `NEVER` (-1) if it may not.
 
-    `NEVER` where it may not fall so: a_1 + sum of k max(a_k, 0) t^(k-1) >= 0 up to there. By
-    Newton's iteration within a bracket, t -> t - P/P'.
+    The coefficients a_k stand in row `row` of `table`, up to power `degree`. It falls all the way
+    if a_1 + sum of k max(a_k, 0) t^(k-1) < 0 up to twice the root of the tangent, or up to `span`.
+    The root is found by Newton's iteration within a bracket, t -> t - P/P'.
     """
     if degree < 1 or not table[row, 1] < 0.0:
         return NEVER
@@ -103,10 +106,10 @@ def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
 
 @borrowing
 def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
-    """Return the polynomial's negative terms above power `low` at t, divided by t^`low`.
+    """Return the negative terms of a polynomial above power `low` at t, divided by t^`low`.
 
-    sum of min(a_k, 0) t^(k - low), k > low. Even and odd powers for themselves: neither sum waits
-    for the other.
+    sum of min(a_k, 0) t^(k - low), k > low, with the coefficients in row `row` of `table` up to
+    power `order`. Even and odd powers are summed apart, so that neither sum waits for the other.
     """
     square, even, odd, k = t * t, 0.0, 0.0, order
     if (order - low) % 2 == 1:
@@ -122,8 +125,10 @@ def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> fl
 def safe_step(table: Floats, row: int, degree: int, span: float) -> float:
     """Return a step within which a polynomial that is positive at 0 stays positive.
 
-    The bound a_0 + `negative_part` is concave: Newton's iteration comes to its root from the right,
-    and the chord from 0 to any place t beyond crosses zero before it, at t a_0/(a_0 - bound(t)).
+    Its coefficients stand in row `row` of `table`, up to power `degree`; the step is at most
+    `span`. The lower bound a_0 + `negative_part` is concave: Newton's iteration comes to its root
+    from the right, and the chord from 0 to any t beyond crosses zero before it, at t a_0/(a_0 -
+    bound(t)).
     """
     first = table[row, 0]
     if first <= 0.0:

@@ -27,16 +27,16 @@ class Contact(NamedTuple):
 
     Attributes
     ----------
-    second : int
-        Axis of the slip's second component: 1 at the floor, 2 at the wall.
-    pressed : int
+    second
+        Axis of the slip's second component: 1 (across) at the floor, 2 (normal) at the wall.
+    pressed
         Axis along which it is pressed on: 2 at the floor, 1 at the wall.
-    friction : float
-        Kinetic.
-    response : float
-        Of the second component to friction.
-    curvature : float
-        Curvature number; it acts on axis 1.
+    friction
+        Kinetic friction coefficient.
+    response
+        Response r of the second component to friction: 1 + m r^2/I of a cylinder, else 1.
+    curvature
+        Curvature number g/(w^2 R); it acts on axis 1.
     """
 
     second: int
@@ -48,7 +48,7 @@ class Contact(NamedTuple):
 
 @borrowing
 def product(work: Work, a: int, b: int, k: int) -> float:
-    """Return coefficient k of the product of two series, sum of a_i b_(k-i)."""
+    """Return coefficient k of the product of two series, sum of a_i b_(k-i), in rows a and b."""
     total = 0.0
     for i in range(k + 1):
         total += work[a, i] * work[b, k - i]
@@ -57,7 +57,10 @@ def product(work: Work, a: int, b: int, k: int) -> float:
 
 @borrowing
 def square_of(work: Work, a: int, k: int) -> float:
-    """Return coefficient k of the square of a series, sum of a_i a_(k-i), each pair once."""
+    """Return coefficient k of the square of the series in row `a`, sum of a_i a_(k-i).
+
+    Each pair is multiplied once.
+    """
     total, half = 0.0, (k + 1) // 2
     for i in range(half):
         total += work[a, i] * work[a, k - i]
@@ -66,9 +69,10 @@ def square_of(work: Work, a: int, k: int) -> float:
 
 @borrowing
 def bend(work: Work, along: float, curvature: float, k: int) -> None:
-    """Add the effect of the track's curvature to coefficient k, from the velocity along.
+    """Add the effect of the track's curvature to coefficient k of the acceleration across.
 
-    -kappa V^2 to D_y, V = u_x + v_track; `square_of` of its series (theory 13.1).
+    -kappa V^2, V = u_x + v_track the speed in space; `along` is coefficient k of the part's
+    velocity along the track, `curvature` the curvature number kappa (theory 13.1).
     """
     work[ROW.extra, k] = along + work[ROW.track, k]
     turn = curvature * square_of(work, ROW.extra, k)
@@ -81,8 +85,10 @@ def bend(work: Work, along: float, curvature: float, k: int) -> None:
 def slide_series(contact: Contact, order: int, work: Work) -> None:
     """Fill the series of slip, its square and the load, from an initial slip that is not 0.
 
-    The slip's size r from r^2 = slip^2, and R = q L/r from R r = q L, coefficient by coefficient.
-    All sums run over pairs i + j = k, several at a time: each waits for its own last term only.
+    slip' = D - q L (e_1, r e_2), with q = mu_k, the load L, the direction e of the slip and r the
+    contact's response. The slip's size s comes from s^2 = slip^2, and R = q L/s from R s = q L,
+    coefficient by coefficient up to power `order`. Sums run over pairs i + j = k, several at a
+    time, so that each waits for its own last term only.
     """
     first, second, pressed = ROW.slip, ROW.slip + 1, ROW.free + contact.pressed
     push, across = ROW.free, ROW.free + contact.second
@@ -161,8 +167,9 @@ def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
 def line_series(contact: Contact, order: int, work: Work) -> None:
     """Fill slip, its size and the load of a slip with constant direction e until it stops.
 
-    slip' = D - mu_k L (e_1, r e_2): friction then has one direction, and the series needs no
-    quotient. Those of `slide_series` have rounding in their higher terms, over powers of the slip.
+    slip' = D - mu_k L (e_1, r e_2), with the acceleration D without friction, load L and the
+    contact's response r, up to power `order`. No quotient by the slip is needed: in `slide_series`
+    that leaves rounding in the higher terms.
     """
     first, second, size, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
     start_1, start_2 = work[first, 0], work[second, 0]
@@ -185,13 +192,13 @@ def onset_series(
 ) -> None:
     """Fill slip and load of a slip that begins at 0 in the direction (cosine, sine).
 
-    In polar form, slip = r (cos theta, sin theta), where theta' has a factor 1/r:
+    In polar form, slip = r (cos theta, sin theta), with acceleration D, load L, q = mu_k:
 
         r'       = D_1 cos + D_2 sin - q L (cos^2 + response sin^2)
         r theta' = D_2 cos - D_1 sin - q L (response - 1) sin cos
 
-    `start` is r' at the start: 0 where static friction is no larger than kinetic. The series of
-    theta is a formal one then: good within its smallest term.
+    `start` is r' at the start in g: 0 if static friction is no larger than kinetic. As theta' has a
+    factor 1/r, the series of theta is a formal one then: good within its smallest term.
     """
     first, second = ROW.slip, ROW.slip + 1
     push, across, load = ROW.free, ROW.free + contact.second, ROW.load
@@ -246,7 +253,11 @@ def onset_series(
 def last_of_slip(
     contact: Contact, cosine: float, sine: float, size: float, rate: float, work: Work
 ) -> None:
-    """Fill the last piece of a slip as a straight line to its end, (size - rate D) e."""
+    """Fill the last piece of a slip as a straight line to its end, (size - rate D) e, D the phase.
+
+    `size` is the slip's speed in g/w, `rate` its rate of fall in g, e = (cosine, sine) its
+    direction.
+    """
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
     if contact.curvature != 0.0:
@@ -259,7 +270,7 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
     """Fill the part's velocities along the axes of the slip, from slip and acceleration.
 
     Friction acts on the slip of a cylinder r times as much as on its velocity: u_2' = (slip_2' + (r
-    - 1) D_2)/r.
+    - 1) D_2)/r, with the acceleration D without friction. `velocity_2` is u_2 at the start in g/w.
     """
     response = contact.response
     along, other = ROW.velocity, ROW.velocity + contact.second
@@ -275,9 +286,10 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 
 @borrowing
 def asymptotic_span(order: int, work: Work) -> float:
-    """Return the span in which an asymptotic series is accurate: its terms fall up to the last.
+    """Return the span in rad within which an asymptotic series of the slip is accurate.
 
-    0.7 min |a_k|/|a_(k+1)| over the last half of them.
+    Its terms must fall up to the last, of power `order`: 0.7 min |a_k|/|a_(k+1)| over the last
+    half.
     """
     span = math.inf
     for k in range(order // 2, order):

@@ -54,10 +54,11 @@ RESTITUTION, WALL_RESTITUTION = (
 
 @compiled
 def never_settles(cell: Cell, wall: bool) -> bool:
-    """True if gravity along the track exceeds the mean friction available (theory 13.8).
+    """True if gravity along the track exceeds the mean friction available: the part runs away.
 
-    |sin(gamma)| > mu n + mu_w max(0, n_y): the floor's mean load is gravity's, and so is that of
-    the wall of a straight track. Without a wall gravity across pulls as well.
+    |sin(gamma)| > mu n + mu_w max(0, n_y), since the mean loads of the floor, n, and of the wall of
+    a straight track, n_y, are those of gravity. Without a wall gravity across pulls as well (theory
+    13.8).
     """
     friction = max(cell.friction_static, cell.friction_kinetic) * cell.gravity_number_normal
     pull = abs(cell.gravity_number_along)
@@ -76,8 +77,9 @@ def without_repeating(
 ) -> int:
     """Fill the result of a motion that did not repeat, and return its status.
 
-    Its mean is that of batches of periods, and so is its error, `mean_error`; a mean that drifts is
-    none (theory 13.13).
+    The mean and its error are those of batches of its `done` periods in `history`; a mean that
+    drifts is none, `limit_reached`. `speed` is the velocity amplitude of the drive in g/w, `result`
+    has the columns of `COLUMN` (theory 13.13).
     """
     travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
     status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
@@ -113,10 +115,12 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
 
 @compiled
 def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
-    """Fill the result of a cell from rest, given its row; `history` receives its last periods.
+    """Fill the result of a cell from rest, and return the way in which its motion repeats.
 
-    The mean over the cycle of `to_cycle`. Its error is 2 |v_other - v| of other runs, what the
-    transient has left, and 2e-10 of the drive's speed (theory 13.13).
+    The mean over the cycle. Its error is twice the difference to the velocity of other runs, what
+    the transient has left, and 2e-10 of the drive's speed; if digits decide the motion is
+    `sensitive`. `row` holds the cell's numbers, `rolling` is m r^2/I of a cylinder or 0, `history`
+    receives its last periods, `result` has the columns of `COLUMN` (theory 13.13).
     """
     cell = cell_of(row)
     result[:] = math.nan
@@ -171,10 +175,11 @@ def followed_on(
     cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
     velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
-    """Return the deviation of a mean velocity found with shorter series, or NaN.
+    """Return the error in g/w of a mean velocity, from a run with shorter series; NaN if it fails.
 
-    |v_12 - v| and what `remaining` says: they follow the cycle twice from its start. By how much
-    less the state changes over the second time tells how far it still goes.
+    The run follows the cycle of `multiple` periods twice from its start (`state`, `hold`); the
+    error is the difference of its mean velocity in the second time from `velocity`, plus the
+    distance that its state still has to go (`remaining`).
     """
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
@@ -187,7 +192,10 @@ def followed_on(
 
 @compiled
 def changed(row: Floats, hairs: float) -> Cell:
-    """Return the cell of a row with restitutions reduced to e (1 - k 1e-12), k = `hairs`."""
+    """Return the cell of a row with restitutions reduced to e (1 - k 1e-12), k = `hairs`.
+
+    Runs of such cells tell if the last digits decide in which motion a part ends.
+    """
     row = row.copy()
     row[RESTITUTION] *= 1.0 - hairs * HAIR
     row[WALL_RESTITUTION] *= 1.0 - hairs * HAIR
@@ -232,9 +240,10 @@ def settled_velocity(
     cell: Cell, wall: bool, rolling: float, series: Series, done: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> tuple[float, int]:  # fmt: skip
-    """Return the mean velocity by other series (or NaN) and the periods.
+    """Return the mean velocity in g/w of a run with other series (NaN if none), and its periods.
 
-    `done` is what a run took.
+    The run starts from `state` and `hold` and may take four times as long as the `done` periods of
+    the first run, and 32 more.
     """
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)
@@ -248,7 +257,12 @@ def settled_velocity(
 def solve_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table and statuses of cells; a row of `groups` holds the fields of `Cell`."""
+    """Fill table and statuses of cells with the means of their motion.
+
+    `groups` has a row with the fields of `Cell` for each cell (and its wave), `table` has the
+    columns of `COLUMN`, `status` one value a cell; `wall` tells if there is a wall, `rolling` is m
+    r^2/I of a cylinder or 0, `stop` is a flag that ends the work.
+    """
     if groups.shape[0] == 0:
         return
     most = max(1, int(groups[:, GROUPS - 1].max()))

@@ -16,9 +16,10 @@ from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
 
 @borrowing
 def kinetic(state: Floats, rolling: float) -> float:
-    """Return the kinetic energy per mass relative to the track, with the spin of a cylinder.
+    """Return the kinetic energy per mass relative to the track, in (g/w)^2, with a cylinder's spin.
 
-    (u.u + spin^2/(m r^2/I))/2 (theory 13.15).
+    (u.u + spin^2/(m r^2/I))/2; `state` has the columns of `STATE`, `rolling` is m r^2/I or 0
+    (theory 13.15).
     """
     square = state[STATE.ux] ** 2 + state[STATE.uy] ** 2 + state[STATE.uz] ** 2
     if rolling > 0.0:
@@ -37,11 +38,12 @@ def spend(
     work: Work,
     spent: Floats,
 ) -> None:
-    """Add the work of drive and friction over a step from tau on to `spent`.
+    """Add the work of drive and friction over a step to `spent` (columns of `SPENT`), in (g/w)^2.
 
-    The integrals of b.u, of b'.u (NaN of a wave: `planar.drive.push_slope`) and of friction. Where
-    `spent` has no columns nothing is asked. The accelerations without contacts hold gravity, and
-    what a curve does.
+    Per mass, from phase `tau` over `span` rad: the integrals of b.u (drive), of b'.u (swing, NaN of
+    a wave) and of friction, with the push b, its derivative b' by the phase and the velocity u,
+    from the series in `work` up to power `order`. `contacts` and `slips` tell what carries the part
+    and if it slips. Nothing is done if `spent` has no columns (theory 13.15).
     """
     if spent.size == 0:
         return
@@ -66,9 +68,11 @@ def spend(
 
 @borrowing
 def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> float:
-    """Return the power of friction at slipping contacts, some phase after a step began.
+    """Return the power of friction at slipping contacts, per mass in g^2/w, during a step.
 
-    mu_k N |slip| of the floor, mu_w S |slip| of the wall, N = -D_z and S = -D_y (theory 13.15).
+    mu_k N |slip| of the floor, mu_w S |slip| of the wall, with the loads N = -D_z and S = -D_y from
+    the accelerations D without contacts. `at` is the phase since the step began, `order` the
+    highest power of its series (theory 13.15).
     """
     floor = -cell.friction_kinetic * value(work, ROW.free + 2, order - 1, at)
     wall = -cell.wall_friction * value(work, ROW.free + 1, order - 1, at)

@@ -94,15 +94,16 @@ Work: TypeAlias = Floats
 
 @compiled
 def new_work() -> Work:
-    """Return buffers for the series of a step, rows of `ROW`."""
+    """Return the table for the series of a step, a row for each quantity of `ROW`; zeros."""
     return np.zeros((ROW.rows, MAX_ORDER + 2))
 
 
 @compiled
 def at_rest() -> tuple[Floats, Flags]:
-    """Return state and friction of a part at rest on the floor that touches the wall.
+    """Return state and contacts of a part at rest on the floor that touches the wall.
 
-    Zeros, and `EVENT.start`: the forces decide what holds it.
+    Zeros in the columns of `STATE` and `HOLD`, with the event `start`: the forces then decide which
+    contact carries the part.
     """
     hold = np.zeros(len(HOLD), dtype=np.int64)
     hold[HOLD.event] = EVENT.start
