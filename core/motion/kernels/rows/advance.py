@@ -59,7 +59,11 @@ their gap would have swung by is of the order of its square."""
 def refreshed(
     row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
 ) -> None:
-    """Update a row after an event: start pushed parts, open idle contacts, set accelerations."""
+    """Update a row after an event: start pushed parts, open idle contacts, set accelerations.
+
+    `level` is what the step of the drive adds to the push in g, `tau` the phase now, `flying` if
+    the parts are in the air; `event` is the one that has just happened.
+    """
     forced = event.part if event.kind == START else -1
     pull = drive.gs - level
     push, load = pushes(drive, pull, tau)
@@ -75,10 +79,11 @@ def refreshed(
 def next_event(
     row: Row, drive: Driven, level: float, tau: float, span: float, landing: float
 ) -> Event:
-    """Return the earliest event within a phase span; `landing` is the phase until landing, or inf.
+    """Return the earliest event within `span` rad from phase `tau`.
 
-    Of several at once lift-off comes first, then landings, stops, starts, releases by the stop and
-    collisions.
+    `landing` is the phase until landing, inf on the floor; `level` is what the step of the drive
+    adds to the push. Of several at once lift-off comes first, then landings, stops, starts,
+    releases by the stop and collisions.
     """
     event = Event(span, NOTHING, 0)
     now = at_phase(drive, tau)
@@ -103,9 +108,11 @@ def next_event(
 
 @borrowing
 def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
-    """Return the earlier one of an event and the first stop or start of a part.
+    """Return the first stop or start of a part on the floor, or `event` if that is earlier.
 
-    A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), mu as `least_friction`.
+    `pull` is gravity along less the level of the drive's step, `tau` the phase now, `now` its terms
+    (`at_phase`). A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), with the
+    static friction mu of `least_friction`.
     """
     first = 0
     while first < row.mass.size:
@@ -132,10 +139,11 @@ def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event:
 def _released(
     row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
 ) -> Event:
-    """Return the earlier one of an event and the first release of a block by the stop.
+    """Return the first release of a block by the stop, or `event` if that is earlier.
 
-    In flight a stop of the track lets go where the push turns back; on the floor one in space where
-    -mode mu n falls to gs.
+    `pull` is gravity along less the level of the drive's step, `tau` the phase now. In flight a
+    stop of the track lets go where the push turns back; on the floor one in space where -mode mu n
+    falls to gs.
     """
     first = held_from(row)
     if first == row.mass.size:
@@ -155,9 +163,10 @@ def _released(
 
 @borrowing
 def move(row: Row, drive: Driven, tau: float, span: float) -> None:
-    """Move all parts over a phase by their accelerations, and change the gaps accordingly.
+    """Move all parts over `span` rad by their accelerations, and change the gaps accordingly.
 
-    Parts that touch have one velocity and one flow: they move by the same, to the bit.
+    From phase `tau`. Parts that touch have one velocity and one acceleration: they move by the same
+    distance, to the bit.
     """
     by, behind = swung(drive, tau, span), 0.0
     for i in range(row.mass.size):
@@ -190,9 +199,10 @@ def lifted(drive: Driven, tau: float) -> Air:
 def happened(
     row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
-    """Change the state of a row by an event at a phase.
+    """Change the state of a row by an event at phase `tau`; return flight, energy lost, impulse.
 
-    Return the flight after it, the energy that it takes, and the impulse on the stop.
+    The flight after it (`Air`), the energy that a collision takes, and the impulse on the stop.
+    `air` is the flight before, `restitution` that between parts.
     """
     lost, impulse = 0.0, 0.0
     if event.kind == LIFT:
@@ -215,9 +225,11 @@ def happened(
 
 @borrowing
 def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
-    """True where two colliding parts are pressed together and would bounce for nearly no time.
+    """True if two colliding parts are pressed together and would bounce for nearly no time.
 
-    Bounces under the relative acceleration -a last 2 e v/(a (1 - e)) in all (theory 13.5).
+    Bounces under the relative acceleration -a, from the relative speed v, last 2 e v/(a (1 - e)) in
+    all, with `restitution` e. `contact` is the index of the rear part, `tau` the phase (theory
+    13.5).
     """
     drag = row.drag[contact + 1] - row.drag[contact]
     pressed = drag - relative_push(row, drive, contact, tau)

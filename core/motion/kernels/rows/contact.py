@@ -17,10 +17,10 @@ from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
     """Pool `row.value[first:end]` into non-decreasing means; return the number of blocks.
 
-    min sum m (y - v)^2 under y_i <= y_(i+1): a block is as long as a mean over it, weighted by
-    mass, is no larger than that of the block before, or beyond it by a slack. Each value becomes
-    its block's mean; `row.last[b]` is the last part of block b. Equal values give their very value
-    as mean.
+    min sum m (y - v)^2 under y_i <= y_(i+1): isotonic regression. A block grows as long as its
+    mean, weighted by mass, is no larger than that of the block before, or beyond it by at most
+    `slack`. Each value becomes its block's mean; `row.last[b]` is the last part of block b. Equal
+    values keep their exact value.
     """
     blocks = 0
     for i in range(first, end):
@@ -44,7 +44,7 @@ def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
 
 @borrowing
 def chain_end(row: Row, first: int) -> int:
-    """Return the index after the last part of the chain of touching parts from `first` on."""
+    """Return the index after the last part of the chain of touching parts from part `first` on."""
     end = first + 1
     while end < row.mass.size and row.closed[end - 1] == 1:
         end += 1
@@ -53,15 +53,15 @@ def chain_end(row: Row, first: int) -> int:
 
 @borrowing
 def is_held(row: Row, end: int) -> bool:
-    """True if the chain that ends at `end` touches a stop and moves with it."""
+    """True if the chain of parts that ends before index `end` touches a stop and moves with it."""
     return row.stop != NO_STOP and end == row.mass.size and row.closed[end - 1] == 1
 
 
 @borrowing
 def held_from(row: Row) -> int:
-    """Return the first part of the chain that touches a stop.
+    """Return the index of the first part of the chain that touches a stop.
 
-    The number of parts if there is none.
+    The number of parts if no part touches it.
     """
     first = row.mass.size
     if is_held(row, first):
@@ -73,7 +73,7 @@ def held_from(row: Row) -> int:
 
 @borrowing
 def open_between(row: Row, blocks: int) -> None:
-    """Open the contacts between the blocks that `pooled` has made."""
+    """Open the contacts between the `blocks` blocks that `pooled` has made: they move apart."""
     for b in range(blocks - 1):
         row.closed[row.last[b]] = 0
 
@@ -83,7 +83,7 @@ def slide(row: Row) -> None:
     """Open contacts without force, between parts of a chain that slide in one direction.
 
     The accelerations D - mu n (forward) and D + mu n (backward) are in the order of -mu and of mu
-    at every time: blocks hang on friction alone, and last until an event.
+    at every time: blocks depend on friction alone, and last until an event.
     """
     first = 0
     while first < row.mass.size:
@@ -100,10 +100,10 @@ def slide(row: Row) -> None:
 def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, released: bool) -> None:
     """Release parts of the chain at the stop that are no longer pressed onto it.
 
-    The block that presses least is let go in any case if it is `released`: its limit is reached.
-
-    A stop of the track holds in flight while the push is forward, and on the floor whatever is at
-    rest. One in space has u' = D + gs, so that a block presses with -gs - mode mu n > 0 per mass.
+    A stop of the track holds in flight while `push`, the acceleration along in g, is forward, and
+    on the floor whatever is at rest. A stop in space has u' = D + gs, so that a block presses with
+    -gs - mode mu n > 0 per mass, n = `load`. The block that presses least is let go in any case if
+    `released`: its limit has just been reached. `flying` tells that parts are in the air.
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:
@@ -149,9 +149,9 @@ def least_pressed(row: Row, first: int) -> float:
 def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
     """Set the acceleration of every part, from its mode, contacts and the drive.
 
-    In flight it is the push along less the pull; at rest 0; sliding by mode = +-1, a block has the
-    mean friction mu of its parts: under a sine C = c + mode mu s, k = pull + mode mu gn (theory
-    13.2).
+    `pull` is gravity along less the level of the drive's step, in g. In flight (`flying`) it is the
+    push along less the pull; at rest 0; sliding by mode = +-1, a block has the mean friction mu of
+    its parts: under a sine C = c + mode mu s, k = pull + mode mu gn (theory 13.2).
     """
     first = 0
     while first < row.mass.size:
@@ -181,9 +181,10 @@ def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
 def start(row: Row, push: float, load: float, forced: int) -> None:
     """Set those parts of every resting chain in motion that the drive can move.
 
-    In the direction of the push the values |D| - mu_s n are pooled; blocks above 0 start: those in
-    front under a push forward, those behind under one backward. The block that moves most of the
-    chain that begins with part `forced` starts in any case: its limit has just been reached.
+    In the direction of `push` D the values |D| - mu_s n, n = `load`, are pooled; blocks above 0
+    start: those in front under a push forward, those behind under one backward. The block that
+    moves most of the chain that begins with part `forced` starts in any case: its limit has just
+    been reached.
     """
     first = 0
     while first < row.mass.size:
@@ -196,7 +197,11 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
 
 @borrowing
 def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
-    """Set the parts of one resting chain in motion that the drive can move."""
+    """Set the parts of the resting chain `first` to before `end` in motion that the drive can move.
+
+    `push` and `load` are the accelerations along and onto the floor in g; `is_forced` tells that
+    one block has just reached its limit, and starts in any case.
+    """
     way = 1 if push > 0.0 else -1
     for i in range(first, end):
         # Pushed back, the accelerations -(|D| - mu n) do not fall towards the front, either.
@@ -207,7 +212,11 @@ def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_fo
 
 @borrowing
 def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> None:
-    """Set the mode of the moving parts of a chain, and open the contact to the resting ones."""
+    """Set the mode of the moving parts of a chain, and open the contact to the resting ones.
+
+    The chain is `first` to before `end`, `way` the direction of the push (1, -1); `row.value` holds
+    the pooled accelerations. If `is_forced`, the block that moves most starts in any case.
+    """
     farthest = end - 1 if way > 0 else first
     most = way * row.value[farthest]
     for i in range(first, end):
@@ -277,10 +286,10 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
 
 @borrowing
 def land(row: Row, impulse: float) -> float:
-    """Land all parts with an impulse L per mass on the floor; return the impulse on a stop.
+    """Land all parts with the impulse L = `impulse` per mass on the floor; return that on a stop.
 
-    u - mu L sgn(u), pooled, and cut at 0: who would be turned round by friction stays. Parts on a
-    stop are no faster than it.
+    u - mu L sgn(u), pooled, and cut at 0: parts that friction would turn round stay at rest. Parts
+    on a stop are no faster than the stop.
     """
     first, taken, parts = 0, 0.0, row.mass.size
     while first < parts:

@@ -35,9 +35,9 @@ class Pull(NamedTuple):
 
 @borrowing
 def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]:
-    """Return the zeros of u' = C sin(tau) - k after tau, within a span of at most one turn.
+    """Return the first two zeros of u' = C sin(tau) - k after tau, within `span` (a turn at most).
 
-    In order; the span stands for one that is not within it.
+    As phases from tau in rad, in order; `span` stands for a zero that is not within it.
     """
     one, other = span, span
     if abs(C) > abs(k):
@@ -50,9 +50,11 @@ def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]
 
 @borrowing
 def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float) -> float:
-    """Return the zero of velocity (order 0) or distance (order 1) between two phases.
+    """Return the zero of velocity (`order` 0) or distance (`order` 1) between two phases.
 
-    Newton's iteration, by bisection where it leaves the bracket.
+    The distance is `x` and the velocity `v` at the start; `pull` is what drives them; `low` and
+    `high` are the phases since then, with values of opposite signs. By Newton's iteration, and by
+    bisection where it leaves the bracket.
     """
     C, k, sine, cosine = pull
     speed, way = flow(v, C, k, sine, cosine, low)
@@ -91,10 +93,11 @@ def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float)
 def first_stop(
     v: float, way: int, C: float, k: float, tau: float, sine: float, cosine: float, span: float
 ) -> float:
-    """Return the phase until a velocity in direction `way` is 0; inf if it is not within the span.
+    """Return the phase in rad until a velocity in direction `way` is 0; inf if not within `span`.
 
-    Of no velocity, or a hair against its way, a part stops at once if C sin(tau) - k is against its
-    way; else it starts, whatever rounding says.
+    From velocity `v` at phase `tau` (whose `sine` and `cosine` are handed over), u' = C sin(tau) -
+    k. A part without velocity, or with a hair against its way, stops at once if C sin(tau) - k is
+    against its way; else it starts, whatever rounding says.
     """
     # It falls by no more than |C| + way k a phase.
     most = (abs(C) + way * k) * span
@@ -150,9 +153,10 @@ def first_contact(
 def _closed(
     g: float, v: float, C: float, k: float, sine: float, cosine: float, low: float, high: float
 ) -> float:
-    """Return the phase at which a gap closes between two phases.
+    """Return the phase at which a gap closes between the phases `low` and `high`.
 
-    It moves one way up to the second.
+    It is `g` with rate `v` at the start, v' = C sin - k, and monotonic from `low` to `high`; `sine`
+    and `cosine` are those of the start.
     """
     if low == 0.0 and g <= 0.0:
         return 0.0
@@ -161,7 +165,7 @@ def _closed(
 
 @borrowing
 def first_beyond(A: float, B: float, tau: float) -> float:
-    """Return the phase until A sin(tau) rises above B; inf if it never does."""
+    """Return the phase in rad from tau until A sin(tau) rises above B; inf if it never does."""
     if abs(A) <= abs(B):
         return math.inf
     angle = math.asin(B / A)
@@ -170,9 +174,9 @@ def first_beyond(A: float, B: float, tau: float) -> float:
 
 @borrowing
 def flight_time(s: float, gn: float, tau: float, most: int) -> float:
-    """Return the duration (phase) of a flight that begins at tau; inf beyond `most` turns.
+    """Return the duration in rad of a flight that begins at phase tau; inf beyond `most` turns.
 
-    Their height begins with 0, as does its rate: z'' = s sin(tau) - gn.
+    Height and velocity begin with 0: z'' = s sin(tau) - gn.
     """
     sine, cosine = math.sin(tau), math.cos(tau)
     height, rate, passed = 0.0, 0.0, 0.0

@@ -19,7 +19,10 @@ Now = namedtuple("Now", "tau sine cosine")
 
 @borrowing
 def pushes(drive: Drive, pull: float, tau: float) -> tuple[float, float]:
-    """Return the push along the track, c sin(tau) - k, and the load on the floor, at least 0."""
+    """Return the push along the track, c sin(tau) - k, and the load on the floor, at least 0, in g.
+
+    At the phase `tau`; k = `pull` is gravity along less the level of the drive's step.
+    """
     return drive.c * math.sin(tau) - pull, max(0.0, drive.gn - drive.s * math.sin(tau))
 
 
@@ -51,7 +54,10 @@ def flight(drive: Drive, tau: float) -> tuple[float, float]:
 def first_rise(
     drive: Drive, body: int, way: int, along: float, normal: float, level: float, tau: float
 ) -> float:
-    """Return the phase until (a c + b s) sin(tau) rises above a level; inf if it never does."""
+    """Return the phase in rad from `tau` until (a c + b s) sin rises above `level`; inf if never.
+
+    a = `along`, b = `normal`; `body` and `way` are for waves only.
+    """
     return first_beyond(along * drive.c + normal * drive.s, level, tau)
 
 
@@ -69,7 +75,10 @@ def at_phase(drive: Drive, tau: float) -> Now:
 
 @borrowing
 def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> float:
-    """Return the phase until the velocity of a sliding part is 0; inf if not within the span."""
+    """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`.
+
+    `part` is its index, `now` the phase with its sine and cosine.
+    """
     return first_stop(
         row.speed[part], row.mode[part], row.gain[part], row.drag[part], now.tau, now.sine,
         now.cosine, span,
@@ -78,7 +87,10 @@ def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> floa
 
 @borrowing
 def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -> float:
-    """Return the phase until a gap becomes negative, 0 if it closes already; inf if never."""
+    """Return the phase in rad until a gap becomes negative, 0 if it closes already; inf if never.
+
+    `contact` is the index of the gap, `now` the phase with its sine and cosine, `span` the limit.
+    """
     gain = row.gain[contact + 1] - row.gain[contact]
     drag = row.drag[contact + 1] - row.drag[contact]
     apart = row.speed[contact + 1] - row.speed[contact]
@@ -87,7 +99,10 @@ def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -
 
 @borrowing
 def relative_push(row: Row, drive: Drive, contact: int, tau: float) -> float:
-    """Return the drive's share in the relative acceleration of two neighbours."""
+    """Return the share of the drive in the relative acceleration of two neighbours, in g.
+
+    Of the part in front less that of part `contact`, at the phase `tau`.
+    """
     return (row.gain[contact + 1] - row.gain[contact]) * math.sin(tau)
 
 
@@ -101,7 +116,10 @@ def swung(drive: Drive, tau: float, span: float) -> tuple[float, float]:
 def carried(
     row: Row, drive: Drive, body: int, by: tuple[float, float], span: float
 ) -> tuple[float, float]:
-    """Return the change of velocity and position of a body over a phase."""
+    """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
+
+    `body` is the index of a part or of the stop, `by` the velocity and distance that sin(tau) adds.
+    """
     return (
         row.gain[body] * by[0] - row.drag[body] * span,
         row.speed[body] * span + row.gain[body] * by[1] - row.drag[body] * (span * span / 2.0),
@@ -110,9 +128,9 @@ def carried(
 
 @borrowing
 def swept(drive: Drive, tau: float, span: float) -> float:
-    """Return the integral over a phase of the distance that sin(tau) adds.
+    """Return the integral over `span` of the distance that sin adds from phase `tau` on.
 
-    cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2.
+    cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2, d = `span`.
     """
     sine, cosine = math.sin(tau), math.cos(tau)
     return math.cos(tau + span) - cosine + sine * span + cosine * span * span / 2.0
@@ -120,13 +138,16 @@ def swept(drive: Drive, tau: float, span: float) -> float:
 
 @borrowing
 def gap_swept(row: Row, drive: Drive, contact: int, by: float) -> float:
-    """Return the drive's share in the integral of a gap over a phase."""
+    """Return the share of the drive in the integral of a gap over a phase.
+
+    `contact` is the index of the gap, `by` the integral for sin(tau), from `swept`.
+    """
     return (row.gain[contact + 1] - row.gain[contact]) * by
 
 
 @borrowing
 def sizes(drive: Drive) -> tuple[float, float]:
-    """Return the amplitudes of both pushes, of which `along` and `normal` are multiples below."""
+    """Return the amplitudes of both pushes in g, of which `above` and `highest` take multiples."""
     return drive.c, drive.s
 
 
@@ -134,7 +155,10 @@ def sizes(drive: Drive) -> tuple[float, float]:
 def above(
     drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the integral of max(0, C sin(x) - k) over a phase of a turn at most, C = a + b."""
+    """Return the integral of max(0, C sin(x) - k) over `span` (a turn at most) from phase `tau`.
+
+    C = `along` + `normal`, k = `drag`, in g times mass; `body` is for waves only.
+    """
     gain = along + normal
     if gain == 0.0:
         return max(0.0, -drag) * span
@@ -153,7 +177,7 @@ def above(
 
 @borrowing
 def _whole(gain: float, drag: float, tau: float, span: float) -> float:
-    """Return the integral of gain sin(x) - drag over a phase."""
+    """Return the integral of gain sin(x) - drag over `span` rad from phase `tau`."""
     return gain * (math.cos(tau) - math.cos(tau + span)) - drag * span
 
 
@@ -161,7 +185,10 @@ def _whole(gain: float, drag: float, tau: float, span: float) -> float:
 def highest(
     drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of C sin(x) - k over a phase, C = a + b."""
+    """Return the largest value of C sin(x) - k over `span` rad from phase `tau`.
+
+    C = `along` + `normal`, k = `drag`; `body` is for waves only.
+    """
     gain = along + normal
     top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)
     if top <= span:

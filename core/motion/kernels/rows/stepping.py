@@ -45,9 +45,10 @@ STEP_SHARE = 0.5
 
 
 class Pushes(NamedTuple):
-    """A drive: the push along and that off the floor in the middles of its steps.
+    """The push along and that off the floor in the middles of the steps of a period, in g.
 
-    `backward` is the velocity, at their ends, of a body at rest in space, seen from the track.
+    `backward` is the velocity of a body at rest in space relative to the track, at the ends of the
+    steps, in g/w.
     """
 
     along: Floats
@@ -84,7 +85,12 @@ def pushes_of(cell: Floats, steps: int) -> Pushes:
 
 @compiled
 def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float) -> None:
-    """Set a chain's speeds after an impulse: v - mu I pooled forward, v + mu I backward, or 0."""
+    """Set a chain's speeds after an impulse of the floor: v - mu I or v + mu I pooled, or 0.
+
+    Parts `first` to before `end`, with velocities `v` without friction and coefficients `mu`;
+    `impulse` is I per mass, in g/w. Forward speeds are those of v - mu I above 0, backward ones
+    those of v + mu I below 0.
+    """
     for i in range(first, end):
         row.value[i] = v[i] - mu[i] * impulse
     pooled(row, first, end)
@@ -102,6 +108,8 @@ def stepped_chain(
 ) -> float:
     """Set the speeds of touching parts after a time step; return the impulse on the stop.
 
+    Parts `first` to before `end`; `push` is the change of velocity without friction, `impulse` that
+    of the floor per mass, in g/w; `held` if they touch the stop; `v` and `mu` are work arrays.
     Parts at rest have their static friction until they move.
     """
     for i in range(first, end):
@@ -127,7 +135,11 @@ def stepped_chain(
 
 @compiled
 def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> None:
-    """Move all parts over a step by their mean speeds; count contacts and add the gaps."""
+    """Move all parts over a step of `h` rad by their mean speeds; count contacts, add the gaps.
+
+    `before` holds the speeds before the step. `tally[0]` gets the phase times the closed contacts,
+    `swept` the integral of each gap.
+    """
     parts = row.mass.size
     for i in range(row.speed.size):
         way = 0.5 * h * (before[i] + row.speed[i])
@@ -149,7 +161,10 @@ def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> N
 
 @compiled
 def _touches_next(row: Row, v: Floats, i: int, span: float) -> bool:
-    """True if part i touches the next one after a span: gap + span (v' - v) <= TOUCHES."""
+    """True if part `i` touches the next one after `span` rad: gap + span (v' - v) <= TOUCHES.
+
+    `v` are the speeds of the parts, v' that of the next one.
+    """
     return row.gap.size > i and row.gap[i] + span * (v[i + 1] - v[i]) <= TOUCHES
 
 
@@ -158,7 +173,25 @@ def stepped_period(
     row: Row, gs: float, gn: float, pushes: Pushes, height: float, rate: float, tally: Floats,
     swept: Floats, before: Floats, v: Floats, mu: Floats, past: Past, period: int,
 ) -> tuple[float, float]:  # fmt: skip
-    """Follow a row over a period by time steps; return height and vertical velocity."""
+    """Follow a row over a period by time steps; return height and normal velocity at its end.
+
+    Parameters
+    ----------
+    gs, gn
+        Gravity along and onto the floor in g.
+    pushes
+        Drive in the middles of the steps.
+    height, rate
+        Height in g/w^2 and normal velocity in g/w, the same for all parts.
+    tally
+        Filled in the order of `Tally`.
+    swept
+        The integrals of the gaps are added.
+    before, v, mu
+        Work arrays.
+    past, period
+        Record of the periods in which contacts touched, and the number of this one.
+    """
     steps, parts = pushes.along.size, row.mass.size
     h = TURN / steps
     for k in range(steps):
@@ -222,7 +255,12 @@ def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
 
 @compiled
 def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of cells by time stepping; two step sizes give the error."""
+    """Fill the result table of cells by time stepping; two step lengths give the error.
+
+    `steps` and 2 `steps` + 1 a period. `cells` have the columns of `Head`, then parts and wave; a
+    row of `table` has those of `COLUMN`, then velocity and platoon of each part; `stop` is a flag
+    that ends the work.
+    """
     coarse = np.zeros(table.shape[1])
     for number in range(cells.shape[0]):
         cell = cells[number]

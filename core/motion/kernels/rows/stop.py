@@ -45,10 +45,11 @@ def stop_pressed(
 
 @borrowing
 def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
-    """Return the least force by which parts at rest press on a stop of the track.
+    """Return the least impulse and force by which parts at rest press on a stop of the track.
 
-    Blocks farther in front are the more slippery, and press first: at every time the force is the
-    largest of the sums over the blocks from one on to the front, or 0.
+    From part `first` on, over `span` from phase `tau`; `pull` is gravity along less the level of
+    the drive's step. Blocks farther in front are the more slippery, and press first: at every time
+    the force is the largest of the sums over the blocks from one on to the front, or 0.
     """
     parts = row.mass.size
     for i in range(first, parts):
@@ -69,7 +70,10 @@ def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first:
 
 @borrowing
 def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
-    """Return the first part, the friction and the mass of a block of pooled parts."""
+    """Return the first part, the static friction and the mass of block `number` of pooled parts.
+
+    The blocks begin with part `first`; `row.value` holds minus their friction.
+    """
     begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
     for i in range(begin, row.last[number] + 1):
         mass += row.mass[i]

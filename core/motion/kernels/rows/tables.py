@@ -47,7 +47,9 @@ ROW_COLUMNS = len(RowColumns._fields)
 class Drive(NamedTuple):
     """Push and load per weight: c sin(tau) + level - gs along, gn - s sin(tau) onto the floor.
 
-    `ends` are the phases at which the steps of the drive end, `levels` what they add to the push.
+    `c` and `s` are the amplitudes along and normal, `gs` and `gn` gravity along and onto the floor,
+    in g. `ends` are the phases at which the steps of the drive end, `levels` what each adds to the
+    push.
     """
 
     c: float
@@ -62,9 +64,10 @@ class Row(NamedTuple):
     """Parts from the rear to the front: their numbers, their state, and room for the work.
 
     `closed[i]` is 1 where part i touches the one in front of it and both have the same velocity: a
-    flag, and no test of gap and velocities, which rounding would decide. `gain` and `drag` are C
-    and k of u' = C sin(tau) - k. `mode` is 1 of parts that slide forward, -1 backward, 0 at rest.
-    A stop is a last part without end of mass: the last of `gap`, `speed`, `gain`, `drag`, `closed`.
+    flag, because rounding would decide a test of gap and velocities. `gap` is in g/w^2, `speed` in
+    g/w, relative to the track. `gain` and `drag` are C and k of u' = C sin(tau) - k. `mode` is 1
+    for parts that slide forward, -1 backward, 0 at rest. A stop is a last part of infinite mass:
+    the last of `gap`, `speed`, `gain`, `drag`, `closed`.
     """
 
     mass: Floats
@@ -149,7 +152,7 @@ def row_at(cell: Floats, backward: float) -> Row:
 
 @compiled
 def backward_speed(drive: Drive) -> float:
-    """Return the velocity relative to the track, at phase 0, of a body at rest in space.
+    """Return the velocity relative to the track, at phase 0, of a body at rest in space, in g/w.
 
     It is w with w' = c sin(tau) + level, without mean over a period.
     """

@@ -56,10 +56,11 @@ SLOPE = math.inf
 class RowWave(NamedTuple):
     """A wave that drives a row.
 
-    `c` and `s` are bounds of the push along and off the floor, `ends` the phases at which steps end
-    and `levels` naught, as in `Drive`. `base` knows the pushes; `tables[j]` is room for the kinds
-    of body j, each made of the shares and the pull that stand in `keys[j]`: in front of it
-    (`NORMAL`), sliding, and starting to slide. `share` has of each body the second of its shares.
+    `c` and `s` are bounds of the push along and off the floor in g, `gs` and `gn` gravity along and
+    onto it, `ends` the phases at which steps end; `levels` are 0, as in `Drive`. `base` holds the
+    pushes; `tables[j]` is room for the kinds of acceleration of body j (in front of it, `NORMAL`;
+    sliding; starting to slide), each made of the shares and the pull in `keys[j]`. `share[j]` is
+    the factor of the normal push in its acceleration.
     """
 
     c: float
@@ -117,7 +118,11 @@ def waved_of(cell: Floats) -> RowWave:
 
 @borrowing
 def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: float) -> None:
-    """Fill one number of both pushes: with gravity, and without for the kinds of slip."""
+    """Fill one column of both pushes: for the kinds with gravity, and for those of slip without.
+
+    `part` is 0 for sines and steps, 1 for cosines; `column` is the order or the step; `along` and
+    `normal` are its coefficients in g.
+    """
     table[2 * AIR + part, column] = table[2 * FORWARD + part, column] = along
     table[2 * NORMAL + part, column] = table[2 * BACKWARD + part, column] = normal
 
@@ -126,10 +131,11 @@ def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: fl
 def of_kind(
     drive: RowWave, body: int, kind: int, along: float, normal: float, pull: float
 ) -> WaveDrive:
-    """Return the wave with acceleration a P(tau) + b S(tau) - k of a kind, sign changes filled.
+    """Return the wave with the acceleration a P(tau) + b S(tau) - k, its sign changes filled.
 
-    Where a body asked for the same before, nothing is done anew. Of the pull `SLOPE` it is the
-    derivative of the sums.
+    P and S are the pushes along and off the floor, a = `along`, b = `normal`, k = `pull`. It goes
+    into row set `kind` of the table of `body`; if that holds the same already, nothing is computed.
+    With the pull `SLOPE` it is the derivative of the sums.
     """
     base = drive.base
     wave = WaveDrive(
@@ -166,23 +172,26 @@ def of_kind(
 
 @borrowing
 def pushes(drive: RowWave, pull: float, tau: float) -> tuple[float, float]:
-    """Return the push along the track, P - k, and the load on the floor, n - S, at least 0."""
+    """Return the push along the track, P - k, and the load on the floor, n - S, at least 0, in g.
+
+    At the phase `tau`; k = `pull` is gravity along the track.
+    """
     push = acceleration(drive.base, FORWARD, tau) - pull
     return push, max(0.0, -acceleration(drive.base, NORMAL, tau))
 
 
 @borrowing
 def lift_off(drive: RowWave, tau: float) -> float:
-    """Return the phase until parts on the floor lift off, where S - n rises through 0."""
+    """Return the phase in rad from `tau` until parts lift off, where S - n rises through 0."""
     return _until_rise(drive.base, NORMAL, tau)
 
 
 @borrowing
 def _until_rise(wave: WaveDrive, kind: int, tau: float) -> float:
-    """Return the phase until an acceleration rises through 0; inf if it never does.
+    """Return the phase in rad until an acceleration rises through 0; inf if it never does.
 
-    What rounding put a hair before tau is at tau, as in `phase_to`: of two neighbours whose
-    frictions differ by a last bit the second would else start a turn later.
+    `kind` is its place in the wave's table. What rounding put a hair before tau is at tau: of two
+    neighbours whose frictions differ by a last bit the second would else start a turn later.
     """
     turned = tau + TURN
     return max(0.0, next_of_way(wave, kind, turned - SAME, True) - turned)
@@ -213,7 +222,10 @@ def backward_speed(drive: RowWave) -> float:
 def first_rise(
     drive: RowWave, body: int, way: int, along: float, normal: float, level: float, tau: float
 ) -> float:
-    """Return the phase until a P + b S rises above a level; inf if it never does."""
+    """Return the phase in rad from `tau` until a P + b S rises above `level`; inf if it never does.
+
+    a = `along`, b = `normal`; `body` and `way` choose the table in which the wave is kept.
+    """
     kind = STATIC_FORWARD if way > 0 else STATIC_BACKWARD
     wave = of_kind(drive, body, kind, along, normal, level)
     return _until_rise(wave, kind, tau)
@@ -226,7 +238,10 @@ def first_rise(
 def set_flow(
     row: Row, drive: RowWave, body: int, moves: bool, friction: float, drag: float
 ) -> None:
-    """Set shares and pull of a body's acceleration: 0 at rest, else 1 and mode mu; 0 in the air."""
+    """Set factors and pull of a body's acceleration a P + b S - k: 0 unless it `moves`.
+
+    a = 1 and b = `friction` (mode times mu, 0 in the air), k = `drag` in g; `body` is its index.
+    """
     row.gain[body], row.drag[body] = 1.0 if moves else 0.0, drag
     drive.share[body] = friction if moves else 0.0
 
@@ -239,10 +254,10 @@ def at_phase(drive: RowWave, tau: float) -> float:
 
 @borrowing
 def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
-    """Return the phase until the velocity of a sliding part is 0; inf if not within the span.
+    """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`.
 
-    Until its acceleration a P + b S - k changes its sign, a part that it speeds up does not stop,
-    and one without velocity that it slows down stops at once.
+    `now` is the phase now. Until its acceleration changes its sign, a part that it speeds up does
+    not stop, and one without velocity that it slows down stops at once.
     """
     v, way, k = row.speed[part], row.mode[part], row.drag[part]
     a, b = row.gain[part], drive.share[part]
@@ -265,10 +280,11 @@ def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> 
 
 @borrowing
 def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
-    """Return the phase until a gap becomes negative, 0 if it closes already; inf if never.
+    """Return the phase in rad until a gap becomes negative, 0 if it closes already; inf if never.
 
-    Between two changes of sign of its acceleration its velocity runs one way, and between those and
-    the zeros of the velocity the gap does.
+    `contact` is the index of the gap, `now` the phase now, `span` the limit of the search. Between
+    two changes of sign of its acceleration its velocity is monotonic, and between those and the
+    zeros of the velocity the gap is.
     """
     one, other = contact, contact + 1
     a, b = row.gain[other] - row.gain[one], drive.share[other] - drive.share[one]
@@ -302,9 +318,9 @@ def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: floa
 
 @borrowing
 def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: float) -> float:
-    """Return the phase at which a gap closes between two phases.
+    """Return the phase at which a gap closes between the phases `low` and `high`.
 
-    It moves one way up to the second.
+    It is `g` with rate `v` at the phase `tau`, and monotonic from `low` to `high`.
     """
     if low == 0.0 and g <= 0.0:
         return 0.0
@@ -313,7 +329,10 @@ def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: f
 
 @borrowing
 def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
-    """Return the drive's share in the relative acceleration of two neighbours."""
+    """Return the share of the drive in the relative acceleration of two neighbours, in g.
+
+    Of the part in front less that of part `contact`, at the phase `tau`.
+    """
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
     along, normal = acceleration(drive.base, FORWARD, tau), acceleration(drive.base, BACKWARD, tau)
@@ -330,7 +349,10 @@ def swung(drive: RowWave, tau: float, span: float) -> Swung:
 
 @borrowing
 def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
-    """Return the change of velocity and position of a body over a phase."""
+    """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
+
+    `body` is the index of a part or of the stop, `by` the result of `swung`.
+    """
     a, b, k = row.gain[body], drive.share[body], row.drag[body]
     return (
         a * by.swing + b * by.normal_swing - k * span,
@@ -346,7 +368,11 @@ def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
 
 @borrowing
 def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
-    """Return the third integral P3 from tau to tau + D, less its terms P2 D and P1 D^2/2 at tau."""
+    """Return P3(tau + D) - P3(tau) less its terms P2 D and P1 D^2/2: the swept distance of a push.
+
+    P1, P2, P3 are the first to third integral of the push of `kind` at tau, D = `d` in rad. It is
+    the integral over D of the distance that the push adds.
+    """
     if base.steps > 0:
         return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
     _, _, first, second = integrals(base, kind, tau)
@@ -356,7 +382,10 @@ def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
 
 @borrowing
 def _third(base: WaveDrive, kind: int, tau: float) -> float:
-    """Return the third integral of a push, sum of (a cos(k tau) - b sin(k tau))/k^3."""
+    """Return the third integral of a push at phase tau, sum of (a cos(k tau) - b sin(k tau))/k^3.
+
+    `kind` is its place in the wave's table, a and b are its coefficients of order k.
+    """
     total = 0.0
     for k in range(1, base.orders + 1):
         a, b = base.table[2 * kind, k], base.table[2 * kind + 1, k]
@@ -366,7 +395,10 @@ def _third(base: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -> float:
-    """Return the drive's share in the integral of a gap over a phase."""
+    """Return the share of the drive in the integral of a gap over a phase.
+
+    `contact` is the index of the gap, `by` the result of `swept`.
+    """
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
     return a * by[0] + b * by[1]
@@ -385,7 +417,11 @@ def sizes(drive: RowWave) -> tuple[float, float]:
 def above(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the integral of max(0, a P + b S - k) over a phase of a turn at most."""
+    """Return the integral of max(0, a P + b S - k) over `span` (a turn at most) from phase `tau`.
+
+    P and S are the pushes along and off the floor, a = `along`, b = `normal`, k = `drag`; `body`
+    chooses the table in which the wave is kept.
+    """
     wave = of_kind(drive, body, AIR, along, normal, drag)
     total, at = 0.0, 0.0
     while at < span:
@@ -400,7 +436,11 @@ def above(
 def highest(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of a P + b S - k over a phase: at its ends, or at an extreme."""
+    """Return the largest value of a P + b S - k over `span`: at its ends, or at an extreme.
+
+    P and S are the pushes along and off the floor from phase `tau` on, a = `along`, b = `normal`, k
+    = `drag`; `body` chooses the table in which the wave is kept.
+    """
     if drive.base.steps > 0:
         step = step_at(drive.base, tau + 0.5 * span)
         levels = drive.base.table

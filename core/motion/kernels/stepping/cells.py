@@ -33,10 +33,25 @@ def run(
     scene: int, cell: Cell, rolling: float, absolute: bool, drive: Floats, steps: int,
     states: Floats, tallies: Floats, result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
-    """Follow one cell from rest until the motion repeats; fill the result and return the status.
+    """Follow one cell from rest until its motion repeats; fill the result and return the status.
 
-    Period by period, by `planar_period` or `spatial_period`, until `repeats`. The error in the
-    result is the doubt about the transient's end only.
+    Period by period, by `planar_period` or `spatial_period`. The error in the result is that of the
+    mean's limit only, not that of the step length.
+
+    Parameters
+    ----------
+    scene
+        `PLANAR`, `FLOOR` (in space without wall) or `WALL`.
+    rolling
+        M r^2/I of a cylinder, 0 for a block.
+    absolute
+        If the curve acts by the speed in space, not by that relative to the track.
+    drive, steps
+        The drive in each step (rows of `DRIVE`), and steps a period.
+    states, tallies
+        Filled with the states between periods, and with what each period did.
+    result
+        One value a column of `COLUMN`.
     """
     h = 2.0 * math.pi / steps
     # The largest acceleration: what a step can change in a velocity, by the place of an event.
@@ -87,9 +102,10 @@ def run(
 
 @compiled
 def push_of(scene: int, cell: Cell) -> float:
-    """Return the largest change of the velocity along the track per unit of phase.
+    """Return the largest change of the velocity along the track per unit of phase, in g.
 
-    p_x + sin(gamma) + mu_k (p_z + n), and mu_w (p_y + g_y) more at a wall (theory 13.1).
+    p_x + sin(gamma) + mu_k (p_z + n), and mu_w (p_y + g_y) more at a wall, with the drive numbers p
+    and gravity numbers. It bounds what a step may change in a velocity (theory 13.1).
     """
     load = abs(cell.drive_number_normal) + cell.gravity_number_normal
     push = (
@@ -104,7 +120,10 @@ def push_of(scene: int, cell: Cell) -> float:
 
 @compiled
 def buffer_of(waves: Floats) -> Floats:
-    """Return a buffer for the sine drives of a cell, rows of `DRIVE`."""
+    """Return a buffer for the sine drives of a cell: a row for each of `DRIVE`, a column a step.
+
+    `waves` holds the drives of a study, shape (cells, rows, steps).
+    """
     columns = waves.shape[2]
     buffer = np.zeros((len(DRIVE), columns))
     buffer[DRIVE.length] = 2.0 * math.pi / columns
@@ -114,9 +133,11 @@ def buffer_of(waves: Floats) -> Floats:
 
 @compiled
 def drive_of(scene: int, cell: Cell, waves: Floats, row: int, buffer: Floats) -> Floats:
-    """Return the drive of a cell: its own wave's, or the plain sine written into the buffer.
+    """Return the drive of a cell: its own wave's, or the plain sine written into `buffer`.
 
-    (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the speed of the track (theory 13.1).
+    A row for each of `DRIVE`, a column a step: (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the
+    speed of the track. `waves` holds a drive for each cell, of which `row` is the cell's, or sine
+    and cosine at the middles of the steps for all cells (theory 13.1).
     """
     if waves.shape[1] == len(DRIVE):
         return waves[row]
@@ -136,12 +157,23 @@ def step_cells(
     scene: int, rolling: float, absolute: bool, steps: int, waves: Floats, shifted_waves: Floats,
     fine_waves: Floats, groups: Floats, table: Floats, status: Statuses, stop: Stop,
 ) -> None:  # fmt: skip
-    """Fill result table (columns as in `results`) and statuses, one cell per row.
+    """Fill the table of results (columns of `COLUMN`) and statuses of cells by time stepping.
 
-    The waves are those of the coarser run, which has so many steps n, of one that starts half a
-    step earlier, and of the finer, which has 2 n + 1. They hold the rows of `DRIVE` for each cell
-    or, for all cells at once, sine and cosine at the middles of the steps. The value is that of the
-    finest, its error 3 max|v_fine - v_other|, and with hops 0.15 h `push_of` more (theory 13.9).
+    The value is that of the finest run, its error 3 max |v_fine - v_other| of two others, and with
+    hops 0.15 h `push_of` more, h the step in rad (theory 13.9).
+
+    Parameters
+    ----------
+    scene, rolling, absolute
+        As in `run`.
+    steps
+        Steps n a period of the coarser run.
+    waves, shifted_waves, fine_waves
+        The drives of that run, of one that starts half a step earlier, and of the finer one with 2
+        n + 1 steps: rows of `DRIVE` for each cell or, for all cells at once, sine and cosine at the
+        middles of the steps.
+    groups
+        A row with the fields of `Cell` for each cell.
     """
     most = max(1, int(groups[:, GROUPS - 1].max()))
     states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))

@@ -30,7 +30,11 @@ class BodyState(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """The contact with the floor after a step: `spare` as in `slip_along`; if it was carrying."""
+    """The contact with the floor after a step: `pressed` if it carried the part, and `spare`.
+
+    `spare` is the impulse that static friction could still take in g/w, negative for a slip,
+    infinite if unknown (see `slip_along`).
+    """
 
     spare: float
     pressed: bool
@@ -46,9 +50,9 @@ class Push(NamedTuple):
 
 
 class FloorLaws(NamedTuple):
-    """Numbers of the floor, and `rolling` = m r^2/I of a cylinder, 0 of a block.
+    """Restitution and friction of the floor, and m r^2/I of a cylinder (0 for a block).
 
-    A few of those of a cell: what a step is handed takes time.
+    Not the whole cell: what is handed to a step takes time.
     """
 
     restitution: float
@@ -64,7 +68,7 @@ def floor_laws(cell: Cell, rolling: float) -> FloorLaws:
 
 
 class Wall(NamedTuple):
-    """The wall: a part's distance from it, whether it carried the part, and its numbers."""
+    """The wall: a part's distance from it, if it carried the part, restitution and friction."""
 
     y: float
     leaning: bool
@@ -73,7 +77,10 @@ class Wall(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """The end of a step: velocities, spin, the normal impulse of the floor, and `spare`."""
+    """The end of a step: velocities and spin in g/w, the floor's normal impulse, and `spare`.
+
+    `spare` is what static friction could still take (see `slip_along`).
+    """
 
     vx: float
     vy: float
@@ -94,12 +101,12 @@ It fails where the contacts have no solution that is known well enough.
 def friction_impulse(
     slip_1: float, slip_2: float, hold: float, slide: float, response: float
 ) -> tuple[float, float, bool]:
-    """Return the friction impulse (two components) at one contact, and whether the contact sticks.
+    """Return the friction impulse (two components) at one contact, and True if it sticks.
 
-    The slip is that without the impulse; a unit impulse changes it by 1 and by `response`. It
-    sticks if an impulse within the disc of radius `hold` can stop the slip; else the impulse is
-    -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along the slip that is left, where
-    |e| = 1 gives z: the secular equation of theory 7.3, with the response r.
+    Per mass, in g/w. The slip (`slip_1`, `slip_2`) is that without the impulse; a unit impulse
+    changes it by 1 and by r = `response`. It sticks if an impulse of at most `hold` can stop it;
+    else the impulse is -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along the slip
+    that is left, where |e| = 1 gives z: the secular equation of theory 7.3.
     """
     stop_2 = slip_2 / response
     if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:
@@ -129,16 +136,15 @@ def slip_along(
 ) -> tuple[float, float]:
     """Return the slip along one axis after a step, and the unused rest of static friction.
 
-    From the slip u, the free change h a (`push`), and the impulses H = `hold`, Q = `slide` that
-    static and kinetic friction can give: 0 while |h a| <= H, else u + h a - Q sign(u).
+    From the slip u, the change h a without friction (`push`), and the impulses that static and
+    kinetic friction can give, H = `hold` and Q = `slide`, in g/w: 0 while |h a| <= H, else u + h a
+    - Q sign(u).
 
-    `spare` is negative where the contact slips, and infinite where it sticks but the step before
-    tells nothing. A projection over the whole step, as the plain scheme has it, would be right to
-    the order of the step; but the error of a slip that starts or stops within the step depends on
-    where in the step it does so, and two step lengths may agree on the same error. So the step is
-    cut there: where the force passes what friction holds (a straight line between the middles of
-    this step and of the one before), or where the slip is zero, at which static friction is asked
-    (theory 13.4).
+    `spare`, before as after, is the rest H - |h a|, negative if the contact slips, infinite if it
+    sticks but the step before tells nothing. The step is cut where the force passes what friction
+    holds (on a straight line between the middles of this step and the one before), or where the
+    slip is zero: otherwise the error depends on where in the step a slip starts or stops, and two
+    step lengths may agree on the same error (theory 13.4).
     """
     hold = max(hold, slide)
     if spare >= 0.0:
@@ -163,10 +169,11 @@ def planar_step(
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Return both velocities, the normal impulse and `spare` after a step in the plane.
 
-    v = u + h a + i where z + h u_z/2 <= 0, with the normal impulse that leaves v_z = -eps u_z
-    (theory 13.9). Static friction holds a contact that stuck at the end of the step before, and one
-    whose slip comes to zero while it is pressed on. All other slip, and that of a landing, is
-    kinetic.
+    From height `z`, velocities `ux`, `uz` and acceleration `ax`, `az` without contact over `h` rad,
+    in units of g and w: v = u + h a + i if z + h u_z/2 <= 0, with the normal impulse i that leaves
+    v_z = -eps u_z. Static friction holds a contact that was `pressed` and stuck, or whose slip
+    comes to zero; all other slip, and that of a landing, is kinetic. `spare` is what static
+    friction could still take, as in `slip_along` (theory 13.9).
     """
     vx, vz = ux + h * ax, uz + h * az
     if z + 0.5 * h * uz > 0.0:
@@ -189,9 +196,8 @@ def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> St
     """Return velocities, spin, normal impulse and `spare` after a step on a floor without wall.
 
     As `planar_step`, with a slip (u_x, u_y + spin) whose friction is the impulse (f_x, f_y) of
-    `friction_impulse`: it changes the slip by (f_x, r f_y), r = 1 + m r^2/I, and the spin by
-    (r - 1) f_y. Where the plane of the slip has two axes, a step is cut as in `slip_along`: where
-    the slip is least if it turns.
+    `friction_impulse`: it changes the slip by (f_x, r f_y), r = 1 + m r^2/I, and the spin by (r -
+    1) f_y. A step is cut as in `slip_along`: where the slip is least if it turns.
     """
     h, rolling = push.h, laws.rolling
     vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
@@ -248,7 +254,8 @@ def held_state(
 ) -> Stepped:
     """Return the state after a step in which the contact began to stick: its slip is exactly 0.
 
-    A cylinder rolls on with v_y - (v_y + spin)/(1 + m r^2/I), the rest of its slip.
+    `vy`, `vz`, `spin` are the velocities without friction, `normal` the normal impulse in g/w; a
+    cylinder (`rolling` = m r^2/I > 0) rolls on with v_y - (v_y + spin)/(1 + m r^2/I).
     """
     if rolling == 0.0:
         return Stepped(0.0, 0.0, vz, 0.0, normal, spare)
@@ -261,11 +268,13 @@ def rubbing(
     vx: float, floor_load: float, wall_load: float, spin: float, static: float, kinetic: float,
     wall_friction: float, rolling: float,
 ) -> tuple[float, float, float, float, bool]:  # fmt: skip
-    """Return velocity, spin, both normal forces and sticking of a cylinder that spins at the wall.
+    """Return velocity, spin, both normal impulses and True if it sticks, of a cylinder in a corner.
 
-    It keeps to floor and wall and rubs on both, each with the slip (u_x, spin), the wall's spin
-    being negative; friction at each presses on the other or lifts it: n = n0 + mu_w S e_s and
-    S = S0 - mu n e_s, with the share e_s of friction that turns the cylinder, by turns.
+    It spins between floor and wall and rubs on both, with the slip (u_x, spin) at each, the wall's
+    spin being negative. Friction at each presses on the other or lifts it: n = n0 + mu_w S e_s and
+    S = S0 - mu n e_s, with the share e_s of friction that turns the cylinder, solved by turns.
+    `floor_load` and `wall_load` are the impulses n0, S0 without friction, `static` and `kinetic`
+    the floor's coefficients. Normal impulses of -1 tell that there is no solution.
     """
     normal, side = floor_load, wall_load
     fx, turn, held = 0.0, 0.0, False
@@ -287,11 +296,11 @@ def rubbing(
 
 @compiled
 def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Cornered:
-    """Return the state after a step on the floor and at the wall.
+    """Return the state after a step at floor and wall, the wall's impulse, and True if it failed.
 
-    A contact takes part where its gap is closed in the middle of the step, z + h u_z/2 <= 0 and
-    y + h u_y/2 <= 0 (theory 13.9). A part that keeps to floor and wall without spin slips along one
-    axis only, where friction holds up to mu_s n + mu_w S (theory 4.4).
+    A contact takes part if its gap is closed in the middle of the step, z + h u_z/2 <= 0 and y + h
+    u_y/2 <= 0 (theory 13.9). A part that keeps to floor and wall without spin slips along one axis
+    only, where friction holds up to mu_s n + mu_w S (theory 4.4).
     """
     h, spare, spin, rolling = push.h, touch.spare, body.spin, laws.rolling
     if not wall.y + 0.5 * h * body.uy <= 0.0:
@@ -335,10 +344,11 @@ def sweep_corner(
 ) -> Cornered:
     """Return the state after a step in which floor and wall both carry, by alternating sweeps.
 
-    Projected Gauss-Seidel, each contact solved exactly in its turn: n = max(0, n - v_z - eps u_z),
-    S = max(0, S - v_y - eps_w u_y), then the frictions by `friction_impulse`. Both normals come
-    before the frictions: among the forces that may hold a part those without a wedging of floor
-    against wall are then taken, so that it holds up to mu_s n + mu_w S (theory 4.4).
+    With the wall's normal impulse, and True if it failed. Projected Gauss-Seidel, each contact
+    solved exactly in its turn: n = max(0, n - v_z - eps u_z), S = max(0, S - v_y - eps_w u_y), then
+    the frictions. Both normals come first: among the forces that may hold a part those without a
+    wedging of floor against wall are then taken, so that it holds up to mu_s n + mu_w S. `spare` is
+    what static friction of the floor could still take (theory 4.4).
     """
     h, rolling, spin = push.h, laws.rolling, body.spin
     response = 1.0 + rolling

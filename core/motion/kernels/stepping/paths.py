@@ -25,12 +25,26 @@ def path(
     wall: bool, rolling: float, absolute: bool, group: Floats, phases: Floats, h: float,
     steps: int, start: Floats, wave: Floats, position: Floats, velocity: Floats, stop: Stop,
 ) -> None:  # fmt: skip
-    """Fill positions and velocities (n, 3) at ascending phases, from an initial state.
+    """Fill positions and velocities (n, 3) at ascending phases by time stepping, from any state.
 
-    The wave holds the drive of one period from the first phase, without columns for the plain sine.
-    Within a step the velocity is taken as linear, as the scheme itself does: u + s (v - u) and
-    x + s h (u + s (v - u)/2) at the share s of a step from u to v (theory 13.9). What comes after a
-    step without a solution, or after a stop, is left as it was.
+    Within a step from velocity u to v the velocity is linear, as in the scheme: u + s (v - u) and x
+    + s h (u + s (v - u)/2) at the share s of a step h. Samples after a step without a solution, or
+    after `stop`, are left as they were (theory 13.9).
+
+    Parameters
+    ----------
+    wall, rolling, absolute
+        If there is a wall, m r^2/I of a cylinder or 0, if the curve acts by the speed in space.
+    group
+        The fields of `Cell`.
+    phases
+        N phases in rad.
+    h, steps
+        Length of a step in rad, and number of steps.
+    start
+        Position (3), velocity (3) and spin, in g/w^2 and g/w.
+    wave
+        The drive of a period from the first phase on (rows of `DRIVE`), without columns for a sine.
     """
     cell = cell_of(group)
     laws = floor_laws(cell, rolling)

@@ -26,10 +26,12 @@ def count(
     tally: Floats, share: float, normal: float, pressed: bool, vx: float, uz: float, z: float,
     still: float, fall: float,
 ) -> None:  # fmt: skip
-    """Add one step to the tally: slip direction, landings, height; `share` is its part of a step.
+    """Add one step to the tally: slip direction, landing, height; `share` is its part of a step.
 
-    Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight where the floor gives
-    no impulse. An impact is a landing faster than `fall`, what gravity gives in a step.
+    Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight if the floor gives no
+    impulse `normal`. A landing faster than `fall`, what gravity gives in a step, counts as an
+    impact. `pressed` tells if the floor carried the part before, `uz` is the normal velocity before
+    the step, `z` the height after it; in g/w and g/w^2.
     """
     if normal > 0.0:
         if vx > still:
@@ -49,9 +51,11 @@ def count(
 
 @compiled
 def planar_period(state: Floats, tally: Floats, cell: Cell, drive: Floats, usual: float) -> None:
-    """Advance a planar state by one period and tally it; `usual` is the length of most steps.
+    """Advance a planar `state` by one period of the drive and tally it.
 
-    Each step from u to v moves the part by q + h (u + v)/2 (theory 13.9).
+    `state` and `tally` have the columns of `STATE` and `TALLY`, `drive` the rows of `DRIVE` and a
+    column a step; `usual` is the length of most steps in rad. Each step from u to v moves the part
+    by h (u + v)/2 (theory 13.9).
     """
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
@@ -82,9 +86,12 @@ def spatial_period(
     wall: bool, rolling: float, absolute: bool, state: Floats, tally: Floats, cell: Cell,
     drive: Floats, usual: float,
 ) -> None:  # fmt: skip
-    """Advance a state in space by one period and tally it; `usual` is the length of most steps.
+    """Advance a `state` in space by one period of the drive and tally it.
 
-    The spin of a cylinder that rolls across is no way across: `across` is 0 then.
+    `state` and `tally` have the columns of `STATE` and `TALLY`, `drive` the rows of `DRIVE` and a
+    column a step; `usual` is the length of most steps in rad. `wall` tells if there is a wall,
+    `absolute` if the curve acts by the speed in space. The distance across is 0 for a cylinder
+    (`rolling` = m r^2/I > 0), which rolls.
     """
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     uy, spin = state[STATE.uy], state[STATE.spin]
@@ -133,10 +140,11 @@ def acceleration(
     ux: float, along: float, across: float, normal: float, track: float, cell: Cell,
     absolute: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the acceleration of a free part relative to the track, a = b - g (theory 13.1).
+    """Return the acceleration (3) of a free part relative to the track in g, push less gravity.
 
-    Across, -kappa (u_x + v_x)^2 more: from the three components of the push b, and the speed v_x of
-    the track along, where the speed in the curve is the absolute one.
+    `along`, `across` and `normal` are the push of the drive. In a curve -kappa V^2 is added across,
+    with the curvature number kappa and V = u_x, plus the track's velocity `track` if `absolute`
+    (theory 13.1).
     """
     speed = ux + track if absolute else ux
     return (
@@ -148,5 +156,9 @@ def acceleration(
 
 @compiled
 def after_jump(spare: float) -> float:
-    """Return `spare` reset where the drive has jumped: the last step no longer predicts it."""
+    """Return `spare` reset after a jump of the drive: the step before no longer predicts this one.
+
+    `spare` is the impulse that static friction could still take: infinite now for a contact that
+    sticks; unchanged, negative, for one that slips.
+    """
     return math.inf if spare >= 0.0 else spare

@@ -31,9 +31,10 @@ Of the motions on the bowl of `tests/laws/test_stepping_labels.py` that repeat e
 def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> float:
     """Return the distance of the states at the ends of two periods, as far as it matters.
 
-    The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and, by `wall_gap`, |dy|. A part in contact
-    stays where it sank in, at most a step of its fall deep: no difference. The distance from the
-    wall does not matter to a part that did not touch it and moves away.
+    The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and |dy| (`wall_gap`), of rows `later` and
+    `earlier` of `states`, in units of g and w. A height below 0 counts as 0: a part in contact
+    sinks in by up to a step of its fall. |dy| does not matter to a part that did not touch the wall
+    and moves away.
     """
     new, old = states[later], states[earlier]
     most = max(abs(new[STATE.ux] - old[STATE.ux]), abs(new[STATE.uz] - old[STATE.uz]))
@@ -50,11 +51,12 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 def limit(
     tallies: Floats, done: int, part: int, slows: float, rounding: float, period: float
 ) -> tuple[float, float]:
-    """Return the limit of the drifting mean velocity, and the present distance from it.
+    """Return the limit of the drifting mean velocity, and the present distance from it, in g/w.
 
-    From the means v_1, v_2, v_3 of three parts of so many periods: a transient dies out as a power,
-    with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. A drift
-    whose ratio is above `slows`, and which is no rounding, has no end in sight: infinite.
+    From the means v_1, v_2, v_3 of the last three groups of `part` periods: a transient dies out
+    with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. Infinite
+    distance if q is above `slows`. Changes up to `rounding` are none. `tallies` hold `done` periods
+    of the duration `period`.
     """
     travel = tallies[:, TALLY.travel]
     first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
@@ -74,11 +76,22 @@ def settled(
     tallies: Floats, done: int, multiple: int, window: int, rounding: float, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
-    """True if the mean velocity has settled; its value and error are then written into the result.
+    """True if the mean velocity has settled; its value and error are then written into `result`.
 
-    Motion that keeps to the floor converges smoothly, and slowly where friction is small: its
-    `limit` is extrapolated, and must itself stand still. A part that hops may land on steps that
-    vary from period to period; its mean is that of the window.
+    Motion on the floor converges smoothly: its `limit` is extrapolated, and must itself stand
+    still. A part that hops lands on steps that vary from period to period; its mean is that of the
+    window.
+
+    Parameters
+    ----------
+    tallies, done
+        What each period did (columns of `TALLY`), and the periods so far.
+    multiple, window
+        Periods of the cycle, and periods over which it was seen.
+    rounding, allowed
+        Changes of a velocity in g/w that are rounding, and that a step may make.
+    period
+        Duration of a period in rad.
     """
     part = max(1, window // multiple // 3) * multiple
     if done < 4 * part:
@@ -107,13 +120,22 @@ def repeats(
     states: Floats, tallies: Floats, done: int, rounding: float, allowed: float, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Return the number of periods after which the motion repeats, and write its means.
+    """Return the number of periods after which the motion repeats, and write its means; or 0.
 
-    0 if it does not; see `distinct_from`. A state that comes back to rounding, `difference` <=
-    `rounding`, repeats for ever. Else slips and landings fall on steps that vary, and the state
-    wanders by the order of a step; then it must come back to within that, `allowed`, for a whole
-    window, over the window as well, and its mean velocity must not drift, `settled`, so that a slow
-    transient is not taken for a repetition.
+    A state that comes back within `rounding` repeats for ever. Otherwise slips and landings fall on
+    steps that vary, and the state wanders by the order of a step: it must then come back to within
+    `allowed` for a whole window of periods, and its mean velocity must not drift (`settled`).
+
+    Parameters
+    ----------
+    states, tallies, done
+        States between periods, what each did, and the periods so far.
+    rounding, allowed
+        Changes of a velocity in g/w that are rounding, and that a step may make.
+    period
+        Duration of a period in rad.
+    result
+        Filled with the means, columns of `COLUMN`.
     """
     for multiple in range(1, min(MAX_MULTIPLE, done) + 1):
         now, then = states[done], states[done - multiple]
@@ -148,10 +170,9 @@ def repeats(
 def distinct_from(states: Floats, tallies: Floats, done: int, cycle: int, allowed: float) -> int:
     """Return the number of periods of the shortest cycle that the method's error still allows.
 
-    The smallest part of a cycle that repeats but for the method's own error, `difference` <= 3
-    `allowed`, some times what one step changes: slips and landings fall on steps, so that a motion
-    which repeats every period may run through a cycle of several that differ by that much. A period
-    that is doubled in truth differs by more, whatever the step.
+    A cycle of `cycle` periods may be a shorter one that varies only by where in steps its slips and
+    landings fall: the smallest part is taken whose states differ by at most 3 `allowed`, the change
+    by one step. A truly doubled period differs by more, whatever the step.
     """
     for multiple in range(1, cycle):
         if cycle % multiple:
@@ -173,8 +194,9 @@ def unsettled(
 ) -> int:  # fmt: skip
     """Return the status of a motion that did not repeat, and write the spread of its batches.
 
-    Without a wall it runs away, too, where u_y grows on, by more than half as much as before over
-    each quarter.
+    `scene` is `PLANAR`, `FLOOR` or `WALL`; `states` and `tallies` hold `done` periods of the
+    duration `period` in rad. Without a wall it also runs away if its velocity across keeps growing,
+    by more than half as much as before over each quarter.
     """
     pull, quarter = abs(cell.gravity_number_along), done // 4
     if scene == FLOOR:

@@ -172,9 +172,10 @@ def move(
     step: StepSettings, state: Floats, contacts: int, slips: bool, event: int, span: float,
     order: int, work: Work,
 ) -> None:  # fmt: skip
-    """Move a state to the end of a step by evaluating its series at t = span.
+    """Move `state` to the end of a step by evaluating the series of the step at t = `span`.
 
-    0 normal to a contact that carries; the spin of a cylinder is its slip less u_y (theory 7.3).
+    Position and velocity normal to a contact that carries the part are set to 0, and at a landing
+    or bump the position is; the spin of a cylinder on the floor is its slip less u_y (theory 7.3).
     """
     slip = 0.0
     if step.rolling > 0.0 and contacts == FLOOR and slips:

@@ -93,11 +93,10 @@ def strike(
 def rub_floor(
     rolling: float, state: Floats, fx: float, fy: float, limit: float
 ) -> tuple[float, float]:
-    """Replace the friction impulse (fx, fy) of the floor in the state by the present one.
+    """Replace the friction impulse (fx, fy) of the floor in `state` by the present one; return it.
 
-    Return it.
-
-    The slip without it is (u_x - f_x, u_y + spin - r f_y), r = 1 + m r^2/I, by `impulse`.
+    `limit` is mu_k times the normal impulse in g/w. With r = 1 + m r^2/I and `rolling` = m r^2/I,
+    the slip without friction is (u_x - f_x, u_y + spin - r f_y).
     """
     ux, uy, spin, response = STATE.ux, STATE.uy, STATE.spin, 1.0 + rolling
     slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
@@ -258,7 +257,10 @@ def closing(
 
 @borrowing
 def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
-    """Set the slip to exactly 0, keeping a cylinder's rolling, u_y - slip_2/(1 + m r^2/I)."""
+    """Set the slip in `state` to exactly 0; a cylinder keeps rolling, u_y - slip_2/(1 + m r^2/I).
+
+    `contacts` tells what carries the part, `slip_2` is the second component of the slip in g/w.
+    """
     state[STATE.ux] = 0.0
     if contacts == WALL:
         state[STATE.uz] = 0.0

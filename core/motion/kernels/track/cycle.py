@@ -175,9 +175,11 @@ def follow_period(
     cell: Cell, wall: bool, rolling: float, series: Series, period: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> bool:  # fmt: skip
-    """Follow a cell for one more period and record it; False if it takes too many events.
+    """Follow a cell for one more period and record it in `history`; False if that fails.
 
-    By `advance`, from the place x = 0.
+    It fails if the period has too many events. `state` and `hold` (columns of `STATE` and `HOLD`)
+    change to those at the end; the position along starts from 0. `wall` tells if there is a wall,
+    `rolling` is m r^2/I of a cylinder or 0.
     """
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
@@ -271,10 +273,12 @@ def approach(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, most_jumps: int,
     state: Floats, hold: Flags, history: History, work: Work,
 ) -> tuple[Settled, int]:  # fmt: skip
-    """Follow a cell until it repeats, with limits of periods and jumps; return the jumps used.
+    """Follow a cell until it repeats, within limits; return how it repeats, and the jumps used.
 
-    The period is the map y -> f(y) of `follow_period`: it repeats by `repeats`, and is sped up by
-    `jump` where |f(y) - y| of two periods of the same events shrinks slowly (theory 13.13).
+    The period is a map y -> f(y) of the state: the motion repeats by `repeats`, and is sped up by
+    `jump` where |f(y) - y| of two periods with the same events shrinks slowly. `most` and
+    `most_jumps` are the largest numbers of periods and jumps; `state` and `hold` are those at the
+    start, and change (theory 13.13).
     """
     speed = drive.size(work)
     close = cell.tolerance * speed

@@ -148,9 +148,10 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 @borrowing
 def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
-    """True if a slip keeps its direction because all accelerations have the same direction.
+    """True if a slip keeps its direction: the acceleration is parallel to it, s_1 D_2 = s_2 D_1.
 
-    s_1 D_2 = s_2 D_1.
+    s is the slip at the start and D the acceleration without friction, for all its coefficients up
+    to power `order`. Never in a curve, nor for a cylinder that slips aslant.
     """
     first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
     if contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0):

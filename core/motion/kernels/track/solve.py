@@ -94,11 +94,11 @@ def without_repeating(
 
 @compiled
 def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
-    """Return the status of a cell that needs no simulation, else `UNDECIDED`.
+    """Return the status of a cell that needs no simulation (else `UNDECIDED`); True if it rubs.
 
-    And if it has friction.
-
-    `runaway` where gravity along is more than friction: `never_settles`, or without any friction.
+    `limit_reached` if a number is not finite or nothing presses the part onto the floor; `runaway`
+    if gravity along exceeds friction. It rubs if floor or wall have friction. `row` holds the
+    cell's numbers, `wall` tells if there is a wall.
     """
     total = 0.0
     for value in row:
@@ -207,12 +207,12 @@ def settled_anew(
     row: Floats, wall: bool, rolling: float, settled: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return the deviation of other runs from a mean velocity, and if rounding does not decide.
+    """Return the largest difference of other runs from a mean velocity, True if it is confirmed.
 
-    max |v_other - v|. They start from rest again, by shorter series and with a restitution that is
-    a hair smaller, `changed`: which of several motions a part with rebounds falls into may hang on
-    its last digits. It does where both runs have strayed from each other on the way, |du_x| > 0.1
-    of the drive's speed; others then tell how far the means are apart.
+    In g/w. The runs start from rest, with shorter series and a restitution that is a hair smaller
+    (`changed`): in which of several motions a part with rebounds ends may depend on its last
+    digits. It does (False) if the first run strays from the other by |du_x| > 0.1 of the drive's
+    speed on the way; three more then tell how far the means are apart.
     """
     speeds = history.ends[: settled.done, STATE.ux].copy()
     state, hold = at_rest()
