@@ -190,7 +190,7 @@ def move(row: Row, drive: Driven, tau: float, span: float) -> None:
 
 @borrowing
 def lifted(drive: Driven, tau: float) -> Air:
-    """Return the flight that begins at a phase: landing phase and speed."""
+    """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w."""
     span, impulse = flight(drive, tau)
     return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
 

@@ -73,7 +73,7 @@ FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @compiled
 def past_of(row: Row) -> Past:
-    """Return a buffer for the states of a row at the starts of the last periods."""
+    """Return a buffer for the states of a row at the starts of the last periods, zeros."""
     size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
     return Past(
         np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, contacts)),
@@ -83,7 +83,10 @@ def past_of(row: Row) -> Past:
 
 @compiled
 def keep(row: Row, air: Air, past: Past, period: int) -> None:
-    """Store the state of a row at the start of a period."""
+    """Store the state of a row at the start of period number `period` in `past`.
+
+    `air` is the flight that the parts are in (`Air`).
+    """
     at = period % (MULTIPLES + 1)
     past.speed[at, :] = row.speed[: row.mass.size]
     past.place[at, :] = row.place
@@ -96,7 +99,12 @@ def one_period(
     row: Row, drive: Driven, restitution: float, air: Air, past: Past, period: int,
     swept_gaps: Floats,
 ) -> tuple[Air, Tally]:  # fmt: skip
-    """Follow a row over one period of the drive, adding the integrals of its gaps."""
+    """Follow a row over one period of the drive; return the flight at its end, and its tally.
+
+    `air` is the flight at the start, `restitution` that between parts, `period` its number; `past`
+    gets the contacts that touched, `swept_gaps` the integrals of the gaps. The number of collisions
+    is NaN if there were too many events.
+    """
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
     pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -138,10 +146,10 @@ def one_period(
 
 @borrowing
 def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> None:
-    """Add the integrals of the gaps between parts over a phase without events.
+    """Add the integrals of the gaps between parts over a phase without events to `result`.
 
-    g d + v d^2/2 - k d^3/6, and what the push adds: under a sine C (cos(tau + d) - cos(tau) +
-    sin(tau) d + cos(tau) d^2/2).
+    g d + v d^2/2 - k d^3/6 with gap g, its rate v and constant k over d = `span` from phase `tau`,
+    and what the push adds: under a sine C (cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2).
     """
     by = swept(drive, tau, span)
     for i in range(row.mass.size - 1):
@@ -155,10 +163,10 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
 
 @compiled
 def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: float) -> bool:
-    """True if the state after a period equals the one `multiple` periods before.
+    """True if the state after period number `period` equals the one `multiple` periods before.
 
-    A gap may have grown, if its parts did not touch in between: each side of it then moves as it
-    did, and the gap grows for ever.
+    `scale` is the drive in g, by which states are compared. A gap may have grown if its parts did
+    not touch in between: each side of it then moves as it did, and the gap grows for ever.
     """
     at = (period - multiple) % (MULTIPLES + 1)
     here, before = air.landing, past.landing[at]
@@ -183,7 +191,8 @@ def platoons(
 ) -> int:
     """Return the number of platoons: groups of parts that separate for ever, or seem to.
 
-    The number of the group of each part, 1 at the rear, is written to `numbers`.
+    Over the last `multiple` periods up to number `period`; `scale` is the drive in g. The number of
+    the platoon of each part, 1 at the rear, is written to `numbers`.
     """
     at = (period - multiple) % (MULTIPLES + 1)
     count = 1
@@ -228,9 +237,12 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
 def finish(
     row: Row, past: Past, means: Floats, periods: int, multiple: int, scale: float, result: Floats
 ) -> int:
-    """Write the means over a cycle (of half of all periods if it does not repeat), and the status.
+    """Write the means over a cycle, and return the status (`periodic`, `at_rest`, `aperiodic`).
 
-    In the second case batches of periods tell spread and error.
+    A motion that does not repeat (`multiple` 0) has the means over the second half of its
+    `periods`, and spread and error by batches of them. `means` holds a row a period: columns of
+    `Tally`, distances of the parts, integrals of the gaps. `scale` is the drive in g; `result` has
+    the columns of `COLUMN`, then velocity and platoon of each part.
     """
     parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
     numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]
@@ -256,7 +268,11 @@ def finish(
 
 @compiled
 def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
-    """Write means over periods: columns of `Tally`, distances of the parts, integrals of gaps."""
+    """Write the means over some periods into `result`.
+
+    `periods` holds a row a period: columns of `Tally`, distances of the parts, integrals of the
+    gaps; `numbers` the platoon of each part.
+    """
     count, parts = periods.shape[0], numbers.size
     phase = count * TURN
     slowest, fastest, total = math.inf, -math.inf, 0.0
@@ -292,7 +308,12 @@ def at_start(drive: Driven) -> Air:
 
 @compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of rows under a sine, or steps along the track."""
+    """Fill the result table of rows under a sine, or steps along the track.
+
+    `cells` have the columns of `Head`, then the parts and the wave; a row of `table` has those of
+    `COLUMN`, then velocity and platoon of each part; `status` one value a cell; `stop` is a flag
+    that ends the work.
+    """
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = drive_of(cell)
@@ -304,7 +325,12 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 
 @compiled
 def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of rows under any wave."""
+    """Fill the result table of rows under any wave.
+
+    `cells` have the columns of `Head`, then the parts and the wave; a row of `table` has those of
+    `COLUMN`, then velocity and platoon of each part; `status` one value a cell; `stop` is a flag
+    that ends the work.
+    """
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = waved_of(cell)
@@ -318,8 +344,8 @@ def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) 
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Write positions and gaps of a row's parts at ascending phases, under a sine or steps.
 
-    The gap to a stop, if there is one, is the last. Where a period has more than `MAX_EVENTS`, what
-    comes after has no value.
+    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2. The gap to a stop, if there
+    is one, is the last. NaN after a period with more than `MAX_EVENTS` events.
     """
     path_under(drive_of(cell), cell, phases, places, gaps)
 

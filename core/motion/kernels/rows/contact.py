@@ -232,9 +232,10 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
 
 @borrowing
 def least_friction(row: Row, first: int, end: int, way: int) -> float:
-    """Return the static friction of the block of a resting chain that starts first in a direction.
+    """Return the static friction of the block that starts first in a resting chain.
 
-    It starts where the push in its direction is mu n: pooled, that of the front or of the rear.
+    In direction `way`, a block starts where the push is mu n: pooled over the parts `first` to
+    before `end`, the first is the block in front (`way` 1) or at the rear (-1).
     """
     for i in range(first, end):
         row.value[i] = -way * row.static[i]
@@ -244,12 +245,12 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
 
 @borrowing
 def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
-    """Collide two parts with all that touch them; return the energy lost and the stop's impulse.
+    """Collide two parts with all that touch them; return energy lost and impulse on the stop.
 
-    Touching parts whose contact was open take part: pair by pair they would strike without end.
-
-    u+ = (1 + e) y - e u, y the velocities u pooled, and no larger than that of a stop which takes
-    part: momentum is kept, and sum m (u - y)^2 (1 - e^2)/2 is lost.
+    `contact` is the index of the rear part. Touching parts whose contact was open take part: pair
+    by pair they would strike without end. u+ = (1 + e) y - e u, with `restitution` e and the
+    velocities u pooled to y, no larger than that of a stop that takes part: momentum is kept, and
+    sum m (u - y)^2 (1 - e^2)/2 is lost, in the unit of mass times (g/w)^2.
     """
     parts = row.mass.size
     first, end = contact, min(contact + 2, parts)

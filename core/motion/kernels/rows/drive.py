@@ -36,21 +36,24 @@ def pushes(drive: Driven, pull: float, tau: float) -> tuple[float, float]:
 
 @_by_drive(sine.lift_off, wave.lift_off)
 def lift_off(drive: Driven, tau: float) -> float:
-    """Return the phase from tau until parts on the floor lift off; inf if they never do."""
+    """Return the phase in rad from `tau` until parts lift off the floor; inf if they never do."""
     raise NotImplementedError
 
 
 @_by_drive(sine.is_lifted, wave.is_lifted)
 def is_lifted(drive: Driven, tau: float) -> bool:
-    """True if parts on the floor lift off at a phase."""
+    """True if the drive lifts parts off the floor at the phase `tau`.
+
+    Its push off the floor then exceeds gravity.
+    """
     raise NotImplementedError
 
 
 @_by_drive(sine.flight, wave.flight)
 def flight(drive: Driven, tau: float) -> tuple[float, float]:
-    """Return the duration (phase) of a flight that begins at tau, and its landing speed.
+    """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
 
-    Infinite and 0 where no landing is found.
+    Infinite and 0 if no landing is found.
     """
     raise NotImplementedError
 

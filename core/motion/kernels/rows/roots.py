@@ -123,7 +123,10 @@ def first_stop(
 def first_contact(
     g: float, v: float, C: float, k: float, tau: float, sine: float, cosine: float, span: float
 ) -> float:
-    """Return the phase until a gap g >= 0 with rate v becomes negative; inf if it does not."""
+    """Return the phase in rad until a gap g >= 0 with rate `v` becomes negative; inf if never.
+
+    Within `span` from phase `tau` (whose `sine` and `cosine` are handed over), v' = C sin(tau) - k.
+    """
     if C == 0.0 and k == 0.0 and v >= 0.0:
         return math.inf
     # Its velocity falls by no more than |C| + k a phase.

@@ -28,7 +28,7 @@ def pushes(drive: Drive, pull: float, tau: float) -> tuple[float, float]:
 
 @borrowing
 def lift_off(drive: Drive, tau: float) -> float:
-    """Return the phase until parts on the floor lift off, where s sin(tau) rises through n."""
+    """Return the phase in rad until parts lift off, where s sin(tau) rises through n."""
     return phase_to(math.asin(drive.gn / drive.s), tau) if drive.s > drive.gn else math.inf
 
 
@@ -40,9 +40,9 @@ def is_lifted(drive: Drive, tau: float) -> bool:
 
 @borrowing
 def flight(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return the duration (phase) of a flight that begins at tau, and its landing speed.
+    """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
 
-    z'' = s sin(tau) - gn from z = z' = 0.
+    z'' = s sin(tau) - gn from z = z' = 0. Infinite and 0 beyond 1,000 turns.
     """
     span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
     if span == math.inf:
@@ -63,7 +63,11 @@ def first_rise(
 
 @borrowing
 def set_flow(row: Row, drive: Drive, body: int, moves: bool, friction: float, drag: float) -> None:
-    """Set the acceleration's coefficients C and k of a body: C = c + mode mu s, 0 at rest."""
+    """Set C and k of a body's acceleration C sin(tau) - k; C = 0 unless it `moves`.
+
+    C = c + `friction` s, where `friction` is mode times mu (0 in the air); k = `drag` in g; `body`
+    is the index of the part or the stop.
+    """
     row.gain[body], row.drag[body] = drive.c + friction * drive.s if moves else 0.0, drag
 
 

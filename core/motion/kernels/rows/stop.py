@@ -19,11 +19,13 @@ NOT_PRESSED = Pressed(0.0, 0.0)
 def stop_pressed(
     row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
 ) -> Pressed:
-    """Return force and contact measures of the row on its stop over a phase without events.
+    """Return impulse and largest force of a row on its stop, over a phase without events.
 
-    In space, sliding: sum of m (-gs - mode mu n). In the air: sum of m times what the push exceeds
-    the stop's acceleration by. On a stop of the track, at rest, the least force: the sum over the
-    blocks of a row pushed forward, m max(0, D - mu_s n); friction may hold more.
+    Sliding on a stop at rest in space, the force is the sum of m (-gs - mode mu n) over the parts
+    that touch it; in the air, the sum of m times what the push exceeds the stop's acceleration by.
+    On a stop of the track, at rest, it is the least force, the sum over the blocks of a row pushed
+    forward, m max(0, D - mu_s n); friction may hold more. `pull` is gravity along less the level of
+    the drive's step; from phase `tau` over `span` (theory 17.6).
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:

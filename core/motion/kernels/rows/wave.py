@@ -205,7 +205,10 @@ def is_lifted(drive: RowWave, tau: float) -> bool:
 
 @borrowing
 def flight(drive: RowWave, tau: float) -> tuple[float, float]:
-    """Return the duration (phase) of a flight that begins at tau, and its landing speed."""
+    """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
+
+    Infinite and 0 if no landing is found.
+    """
     span = landing(drive.base, 0.0, tau)
     if span < 0.0:
         return math.inf, 0.0

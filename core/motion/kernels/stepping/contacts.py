@@ -41,7 +41,10 @@ class Touch(NamedTuple):
 
 
 class Push(NamedTuple):
-    """The acceleration of a free part, a = b - g, amid a step, and the length of the step."""
+    """The acceleration of a free part in the middle of a step in g, and the step's length h.
+
+    h is in rad.
+    """
 
     ax: float
     ay: float

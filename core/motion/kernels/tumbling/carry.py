@@ -15,10 +15,12 @@ from core.motion.kernels.tumbling.tables import FLAT, FREE, STATE, Cell
 def rates(
     cell: Cell, support: int, sigma: int, time: float, pitch: float, pitch_rate: float, slip: float
 ) -> tuple[float, float, float]:
-    """Return accelerations along the plane and in pitch, and the power of friction.
+    """Return accelerations along the plane (m/s^2) and in pitch (rad/s^2), and friction's power.
 
-    x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho under the forces n and t of
-    `corner_force` or `flat_force`, and |t slip| (theory 2.2).
+    x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho under the forces n and t per mass of the
+    support (a corner's number or `FLAT`), with the free acceleration a, corner angle s, half
+    diagonal rho and inertia ratio kappa; |t slip| per mass. `sigma` is the direction of slip, 0 if
+    held; `slip` the slip velocity in m/s; `time` in s (theory 2.2).
     """
     along, _ = free_acceleration(cell, time)
     if support == FLAT:
@@ -32,7 +34,7 @@ def rates(
 
 @compiled
 def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> None:
-    """Set `after` to the state after free flight, in closed form (theory 13.2).
+    """Set `after` to the state after free flight for `step` seconds from `time`, in closed form.
 
     x + u t - g t^2/2 and u - g t, and of the drive P sin(w t + phi) the first and second integral.
     """
@@ -58,8 +60,9 @@ def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> N
 def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
     """Put the state exactly onto its support: gap and its rate 0, slip 0 where friction holds.
 
-    y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin s on a corner (theory 2.1); on a side its
-    height, without rise and pitch rate.
+    y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin s on a corner at angle s (theory 2.1); on
+    a side its height, without rise and pitch rate. `support` is a corner's number, `FLAT` or
+    `FREE`; `sigma` the direction of slip, 0 if held.
     """
     if support == FLAT:
         quarter_turns = side_below(state[STATE.pitch])
@@ -82,7 +85,9 @@ def carry(
 ) -> None:
     """Set `after` to the state after a step on one support, by Runge-Kutta of order 4.
 
-    Only pitch and slide are integrated; the rest follows from the support, so that nothing sinks.
+    `support` is a corner's number, `FLAT` or `FREE`; `sigma` the direction of slip (1, -1), 0 if
+    held; `time` and `step` in s. Only pitch and slide are integrated; the rest follows from the
+    support, so that nothing sinks.
     """
     if support == FREE:
         fly(cell, state, time, step, after)

@@ -14,7 +14,11 @@ from core.motion.kernels.tumbling.tables import PATH_COLUMNS, STATE, cell_of
 
 @compiled
 def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of cells by event-driven simulation."""
+    """Fill result table and statuses of cells by event-driven simulation.
+
+    `cells` have the columns of `Cell` (SI), `table` those of `COLUMN`; `stop` is a flag that ends
+    the work.
+    """
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
         cell = cell_of(cells[number])
@@ -27,7 +31,11 @@ def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) ->
 
 @compiled
 def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of cells by time stepping."""
+    """Fill result table and statuses of cells by time stepping.
+
+    `cells` have the columns of `Cell` (SI), `table` those of `COLUMN`; `stop` is a flag that ends
+    the work.
+    """
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
         cell = cell_of(cells[number])
@@ -40,14 +48,17 @@ def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> 
 
 @compiled
 def path_events(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
-    """Write the path of one cell at given times into rows, by event-driven simulation.
+    """Write the path of one cell at ascending times in s into `rows`, by event-driven simulation.
 
-    By `run_events`.
+    `row` has the columns of `Cell`; each of `rows` has those of `PATH`.
     """
     run_events(cell_of(row), np.empty(len(STATE)), times, rows, stop)
 
 
 @compiled
 def path_steps(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
-    """Write the path of one cell at given times into rows, by time stepping."""
+    """Write the path of one cell at ascending times in s into `rows`, by time stepping.
+
+    `row` has the columns of `Cell`; each of `rows` has those of `PATH`.
+    """
     run_steps(cell_of(row), np.empty(len(STATE)), times, rows, stop)

@@ -40,9 +40,10 @@ LARGEST_TURN = 0.1  # rad a step: a corner that swings down and up again is not 
 def top_of(
     cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
 ) -> float:  # fmt: skip
-    """Return the largest height of the lowest corner within a step.
+    """Return the largest height in m of the lowest corner within a step.
 
-    `lowest_gap` where `lowest_rate` falls through 0, by halving.
+    From `state` at `time` to `after`, `step` seconds later; in free flight where the velocity of
+    the lowest corner falls through 0, by halving. `trial` is a work array.
     """
     top = max(lowest_gap(cell, state), lowest_gap(cell, after))
     if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
@@ -65,8 +66,9 @@ def dips(
 ) -> float:  # fmt: skip
     """Return the time within a step at which a corner reaches the plane; `step` if none does.
 
-    For corners that sink at the start of the step, g_N' < 0, and rise at its end: at the zero of
-    the line between both rates `gap_rate_of`.
+    For corners that sink in `state`, at the start, and rise in `after`, at the end: at the zero of
+    the line between both velocities off the plane. `support` and `sigma` are as in `carry`, times
+    in s, `trial` is a work array.
     """
     if support == FLAT:
         return step
@@ -87,9 +89,9 @@ def first_misfit(
 ) -> float:  # fmt: skip
     """Return the time within a step at which the support no longer fits; set `after` to that state.
 
-    `after` holds the state at the end of the step, which does not fit. A corner that falls on the
-    plane is followed back by Newton's method, which approaches from below a path that bends down;
-    everything else, and what Newton's method leaves, is halved.
+    `state` at `time` fits, `after`, `step` seconds later, does not; `support` and `sigma` are as in
+    `carry`; `trial` is a work array. A corner that falls on the plane is followed back by Newton's
+    method, which approaches from below a path that bends down; everything else is halved.
     """
     overlap = OVERLAP * cell.half_diagonal
     low, part, halve = 0.0, step, False
@@ -125,7 +127,11 @@ def first_misfit(
 
 @compiled
 def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: int) -> float:
-    """Return the end of a time step, limited by the next asked time and |xi'| dt <= 0.1 rad."""
+    """Return the end of a time step in s, limited by the next wanted time and by 0.1 rad of pitch.
+
+    `times` are the times at which the state is wanted, of which `written` are done; also limited by
+    the duration of the run.
+    """
     end, pitch_rate = min(time + cell.time_step, cell.duration), state[STATE.pitch_rate]
     if written < times.size:
         end = min(end, times[written])
@@ -138,8 +144,10 @@ def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: 
 def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
     """Simulate one cell from event to event, and write its state at the times into the rows.
 
-    A step with one support by `carry`, cut where it ceases to fit, `first_misfit`; then `strike`
-    and `choose`, until it `rests_for_ever` (theory 13.11).
+    `state` is set to that at the end; `times` are ascending in s, `rows` have the columns of
+    `PATH`; `stop` is a flag that ends the work. A step with one support is cut where that ceases to
+    fit; then impacts, and the choice of the next support, until the part rests for ever (theory
+    13.11).
     """
     after, trial = np.empty_like(state), np.empty_like(state)
     start_of(cell, state)

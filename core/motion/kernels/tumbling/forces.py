@@ -11,9 +11,10 @@ from core.motion.kernels.tumbling.tables import Cell
 
 @compiled
 def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
-    """Return the acceleration of a free part relative to the plane, along it and off it.
+    """Return the acceleration of a free part relative to the plane, along it and off it, in m/s^2.
 
-    (P_x, P_y) sin(w t + phi) - (g_x, g_y), drive and pull of the `Cell` (theory 13.11).
+    (P_x, P_y) sin(w t + phi) - (g_x, g_y), drive and pull of the `Cell`, t = `time` in s (theory
+    13.11).
     """
     swing = math.sin(cell.circular_frequency * time + cell.start_phase)
     along = cell.drive_along * swing - cell.pull_along
@@ -24,10 +25,11 @@ def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
 def free_corner(
     cell: Cell, time: float, s: float, c: float, pitch_rate: float
 ) -> tuple[float, float]:
-    """Return the acceleration of a free corner off the plane (chi) and along it.
+    """Return the acceleration in m/s^2 of a corner without forces, off the plane (chi) and along.
 
-    chi = a_y + rho xi'^2 sin s and a_t = a_x - rho xi'^2 cos s, with a of `free_acceleration`
-    (theory 2.2).
+    chi = a_y + rho xi'^2 sin s and a_t = a_x - rho xi'^2 cos s, with the acceleration a of a free
+    part, half diagonal rho and pitch rate xi'; `s` and `c` are sin s and cos s of the corner's
+    angle (theory 2.2).
     """
     along, upward = free_acceleration(cell, time)
     turning = cell.turning * cell.half_diagonal * pitch_rate * pitch_rate
@@ -36,10 +38,11 @@ def free_corner(
 
 @compiled
 def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> tuple[float, float]:
-    """Return normal and friction force per mass that keep a corner at rest (theory 2.4).
+    """Return normal and friction force per mass that keep a corner at rest, in m/s^2.
 
-    -((1 + kappa s^2) chi - kappa s c a_t)/(1 + kappa) and -((1 + kappa c^2) a_t - kappa s c chi)/
-    (1 + kappa), with the accelerations chi and a_t of the corner without force.
+    -((1 + kappa s^2) chi - kappa s c a_t)/(1 + kappa) and -((1 + kappa c^2) a_t - kappa s c chi)/(1
+    + kappa), with sine and cosine `s`, `c` of the corner's angle and the accelerations chi and a_t
+    = `along` of the corner without force (theory 2.4).
     """
     kappa = cell.inertia_ratio
     normal = -((1.0 + kappa * s * s) * chi - kappa * s * c * along) / (1.0 + kappa)
@@ -51,7 +54,9 @@ def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> t
 def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
     """Return the normal acceleration of a sliding corner per normal force and mass, m tau.
 
-    m tau = 1 + kappa c (c - sigma mu_k s), c and s for cos s and sin s (theory 2.2).
+    m tau = 1 + kappa c (c - sigma mu_k s), with sine and cosine `s`, `c` of the corner's angle and
+    the direction of slip `sigma`. If it is not positive there is no solution, or several (theory
+    2.2).
     """
     return 1.0 + cell.inertia_ratio * c * (c - sigma * cell.friction_kinetic * s)
 
@@ -60,9 +65,11 @@ def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
 def corner_force(
     cell: Cell, corner: int, sigma: int, time: float, pitch: float, pitch_rate: float
 ) -> tuple[float, float]:
-    """Return normal and friction force per mass on a corner that sticks or slides.
+    """Return normal and friction force per mass on a corner that sticks or slides, in m/s^2.
 
-    n = -chi/(m tau), t = -sigma mu_k n in slip (theory 2.3); `holding_force` where it is held.
+    n = -chi/(m tau), t = -sigma mu_k n in slip in direction `sigma` (theory 2.3), with the normal
+    acceleration chi of the corner without force and its response m tau; `holding_force` for `sigma`
+    0.
     """
     s, c = corner_at(cell, corner, pitch)
     chi, along = free_corner(cell, time, s, c, pitch_rate)
@@ -76,9 +83,10 @@ def corner_force(
 
 @compiled
 def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
-    """Return normal and friction force per mass on a side that lies flat.
+    """Return normal and friction force per mass on a side that lies flat, in m/s^2.
 
-    n = -a_y, and t = -sigma mu_k n in slip, -a_x where it is held, with a of `free_acceleration`.
+    n = -a_y, and t = -sigma mu_k n in slip in direction `sigma`, -a_x if held (0), with the
+    acceleration a of a free part.
     """
     along, upward = free_acceleration(cell, time)
     if sigma == 0:
@@ -90,9 +98,11 @@ def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
 def side_forces(
     cell: Cell, quarter_turns: int, normal: float, friction: float
 ) -> tuple[float, float]:
-    """Return the normal forces at the right and left end of a side that lies flat.
+    """Return the normal forces per mass at the right and left end of a side that lies flat.
 
-    (n -+ t height/half)/2: the moment of both about the centre is that of friction.
+    (n -+ t height/half)/2: their moment about the centre is that of friction. `normal` and
+    `friction` are n and t, `quarter_turns` tells the side; half its length and the centre's height
+    are those of `side_shape`. A negative one tells that the part tips.
     """
     half, height = side_shape(cell, quarter_turns)
     tilt = friction * height / half

@@ -20,7 +20,7 @@ def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
     """Return sine and cosine of the angle s of a corner below the transport direction.
 
     s is zeta + xi, pi - zeta + xi, pi + zeta + xi and -zeta + xi of the corners 0 to 3, with the
-    pitch xi (theory 2.1); pi/2 of a ball.
+    corner angle zeta of the part and the `pitch` xi in rad (theory 2.1); pi/2 of a ball.
     """
     if cell.turning == 0.0:
         return 1.0, 0.0
@@ -36,28 +36,34 @@ def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
 
 @compiled
 def gap_of(cell: Cell, state: Floats, corner: int) -> float:
-    """Return the height of a corner above the plane, g_N = y - rho sin s (theory 2.1)."""
+    """Return the height of a corner above the plane in m, g_N = y - rho sin s (theory 2.1)."""
     s, _ = corner_at(cell, corner, state[STATE.pitch])
     return state[STATE.up] - cell.half_diagonal * s
 
 
 @compiled
 def gap_rate_of(cell: Cell, state: Floats, corner: int) -> float:
-    """Return the velocity of a corner off the plane, g_N' = y' - rho xi' cos s (theory 2.1)."""
+    """Return the velocity of a corner off the plane, g_N' = y' - rho xi' cos s, in m/s.
+
+    With the angle s of the corner and the half diagonal rho (theory 2.1).
+    """
     _, c = corner_at(cell, corner, state[STATE.pitch])
     return state[STATE.up_rate] - cell.half_diagonal * state[STATE.pitch_rate] * c
 
 
 @compiled
 def slip_of(cell: Cell, state: Floats, corner: int) -> float:
-    """Return the velocity of a corner along the plane, g_T' = x' - rho xi' sin s (theory 2.1)."""
+    """Return the velocity of a corner along the plane, g_T' = x' - rho xi' sin s, in m/s.
+
+    With the angle s of the corner and the half diagonal rho (theory 2.1).
+    """
     s, _ = corner_at(cell, corner, state[STATE.pitch])
     return state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
 
 
 @compiled
 def lowest_gap(cell: Cell, state: Floats) -> float:
-    """Return the height of the lowest corner above the plane, min g_N of `gap_of`."""
+    """Return the height of the lowest corner above the plane in m."""
     least = gap_of(cell, state, 0)
     for corner in range(1, corner_count(cell)):
         least = min(least, gap_of(cell, state, corner))
@@ -66,7 +72,7 @@ def lowest_gap(cell: Cell, state: Floats) -> float:
 
 @compiled
 def lowest_rate(cell: Cell, state: Floats) -> float:
-    """Return the velocity of the lowest corner off the plane, its `gap_rate_of`."""
+    """Return the velocity of the lowest corner off the plane in m/s."""
     lowest = 0
     for corner in range(1, corner_count(cell)):
         if gap_of(cell, state, corner) < gap_of(cell, state, lowest):
@@ -78,16 +84,16 @@ def lowest_rate(cell: Cell, state: Floats) -> float:
 def side_below(pitch: float) -> int:
     """Return the number of quarter turns to the pitch at which the lowest side lies flat.
 
-    round(xi/(pi/2)).
+    round(xi/(pi/2)), with the pitch xi in rad.
     """
     return round(pitch / (math.pi / 2))
 
 
 @compiled
 def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
-    """Return half the length of a side, and the height of the centre above it.
+    """Return half the length of the side below, and the height of the centre above it, in m.
 
-    rho cos zeta and rho sin zeta, changed about on the other sides.
+    rho cos zeta and rho sin zeta, exchanged after an odd number of `quarter_turns`.
     """
     run = cell.half_diagonal * math.cos(cell.corner_angle)
     rise = cell.half_diagonal * math.sin(cell.corner_angle)
@@ -98,7 +104,10 @@ def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
 
 @compiled
 def speed_scale(cell: Cell) -> float:
-    """Return a speed scale: that gained over a half diagonal, sqrt((|g| + |P|) rho)."""
+    """Return the speed gained over a half diagonal, sqrt((|g| + |P|) rho), in m/s.
+
+    Small velocities are measured by it.
+    """
     most = math.hypot(cell.pull_along, cell.pull_normal)
     most += math.hypot(cell.drive_along, cell.drive_normal)
     return math.sqrt(most * cell.half_diagonal)
@@ -106,9 +115,9 @@ def speed_scale(cell: Cell) -> float:
 
 @compiled
 def kinetic(cell: Cell, state: Floats) -> float:
-    """Return the kinetic energy per mass relative to the plane.
+    """Return the kinetic energy per mass relative to the plane, in (m/s)^2.
 
-    (x'^2 + y'^2 + rho^2 xi'^2/kappa)/2.
+    (x'^2 + y'^2 + rho^2 xi'^2/kappa)/2, with half diagonal rho and inertia ratio kappa.
     """
     turning = cell.half_diagonal * state[STATE.pitch_rate]
     square = turning * turning / cell.inertia_ratio

@@ -20,9 +20,10 @@ from core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
 
 @compiled
 def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
-    """Return the Delassus numbers of a corner per mass: velocity per impulse (theory 1.3).
+    """Return the Delassus numbers G_nn, G_nt, G_tt of a corner: its velocity per impulse and mass.
 
-    1 + kappa cos^2 s, kappa sin s cos s and 1 + kappa sin^2 s.
+    1 + kappa cos^2 s, kappa sin s cos s and 1 + kappa sin^2 s, with the inertia ratio kappa; `s`
+    and `c` are sine and cosine of the corner's angle (theory 1.3).
     """
     kappa = cell.inertia_ratio
     return 1.0 + kappa * c * c, kappa * s * c, 1.0 + kappa * s * s
@@ -30,9 +31,10 @@ def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
 
 @compiled
 def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float) -> None:
-    """Apply an impulse per mass (i_n, i_t) at a corner to the state.
+    """Apply an impulse per mass (i_n, i_t) in m/s at a corner to the state.
 
-    x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho (theory 2.2).
+    x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho; `s` and `c` are sine and cosine
+    of the corner's angle (theory 2.2).
     """
     state[STATE.along_rate] += tangential
     state[STATE.up_rate] += normal
@@ -45,10 +47,12 @@ def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangentia
 def arrest(
     nn: float, nt: float, tt: float, u_n: float, u_t: float, friction: float
 ) -> tuple[float, float]:
-    """Return the impulse that brings u_n <= 0 to 0 with Coulomb friction (theory 5.3).
+    """Return the impulse (normal, tangential) that brings u_n <= 0 to 0 with Coulomb friction.
 
-    i_n = (-u_n - G_nt i_t)/G_nn, with the i_t that stops the slip, u_t + G_nt i_n + G_tt i_t = 0,
-    if it lies in the cone |i_t| <= mu i_n; else at the edge of that.
+    Per mass in m/s; `nn`, `nt`, `tt` are the corner's Delassus numbers, `u_n` and `u_t` its
+    velocities off and along the plane. i_n = (-u_n - G_nt i_t)/G_nn, with the i_t that stops the
+    slip, u_t + G_nt i_n + G_tt i_t = 0, if it lies in the cone |i_t| <= mu i_n; else at the edge of
+    the cone (theory 5.3).
     """
     stop = -u_n / nn
     coupling = nt / nn
@@ -68,10 +72,11 @@ def arrest(
 def compress(
     cell: Cell, state: Floats, right: int, left: int, after: Floats
 ) -> tuple[float, float, float]:
-    """Set `after` to the state in which no corner approaches; return normal and friction impulses.
+    """Set `after` to the state in which no corner approaches; return the impulses of that.
 
-    `right` is the corner, or the right one of two that touch together; `left` is -1 for one corner.
-    On a side both corners slide alike, so that friction is one force (theory 1.4, 5.3).
+    Normal impulses per mass at the right and left corner, and that of friction, in m/s. `right` is
+    the corner, or the right one of two that touch together; `left` is -1 for one corner. On a side
+    both corners slide alike, so that friction is one force (theory 1.4, 5.3).
     """
     rho, kappa, mu = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
     copy(state, after)
@@ -112,11 +117,11 @@ def compress(
 
 @compiled
 def strike(cell: Cell, state: Floats, after: Floats) -> bool:
-    """Apply an impact to the state; return True if there was one.
+    """Apply an impact of the touching corners to the state; return True if there was one.
 
-    Moreau's law scales the compression of `compress` by 1 + eps; that of Pfeiffer and Glocker adds
-    an expansion with eps times the normal impulses (theory 5.3). Where a corner still approaches,
-    which one impact of two corners may leave, compressions follow.
+    Moreau's law scales the compression by 1 + eps; that of Pfeiffer and Glocker adds an expansion
+    with eps times the normal impulses (theory 5.3). If a corner still approaches, which one impact
+    of two corners may leave, compressions follow. `after` is a work array.
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     right = left = -1

@@ -41,9 +41,9 @@ def start_of(cell: Cell, state: Floats) -> None:
 
 @compiled
 def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
-    """Write time, centre, pitch, their rates, lost energy, lowest gap and touching corners.
+    """Write time, state, lowest gap and touching corners into a row of a path (columns of `PATH`).
 
-    Columns of `PATH`.
+    `support` is a corner's number, `FLAT` or `FREE`; `time` in s.
     """
     row[:] = 0.0
     row[PATH.time] = time
@@ -61,7 +61,10 @@ def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) ->
 def record_until(
     cell: Cell, state: Floats, time: float, support: int, times: Floats, written: int, rows: Floats
 ) -> int:  # fmt: skip
-    """Write the state into the rows of the times up to `time`; return the number written."""
+    """Write the state into the rows of the wanted times up to `time`; return the number written.
+
+    `times` are ascending in s, of which `written` are done; `rows` have the columns of `PATH`.
+    """
     while written < times.size and times[written] <= time:
         record(cell, state, times[written], support, rows[written])
         written += 1
@@ -72,7 +75,7 @@ def record_until(
 def record_rest(
     cell: Cell, state: Floats, support: int, times: Floats, written: int, rows: Floats
 ) -> None:  # fmt: skip
-    """Write the final state into all remaining rows."""
+    """Write the final state into the rows of all wanted times that are left, from `written` on."""
     for row in range(written, times.size):
         record(cell, state, times[row], support, rows[row])
 
@@ -81,7 +84,7 @@ def record_rest(
 def side_of(cell: Cell, support: int, pitch: float) -> int:
     """Return the number of the side that lies flat, 1 to 4; 0 if none does, 1 for a ball.
 
-    `side_below` mod 4, plus 1.
+    `support` is a corner's number, `FLAT` or `FREE`; `pitch` in rad.
     """
     if support == FLAT:
         return side_below(pitch) % 4 + 1
@@ -90,7 +93,10 @@ def side_of(cell: Cell, support: int, pitch: float) -> int:
 
 @compiled
 def fill(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
-    """Write the results of a run: the fields of `Tumble` without the status."""
+    """Write the results of a run into a row of the table, columns of `COLUMN`.
+
+    `state` is that at the end. A part that settled has its mean velocity over the whole duration.
+    """
     row[COLUMN.pitch] = state[STATE.pitch]
     row[COLUMN.resting_side] = run.side
     row[COLUMN.settling_time] = run.settling_time

@@ -39,8 +39,9 @@ MAX_SWEEPS = 500  # over corners that touch at once; what they still change is a
 def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: Floats) -> None:
     """Apply impulses at several corners by projected Gauss-Seidel, one corner at a time.
 
-    `target` (2, 4) holds the velocities off and along the plane that the corners are to end at, at
-    least; `impulse` (2, 4) is overwritten.
+    `near` is 1 for the corners that take part; `target` (2, 4) holds the velocities off and along
+    the plane in m/s that they are to end at, at least; `impulse` (2, 4) is filled with their
+    impulses per mass.
     """
     impulse[:] = 0.0
     mu = cell.friction_kinetic
@@ -69,7 +70,11 @@ def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: 
 
 @compiled
 def slides_without_solution(cell: Cell, state: Floats, middle: Floats, near: Flags) -> bool:
-    """True if the only near corner slides where m tau <= 0, so that there is no solution."""
+    """True if the only near corner slides where m tau <= 0, so that there is no solution.
+
+    m tau is its normal acceleration over the normal force (`response_of`). `state` is that at the
+    start of a step, `middle` that in its middle, `near` 1 for the corner.
+    """
     corner = int(np.argmax(near))
     s, c = corner_at(cell, corner, middle[STATE.pitch])
     slip = state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
@@ -83,11 +88,12 @@ def set_targets(
     cell: Cell, state: Floats, middle: Floats, step: float, upward: float, near: Flags,
     target: Floats,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Find the corners in the plane amid a step, and their target velocities at its end.
+    """Find the corners in the plane in mid-step, and the velocities that they are to end it with.
 
-    -eps g_N' off the plane, and after an impact -eps g_T' along it (theory 5.3). Fills `near` and
-    `target`; `upward` is the size of the free acceleration off the plane. Returns how many corners
-    are near, and whether one strikes.
+    -eps g_N' off the plane, and after an impact -eps g_T' along it (theory 5.3). `near` and
+    `target` are filled; `state` is that at the start, `middle` that in the middle of the `step`
+    (s); `upward` is the size of the free acceleration off the plane. Return the number of near
+    corners, and True if one strikes.
     """
     touching, struck = 0, False
     target[:] = 0.0
@@ -108,7 +114,10 @@ def set_targets(
 
 @compiled
 def carrying(impulse: Floats) -> int:
-    """Return the corner with a normal impulse i_n > 0, which carries the part; `FLAT` for two."""
+    """Return the corner with a normal impulse i_n > 0, which carries the part; `FLAT` for two.
+
+    `FREE` without any; `impulse` (2, 4) holds normal and friction impulses.
+    """
     support = FREE
     for corner in range(impulse.shape[1]):
         if impulse[0, corner] > 0.0:
@@ -118,7 +127,7 @@ def carrying(impulse: Floats) -> int:
 
 @compiled
 def drift(state: Floats, rates: Floats, time: float) -> None:
-    """Move a state's centre and pitch at the rates of another one for a time: q + t u."""
+    """Move a state's centre and pitch at the rates of another state for a time in s: q + t u."""
     state[STATE.along] += time * rates[STATE.along_rate]
     state[STATE.up] += time * rates[STATE.up_rate]
     state[STATE.pitch] += time * rates[STATE.pitch_rate]
@@ -126,9 +135,12 @@ def drift(state: Floats, rates: Floats, time: float) -> None:
 
 @compiled
 def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
-    """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law.
+    """Simulate one cell by the midpoint rule of Moreau and Jean, with Moreau's law of impact.
 
     u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2.
+
+    `state` is set to that at the end; `times` are ascending in s, `rows`, filled at these times,
+    have the columns of `PATH`; `stop` is a flag that ends the work (theory 13.9).
     """
     corners = corner_count(cell)
     near = np.zeros(corners, dtype=np.int64)

@@ -42,8 +42,9 @@ from core.motion.kernels.tumbling.tables import (
 def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> bool:
     """True if the state still fits its support and direction of slip.
 
-    g_N >= 0 of all other corners, n >= 0, |t| <= mu_s n where it is held and sigma g_T' >= 0 where
-    it slips, m tau > 0 of `response_of` (theory 2.3, 2.4).
+    No other corner in the plane, normal force n >= 0, |t| <= mu_s n if held (`sigma` 0), sigma g_T'
+    >= 0 and m tau > 0 if it slips, with the friction force t, slip g_T' and response m tau of the
+    corner. `support` is a corner's number, `FLAT` or `FREE`; `time` in s (theory 2.3, 2.4).
     """
     overlap, deep = OVERLAP * cell.half_diagonal, DEEP * cell.half_diagonal
     if support == FLAT:
@@ -81,7 +82,8 @@ def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> b
 def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
     """Remove a small remaining velocity of a corner by an impulse, which cannot add energy.
 
-    -u_n/G_nn, or G^-1 (-u_n, -u_t) with the slip, det G = 1 + kappa of `delassus`.
+    Off the plane by -u_n/G_nn, or with the slip (`slip_too`) by G^-1 (-u_n, -u_t), with the
+    Delassus numbers G, det G = 1 + kappa.
     """
     s, c = corner_at(cell, corner, state[STATE.pitch])
     nn, nt, tt = delassus(cell, s, c)
@@ -97,10 +99,11 @@ def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
 
 @compiled
 def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[int, int]:
-    """Return support and slip direction where one corner touches without approaching.
+    """Return support and slip direction if the corner `corner` alone touches without approaching.
 
-    Held where n_0 >= 0 and |t_0| <= mu_s n_0 of `holding_force`; else free where chi > 0, or it
-    slips against t_0; `PARADOX` where m tau <= 0 (theory 2.3, 2.4).
+    Held (0) if n_0 >= 0 and |t_0| <= mu_s n_0 for the force (n_0, t_0) that keeps it at rest; else
+    free if its normal acceleration without force, chi, is above 0, or it slips against t_0;
+    `PARADOX` if m tau <= 0 (theory 2.3, 2.4).
     """
     slow = SLOW * speed_scale(cell)
     stop_corner(cell, state, corner, False)
@@ -129,10 +132,12 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
 
 @compiled
 def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
-    """Return support and slip direction, and put the state onto the support.
+    """Return support and slip direction after an event, and put the state onto the support.
 
-    From the touching corners that do not move off or on; the contact laws of accelerations decide,
-    of two corners `flat_force` and `side_forces`, of one `choose_corner` (theory 2.3 and 2.4).
+    The support is a corner's number, `FLAT`, `FREE` or `PARADOX`; the direction 1, -1, or 0 if
+    held. From the touching corners that neither approach nor leave: the contact laws of
+    accelerations decide, for two by `flat_force` and `side_forces`, for one by `choose_corner`
+    (theory 2.3, 2.4).
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     first = second = -1
@@ -178,7 +183,8 @@ def rests_for_ever(cell: Cell, support: int, sigma: int, state: Floats) -> bool:
     """True if the part is at rest and no phase of the drive can move it.
 
     g_y >= |P_y| and, with m = min(mu_s, half/height), m (g_y - P_y sin) >= |g_x - P_x sin| at both
-    ends of the swing: neither slip nor tipping to either side.
+    ends of the swing: neither slip nor tipping to either side. g is the pull, P the drive, half and
+    height are those of the side that lies flat.
     """
     if sigma != 0:
         return False

@@ -46,7 +46,7 @@ GROUPS = len(Cell._fields)
 
 @compiled
 def cell_of(row: Floats) -> Cell:
-    """Return a row as a `Cell`."""
+    """Return a row of a kernel's table, shape (columns,), as a named tuple `Cell`."""
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
