@@ -110,7 +110,10 @@ def planar_path(
 
 
 def _modes(values: Array, way: float) -> NDArray[np.int8]:
-    """Return modes as integers, forward and backward swapped if the drive was mirrored."""
+    """Return motion modes as integers, forward and backward exchanged if `way` is -1 (mirrored).
+
+    `values` holds modes as floats, shape (n,), from a drive that the kernel may have mirrored.
+    """
     modes = values.astype(np.int8)
     forward, backward = MOTION_MODES["forward"].value, MOTION_MODES["backward"].value
     if way < 0:
@@ -129,8 +132,18 @@ def motion_by_events(
 ) -> Motion:
     """Return the motion from rest: in closed form in the plane, by Taylor series in space.
 
-    A cylinder that slides along its axis moves as a block does. In space there is no solution where
-    restitution falls with speed.
+    Parameters
+    ----------
+    groups, contacts
+        Dimensionless numbers of the cells, and what a part can touch. A cylinder that slides along
+        its axis moves as a block does. In space there is no solution if restitution falls with
+        speed.
+    tolerance
+        Error of the state at which a motion counts as repeating, as a share of the drive.
+    max_periods
+        Periods after which a motion counts as aperiodic.
+    watch
+        May stop it.
     """
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     plane = in_plane(groups, contacts)
@@ -166,7 +179,10 @@ def _in_space(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion in space; cells with speed-dependent restitution have no result."""
+    """Return the motion in space; cells with speed-dependent restitution have status `no_solution`.
+
+    The settings are those of `motion_by_events`.
+    """
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     motion = spatial_motion(groups, contacts, **settings, watch=watch)
     falls = np.not_equal(groups.impact_damping, 0.0)
@@ -187,11 +203,11 @@ def energy_by_events(
     watch: Watch | None = None,
     averages: bool = False,
 ) -> Energy:
-    """Return the energies of motions that repeat: work of friction, impacts, drive; else NaN.
+    """Return the mean powers of friction, impacts and drive over a cycle; NaN without a cycle.
 
-    `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
-    exactly, in space to some 1e-10 of the drive's work. With `averages` motions in the plane that
-    do not repeat have means over a long stretch, which scatter by some per cent.
+    `motion` is that of the same groups and settings; its cycle is followed once more, in the plane
+    exactly, in space to some 1e-10 of the drive's work. With `averages`, planar motions that do not
+    repeat have means over a long stretch, which scatter by some per cent (theory 13.15).
     """
 
     def in_space(
@@ -229,7 +245,7 @@ def energy_by_events(
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the motion equation's function for parts with these contacts."""
+    """Return the function of the motion equation for parts with these contacts."""
 
     def motion(
         *, groups: Groups, tolerance: Array, max_periods: Array, watch: Watch | None = None
@@ -243,7 +259,7 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _energy(contacts: Contacts) -> Follow:
-    """Return the energy equation's function for parts with these contacts."""
+    """Return the function of the energy equation for parts with these contacts."""
 
     def energy(
         *,
@@ -263,7 +279,7 @@ def _energy(contacts: Contacts) -> Follow:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that computes a part's trajectory over a cycle."""
+    """Return the function that computes a part's trajectory over a cycle, with these contacts."""
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
         """Return the trajectory of the part at the asked times."""
@@ -281,7 +297,11 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _price(cells: Priced) -> Price:
-    """Return the time to simulate a cell: next to nothing in the plane, more by series in space."""
+    """Return the seconds to simulate a cell: next to nothing in the plane, more by series in space.
+
+    `cells` tells settings, harmonics and contacts of the cells; the result holds likely and largest
+    times.
+    """
     waves = cells.orders * (1.0 + cells.orders)
     flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3
     flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("max_periods")

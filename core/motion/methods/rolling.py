@@ -30,11 +30,11 @@ ROUNDING = 1e-12
 
 
 def block_groups(contact: RollingContact) -> Groups:
-    """Return the groups of a sliding block that moves like a given rolling part.
+    """Return the dimensionless numbers of a sliding block that moves like a given rolling part.
 
-    Its friction is the rolling resistance c, its load the part's and w/c of the wall's friction;
-    without rolling resistance, the wall's alone on a floor that does not press. A block at rest
-    stands for parts whose motion is known without it.
+    Its friction is the rolling resistance c; its load is the part's, and w/c for the friction w of
+    the wall. Without rolling resistance its friction is the wall's alone, on a floor under the
+    part's load. A block at rest stands for parts whose motion is known without it (theory 18.2).
     """
     known = contact.free | contact.lifts | contact.runs_away
     rubs = contact.resistance > 0
@@ -53,7 +53,8 @@ def block_groups(contact: RollingContact) -> Groups:
 def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
     """True where the floor's friction suffices for rolling over the whole cycle.
 
-    Bounds tell nearly all cells; the motion of the others is followed once more.
+    Bounds tell nearly all cells of `contact`; the motion of the others is followed once more,
+    unless `watch` stops it.
     """
     rolls = contact.surely_rolls
     open_cells = ~(rolls | contact.surely_slips | contact.free | contact.runs_away)
@@ -77,9 +78,12 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
 
 
 def most_traction(contact: RollingContact, pieces: Array) -> float:
-    """Return the largest ratio of friction to load that rolling needs over a cycle [1].
+    """Return the largest ratio of friction to load that rolling needs over a cycle.
 
-    |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, |D| - w at most at rest.
+    |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, (|D| - w)/n at rest, with the push
+    D along less gravity, the wall's friction w, the inertia factor kap, the rolling resistance c
+    and the load n. `pieces` are the motion pieces of the cycle of its block (columns of `PIECE`).
+    Infinite if the drive lifts the part.
     """
     # The pieces are those of a drive that points up and forwards: the mirror image, else.
     normal = abs(float(contact.normal))
@@ -105,7 +109,11 @@ def most_traction(contact: RollingContact, pieces: Array) -> float:
 
 
 def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> Motion:
-    """Return a round part's motion, converted from that of its equivalent block."""
+    """Return a round part's motion, converted from `block`, that of its equivalent block.
+
+    Velocities are the share kap/(1 + kap) of the block's. No means where the part runs away or
+    slips at times (`rolls_and_slips`).
+    """
     rolls = always_rolls(contact, watch)
     status = np.where(
         contact.runs_away, STATUS["runaway"],

@@ -146,9 +146,18 @@ def row_motion(
 ) -> RowMotion:  # fmt: skip
     """Return the motion of rows of parts that start at rest on the track.
 
-    With `steps` they are followed by so many time steps of a period, as are rows of one friction
-    then. Parts that rebound from the floor hop each by itself: their rows are not
-    followed, and have NaN.
+    Parameters
+    ----------
+    groups, parts
+        Dimensionless numbers of the cells, and the parts of their rows. Parts that rebound from the
+        floor hop each by itself: their rows are not followed, and have NaN.
+    max_periods
+        Periods after which a motion counts as aperiodic.
+    watch
+        May stop it.
+    steps
+        Time steps a period; without it rows are followed from event to event, and rows of one
+        friction as one part.
     """
     periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
     rows, shape = _cells(groups, parts, periods)
@@ -198,7 +207,10 @@ def _own(rows: Array, room: int, number: int) -> Array:
 def _by_events(
     cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
 ) -> None:
-    """Fill the result table of rows with the kernel that suits each drive."""
+    """Fill results and statuses of rows from event to event, by the kernel that suits each drive.
+
+    `cells` are rows of the kernel, `table_` a row of results for each, `stop` a flag that ends it.
+    """
     waved = _waved(cells)
     for some, kernel in ((~waved, "row_cells"), (waved, "waved_row_cells")):
         if some.any():
@@ -220,7 +232,10 @@ def _stepped(steps: int) -> Kernel:
 
 
 def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
-    """Return a mask of the rows whose parts all have one friction."""
+    """Return a mask of the rows whose parts all have one static and one kinetic friction.
+
+    `rows` are those of the kernel, with `room` columns for each quantity of the parts.
+    """
     inside = _inside(rows, room)
     alike = np.ones(len(rows), dtype=bool)
     for number in (compiled.rows.OWN.static, compiled.rows.OWN.kinetic):
@@ -265,9 +280,10 @@ def _as_one(
     groups: Groups, rows: Array, shape: tuple[int, ...], alike: NDArray[np.bool_], room: int,
     watch: Watch | None,
 ) -> tuple[list[Array], list[Array], NDArray[np.int8]]:  # fmt: skip
-    """Return the motion of rows of one friction, in which all parts move as one.
+    """Return means, columns of each part, and statuses of rows in which all parts move as one.
 
-    The columns of `RowMotion` for each row, those for each part (rows, room), and the statuses.
+    The means are a list of the columns of `RowMotion`, those of each part have shape (rows, room).
+    The rows are those of the mask `alike`, of parts of one friction; `shape` is that of the cells.
     """
     own = compiled.rows.OWN
     static, kinetic = (_own(rows, room, n)[:, 0].reshape(shape) for n in (own.static, own.kinetic))
@@ -298,7 +314,10 @@ def _as_one(
 
 
 def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, tuple[int, ...]]:
-    """Return the kernel's rows, and the shape of the cells."""
+    """Return the kernel's rows for these groups and parts, and the shape of the cells.
+
+    A row has the fields of `Head`, frictions, masses and gaps of the parts, and the wave's columns.
+    """
     room = len(parts.friction)
     own = [np.isnan(one) for one in parts.friction]
     static, kinetic = (
@@ -325,7 +344,7 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the motion equation's function for rows."""
+    """Return the function of the motion equation for rows; contacts do not matter."""
     del contacts
 
     def motion(
@@ -371,9 +390,10 @@ def _course(contacts: Contacts) -> FollowCourse:
 
 
 def _price(cells: Priced) -> Price:
-    """Return the time to simulate a row: it grows with the parts, squared where they collide.
+    """Return the seconds to simulate a row: it grows with the parts, squared where they collide.
 
-    Parts of one friction take what one part takes.
+    Parts of one friction take what one part takes. `cells` tells settings and rows; the result
+    holds likely and largest times.
     """
     row: RowParts = cells.known["row"]
     if row.stop == "none" and not row.shift and all(np.isnan(one).all() for one in row.friction):
@@ -388,7 +408,7 @@ def _price(cells: Priced) -> Price:
 
 
 def _follow_steps(contacts: Contacts) -> Follow:
-    """Return the motion equation's function for rows by time stepping."""
+    """Return the function of the motion equation for rows by time stepping."""
     del contacts
 
     def motion(
@@ -402,7 +422,10 @@ def _follow_steps(contacts: Contacts) -> Follow:
 
 
 def _price_steps(cells: Priced) -> Price:
-    """Return the time to simulate a row by stepping: two runs with 3 times the steps in total."""
+    """Return the seconds to simulate a row by time stepping: two runs with 3 times the steps.
+
+    `cells` tells settings and rows; the result holds likely and largest times.
+    """
     row: RowParts = cells.known["row"]
     steps = 3.0 * cells.setting("steps_per_period") * cells.setting("max_periods")
     most = STEP_SECONDS * (2.0 + np.asarray(row.number, dtype=float)) * steps

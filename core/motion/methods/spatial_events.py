@@ -97,7 +97,10 @@ def spatial_path(
 def spatial_trajectory(
     asked: TrajectoryRequest, contacts: Contacts, *, tolerance: float, max_periods: float
 ) -> TrajectoryValues:
-    """Return the trajectory of one part over a cycle, or at the asked times."""
+    """Return the trajectory of one part over a cycle, or at the times of the request.
+
+    `contacts`, `tolerance` and `max_periods` are those of `spatial_path`.
+    """
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     _, phases = asked.times()
     path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)

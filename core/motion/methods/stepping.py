@@ -152,9 +152,9 @@ def stepped_motion(
 def without_landing_steps(motion: Motion, steps: int) -> Motion:
     """Return the motion without the floor time of steps in which the part only lands.
 
-    A landing takes one step, in which the floor pushes; in truth it takes no time. Where no step of
-    a period is on the floor but those of its impacts, the part hops after each: it is in the air
-    all the time, and has `flight` of exactly 1 and nothing else.
+    A landing takes one step of the `steps` a period, in which the floor pushes; in truth it takes
+    no time. If no step of a period is on the floor but those of its impacts, the part hops after
+    each impact: it is in the air all the time, and gets `flight` 1 and no other share.
 
     Both sides are counts over whole periods, kept as means: they are equal but for rounding, or
     apart by one in all steps of a path, which are `MAX_STEPS` at most.
@@ -232,7 +232,7 @@ def stepped_path(
 
 
 def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:
-    """Raise if a count or a setting is out of its range."""
+    """Raise ValueError if a count or a setting of time stepping is out of its range."""
     if steps_per_period < 8 or max_periods < 8:
         raise ValueError("steps_per_period and max_periods must be at least 8")
     if 4 * steps_per_period * max_periods > MAX_STEPS:
@@ -243,7 +243,7 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the motion equation's function: planar if no drive acts across."""
+    """Return the function of the motion equation: planar if no drive acts across."""
 
     def motion(
         *, groups: Groups, steps_per_period: Array, max_periods: Array, watch: Watch | None = None
@@ -290,7 +290,11 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDArray[np.int8]:
-    """Return the mode of a part at each point of its path."""
+    """Return the motion mode of a part at each of n points of its path, shape (n,).
+
+    `position` and `velocity`, shape (n, 3), in g/w^2 and g/w; `steps` is the number of steps a
+    period. `unknown` where the position is NaN.
+    """
     # On the floor the normal velocity is 0; gaps below what the drive covers in a step are the
     # method's own.
     gap = abs(groups.drive_number_normal) * (2 * np.pi / steps) ** 2
@@ -303,7 +307,10 @@ def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDAr
 
 
 def _price(cells: Priced) -> Price:
-    """Return the time to simulate a cell: three runs with 4 times the steps in total."""
+    """Return the seconds to simulate a cell: three runs with 4 times the steps in total.
+
+    `cells` tells settings and contacts of the cells; the result holds likely and largest times.
+    """
     steps = 4.0 * cells.setting("steps_per_period")
     spatial = cells.contacts.wall or not cells.groups.planar
     each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP

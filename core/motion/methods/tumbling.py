@@ -242,7 +242,10 @@ def tumbling_path(
 
 
 def _step_of(throw: Throw) -> ArrayLike:
-    """Return the time step of parts [s]."""
+    """Return the largest time step of the parts in s: the given one, or the default.
+
+    By default 1/50 of sqrt(half diagonal/gravity), and at most 1/64 of a period of the drive.
+    """
     if throw.time_step is not None:
         return throw.time_step
     frequency = np.asarray(throw.frequency, dtype=float)
@@ -257,7 +260,10 @@ def _step_of(throw: Throw) -> ArrayLike:
 
 
 def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the kernel's rows, and the shape of the broadcast fields."""
+    """Return the kernel's rows (columns of `Cell`, SI), and the shape of the broadcast fields.
+
+    Raises ValueError if a field is out of its range.
+    """
     for name, values in {"duration": throw.duration, "gravity": throw.gravity}.items():
         if not np.all(np.asarray(values) > 0):
             raise ValueError(f"{name} has to be positive")
@@ -299,7 +305,10 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
 
 
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
-    """Return a mask of the rows without overflow or underflow in the computed numbers."""
+    """Return a mask of the rows without overflow or underflow in the computed numbers.
+
+    `rows` have the columns of the kernel's `Cell`.
+    """
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
     valid: Mask = np.asarray(np.isfinite(rows).all(axis=1))
     for name in ("half_diagonal", "pull_normal", "time_step"):
@@ -308,7 +317,7 @@ def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
 
 
 def _check(method: Way, law: Law) -> None:
-    """Raise ValueError if the method does not support the impact law."""
+    """Raise ValueError if the method is unknown or does not support the impact law."""
     if method not in ("events", "stepping"):
         raise ValueError("method has to be 'events' or 'stepping'")
     if method == "stepping" and law != "moreau":
@@ -316,7 +325,10 @@ def _check(method: Way, law: Law) -> None:
 
 
 def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
-    """Return the simulation method with this way of stepping and impact law."""
+    """Return the simulation method with this way of stepping and this impact law.
+
+    `known` holds the other fields of `Method`.
+    """
 
     def follow(contacts: Contacts) -> Follow:
         """Return the tumbling equation's function."""
@@ -357,10 +369,11 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _pricing(step: float, settles: float, rebounds: float) -> Pricing:
-    """Return the function that estimates the time of a cell; `step` is the time of a step [s].
+    """Return the function that estimates the time of a cell in s.
 
-    A part that the plane does not shake off comes to rest; that takes so many seconds without
-    restitution, and more with much.
+    `step` is the time of one step in s. A part that the plane does not shake off comes to rest
+    after `settles` exp(`rebounds` times restitution) seconds of computing, so that the rest costs
+    nothing.
     """
 
     def price(cells: Priced) -> Price:

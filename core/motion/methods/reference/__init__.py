@@ -156,10 +156,11 @@ def _numbers(groups: Groups) -> list[Array]:
 def _scatter(means: Array, most: float) -> float:
     """Return the error of the mean of single periods' means; `most` at least if they drift.
 
-    What 99.9 % of Student's distribution allow for the mean of up to 8 stretches, how far the
-    second half is from the first one, and how far the part strays from a steady travel, over the
-    time. Where the halves differ by more than the scatter from one stretch to the next explains, a
-    transient goes on, to where nobody knows.
+    What 99.9 % of Student's distribution allow for the mean of up to 8 stretches, plus the
+    difference of the second half of `means` from the first, plus the largest distance from a steady
+    travel over the number of periods. If the halves differ by more than the scatter between
+    stretches explains, a transient goes on, and nobody knows where it ends: the error is then at
+    least `most`, the drive's speed and more.
     """
     if means.size < 2:
         return most
@@ -173,7 +174,7 @@ def _scatter(means: Array, most: float) -> float:
 
 
 def _nothing(status: str = "no_solution") -> Motion:
-    """Return the result of a cell that has no solution."""
+    """Return the result of a cell without a mean: NaN, and the status of this name."""
     values = (np.asarray(math.nan) for _ in Motion._fields[:-1])
     return Motion._make((*values, np.asarray(STATUS[status], dtype=np.int8)))
 
@@ -187,7 +188,11 @@ def _result(
     multiple: int,
     status: str,
 ) -> Motion:
-    """Return a motion whose shares and counts are those of the last periods."""
+    """Return a motion whose shares and counts are those of the last `periods` periods of a run.
+
+    `velocity`, `error` and `spread` are in g/w; `multiple` is the number of periods after which it
+    repeats, 0 if it does not; `status` the name of its status.
+    """
     tallies = run.tallies[-periods:]
     phase = 2.0 * math.pi * periods
     across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
@@ -213,7 +218,7 @@ def _result(
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the motion equation's function, which computes one cell after another."""
+    """Return the function of the motion equation, which computes one cell after another."""
 
     def motion(*, groups: Groups, max_periods: Array, watch: Watch | None = None) -> Motion:
         """Return the motion from rest by collocation between events, theory 13.9.
@@ -244,13 +249,19 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _slides_away(part: Groups, contacts: Contacts) -> bool:
-    """True if gravity exceeds the friction that the floor can give (theory 13.8)."""
+    """True if gravity along the track exceeds the friction of the floor (theory 13.8).
+
+    Not told at a wall, whose friction may hold the part.
+    """
     held = part.friction_static * part.gravity_number_normal
     return not contacts.wall and abs(part.gravity_number_along) > held
 
 
 def _price(cells: Priced) -> Price:
-    """Return the time to simulate a cell: until it repeats, or for all periods if it does not."""
+    """Return the seconds to simulate a cell: until it repeats, or for all periods if it does not.
+
+    `cells` tells settings and drive of the cells; the result holds likely and largest times.
+    """
     allowed = cells.setting("max_periods")
     wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
     waves = 1.0 + 2.0 * cells.orders

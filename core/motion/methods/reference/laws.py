@@ -38,7 +38,10 @@ class Mode(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """Normal forces per weight, and the rates of the three velocities and the spin."""
+    """Normal forces of floor and wall in units of the weight, and the rates of the velocities.
+
+    `rates` are those of u_x, u_y, u_z and of the spin, in g.
+    """
 
     normal: Numbers
     side: Numbers
@@ -74,12 +77,18 @@ class ReferenceLaws:
         self.response = 1.0 + contacts.rolling
 
     def pieces(self, begin: float, end: float) -> Iterator[tuple[ReferenceLaws, float]]:
-        """Yield the laws for each stretch between jumps of the drive, with the phase of its end."""
+        """Yield the laws for each stretch between jumps of the drive, with the phase of its end.
+
+        From phase `begin` to `end` in rad; each laws object has the drive that is smooth there.
+        """
         for drive, reached in pieces(self.groups, begin, end):
             yield ReferenceLaws(self.groups, self.contacts, self.absolute_speed, drive), reached
 
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Return the acceleration of a free part relative to the track (theory 13.1)."""
+        """Return the acceleration (3) of a free part relative to the track in g (theory 13.1).
+
+        `phase` is that of the drive, `ux` the velocity along in g/w: in a curve it acts across.
+        """
         p, (along, across, normal) = self.groups, self.drive.push(phase)
         across = across - p.gravity_number_across
         if p.curvature_number:
@@ -88,7 +97,10 @@ class ReferenceLaws:
         return along - p.gravity_number_along, across, normal - p.gravity_number_normal
 
     def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
-        """Return contact forces and rates of velocity in a mode; `e` is the direction of slip."""
+        """Return contact forces and rates of velocity in a mode, at a phase and velocity along.
+
+        `ux` is in g/w; `e` is the direction of slip (two components).
+        """
         p, (dx, dy, dz) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
             if not mode.slips:
@@ -115,7 +127,10 @@ class ReferenceLaws:
         return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
 
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
-        """Return the two components of the slip at one contact, or at both contacts."""
+        """Return the two components of the slip in g/w, at one contact or at floor and wall.
+
+        `state` holds position (3), velocity (3) and spin.
+        """
         if mode.floor and mode.wall:  # the floor has (u_x, spin), the wall (u_x, -spin)
             return float(state[UX]), float(state[SPIN])
         if mode.floor:
@@ -125,14 +140,20 @@ class ReferenceLaws:
     def sliding(
         self, phase: Numbers, mode: Mode, size: Numbers, angle: Numbers
     ) -> tuple[Numbers, Numbers]:
-        """Return the rate of the slip's size, and the rate of its angle times its size."""
+        """Return the rate of the slip's size in g, and the rate of its angle times its size.
+
+        `size` in g/w and `angle` in rad are those of the slip, at `phase`, in a mode that slips.
+        """
         e = np.cos(angle), np.sin(angle)
         ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
         second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
         return e[0] * ax + e[1] * second, e[0] * second - e[1] * ax
 
     def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-        """Return the push (two components) and the friction forces of sliding and of sticking."""
+        """Return the push on a part at rest (two components), and sliding and static friction.
+
+        In g, in the two directions in which the contacts of the mode may slip.
+        """
         p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
             side = -p.wall_friction * dy
@@ -142,19 +163,26 @@ class ReferenceLaws:
         return dx, dz, -p.wall_friction * dy, -p.wall_friction * dy
 
     def excess(self, phase: Numbers, mode: Mode) -> Numbers:
-        """Return the push squared minus the static friction squared; positive where slip begins."""
+        """Return the push squared minus static friction squared, in g^2; slip begins above 0."""
         first, second, _, hold = self.impending(phase, mode)
         return first * first + (second / self.response) ** 2 - hold * hold
 
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
-        """Return the direction in which slip begins, by the secular equation of theory 7.3."""
+        """Return the direction (two components) in which slip begins at `phase`.
+
+        By the secular equation of theory 7.3: the slip follows the push less friction.
+        """
         first, second, slide, _ = self.impending(phase, mode)
         if first == 0.0 == second:  # without friction slip begins before there is a push
             first, second, slide, _ = self.impending(phase + SOON, mode)
         return self.secular(first, second, slide)
 
     def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:
-        """Return the slip's direction under friction of size `slide`, by the secular equation."""
+        """Return the slip's direction under a push (`first`, `second`) and friction `slide`.
+
+        e = (first/(z + slide), second/(z + r slide)) with the z >= 0 that makes it a unit vector,
+        and the response r of the second component to friction (theory 7.3).
+        """
         response, size = self.response, math.hypot(first, second)
         if response == 1.0:
             return first / size, second / size
@@ -171,7 +199,10 @@ class ReferenceLaws:
         return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
 
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
-        """Return the friction impulse that stops a slip, limited by the friction disc."""
+        """Return the friction impulse that stops a slip, or one of size `limit` if that is less.
+
+        `first` and `second` are the slip's components; all in g/w.
+        """
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response
         e = self.secular(first, second, limit)

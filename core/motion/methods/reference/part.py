@@ -78,14 +78,18 @@ FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
 def fall_from_start(condition: Array) -> float:
     """Return the point, from 0 to 1, at which a condition first falls through 0; else infinity.
 
-    One that is 0 at the start but for rounding, and below it at the end, has fallen at the start.
+    `condition` holds Chebyshev coefficients over a stretch. One that is 0 at the start but for
+    rounding, and below it at the end, has fallen at the start.
     """
     at = first_fall(condition)
     return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
 
 
 def sample(stretch: Stretch, phases: Array, end: float, rows: Array) -> None:
-    """Fill the states at those phases that lie within a stretch."""
+    """Fill the states at those of the asked phases that lie within a stretch, up to phase `end`.
+
+    `rows` has a state, shape (7,), for each of the `phases`.
+    """
     for k in np.nonzero((phases > stretch.start) & (phases <= end))[0]:
         rows[k] = stretch.state((phases[k] - stretch.start) / stretch.length)
 
@@ -106,7 +110,10 @@ class FailedError(Exception):
 
 
 class Part:
-    """One part on its way: its state, the contacts that touch, the phase; the watch may stop it."""
+    """One part on its way: its state, the contacts that touch, and the phase in rad.
+
+    The `watch` may stop it.
+    """
 
     def __init__(
         self, laws: ReferenceLaws, state: Array, care: Care = USUAL, watch: Watch | None = None
@@ -122,7 +129,11 @@ class Part:
     # --- modes
 
     def choose(self, opened: str) -> Mode:
-        """Return the contact mode in which the part continues; `opened` is a contact just lost."""
+        """Return the contact mode in which the part continues.
+
+        `opened` is the contact just lost ("floor", "wall"), "slip" if friction has just given way,
+        or "".
+        """
         self.settle()
         for _ in range(3):
             _, dy, dz = self.laws.free(self.phase, float(self.state[UX]))
@@ -164,7 +175,7 @@ class Part:
             s[Y], s[UY], self.on_wall = 0.0, 0.0, True
 
     def stop(self, mode: Mode) -> None:
-        """Set a slip that is zero up to rounding to zero."""
+        """Set a slip that is zero up to rounding to exactly zero, at the contacts of the mode."""
         s, rolling = self.state, self.laws.contacts.rolling
         s[UX] = 0.0
         if mode.floor and mode.wall:
@@ -179,7 +190,10 @@ class Part:
     # --- events
 
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
-        """Return the first event of a stretch, as a point from 0 to 1, and its name; 1 if none."""
+        """Return the first event of a stretch: a point from 0 to 1, and its name; 1, "" if none.
+
+        `begins` tells that a slip starts from rest there.
+        """
         events = [(1.0, "")]
 
         def ask(name: str, condition: Array) -> None:
@@ -211,8 +225,9 @@ class Part:
     def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
         """Return the point, from 0 to 1, at which the part returns to a contact; else infinity.
 
-        Of a part that starts at the contact, the distance is divided by its root at the start, a
-        double one where the part has no speed there: small hops and grazes are so told from none.
+        `axis` and `speed` are the indices of the distance and of its velocity in the state. If the
+        part starts at the contact, the distance is divided by its root at the start, a double one
+        if it has no speed there: so small hops and grazes are told from none.
         """
         if self.state[axis] > TOUCHING:
             return first_fall(stretch.states[axis])
@@ -221,7 +236,7 @@ class Part:
         return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
 
     def missed(self) -> str:
-        """Return an impact that is due at once because another event hid it within rounding.
+        """Return the impact ("land", "bump") that is due at once, hidden by another event; or "".
 
         The integrator sees an event only where its condition changes sign later on.
         """
@@ -233,7 +248,10 @@ class Part:
         return ""
 
     def happen(self, event: str, mode: Mode) -> str:
-        """Change the state by an event; return the contact that it opened, or "slip"."""
+        """Change the state by an event; return the contact that it opened, or "slip", or "".
+
+        `event` is a name from `first_event`, `mode` the contacts up to there.
+        """
         if event:
             self.tally.events.append(event)
         if event == "lift":
@@ -258,9 +276,10 @@ class Part:
     # --- going on
 
     def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
-        """Advance to a phase, event by event; fill the rows of the asked phases on the way.
+        """Advance to the phase `end` in rad, event by event; fill rows of asked phases on the way.
 
-        Where the push jumps a stretch ends, and what the part does is asked anew.
+        Where the push jumps a stretch ends, and the mode is chosen anew. `rows` has a state for
+        each of the phases in `asked`.
         """
         if asked is not None and rows is not None:
             rows[asked <= self.phase] = self.state
@@ -280,7 +299,10 @@ class Part:
         return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
 
     def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
-        """Advance to a phase up to which the drive has no jump."""
+        """Advance to the phase `end`, up to which the drive has no jump; fill rows of asked phases.
+
+        Raises `FailedError` after too many events.
+        """
         opened, still = "", 0
         for _ in range(MAX_EVENTS):
             if self.phase >= end:
@@ -310,9 +332,10 @@ class Part:
         raise FailedError
 
     def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
-        """Return a solved stretch of motion whose length suits the integration nodes.
+        """Return a solved stretch of motion, up to phase `end`, that the nodes resolve.
 
-        A slip turns the faster the smaller it is: the length of the next stretch goes with it.
+        `begins` tells that a slip starts from rest. A slip turns the faster the smaller it is: the
+        length of the next stretch goes with its size.
         """
         length = min(self.care.longest / max(1, self.laws.drive.order), end - self.phase)
         slips = mode.slips and (mode.floor or mode.wall)
@@ -334,10 +357,10 @@ class Part:
         return stretch
 
     def close(self, mode: Mode, end: float) -> bool:
-        """Follow a turning, nearly zero slip along a straight line until it stops.
+        """Follow a turning, nearly zero slip along a straight line to its stop; True if it did.
 
-        Only where friction takes more than the push: between what a slip takes and what friction
-        holds, a slip may turn away from zero.
+        The stop must lie before phase `end`. Only if friction takes more than the push: between
+        what a slip takes and what friction holds, a slip may turn away from zero.
         """
         if not mode.slips or not (mode.floor or mode.wall):
             return False
@@ -365,7 +388,7 @@ class Part:
         return True
 
     def impact(self, floor: bool, wall: bool) -> None:
-        """Apply the impulses of an impact on the floor, the wall, or both (theory 13.1)."""
+        """Apply the impulses of an impact on the `floor`, the `wall`, or both (theory 13.1)."""
         p, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
         _, dy, dz = self.laws.free(self.phase, float(s[UX]))
         target_z = (
@@ -416,9 +439,11 @@ class Part:
             s[UY] = 0.0 if self.on_wall else s[UY]
 
     def rebound(self, approach: float, restitution: float, press: float) -> float:
-        """Return the speed after an impact: 0 where a sequence of hops ends (theory 13.5).
+        """Return the speed after an impact in g/w: 0 where a sequence of shrinking hops ends.
 
-        The impact that ends a run is one without rebound: the impulses then add up exactly.
+        `approach` is the speed before, `press` the acceleration in g that presses the part on. The
+        impact that ends a run is one without rebound: the impulses then add up exactly (theory
+        13.5).
         """
         speed = restitution * approach
         if restitution < 1.0 and press > 0.0:
@@ -431,7 +456,8 @@ class Part:
     def falling(self, approach: float, damping: float, press: float) -> float:
         """Return the speed after an impact with speed-dependent restitution; 0 where it is tiny.
 
-        Its hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
+        `approach` is the speed before in g/w, `damping` b that of the contact, `press` the load n
+        in g. Such hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
         """
         speed = approach * float(soft_contact.hunt_crossley(np.asarray(damping * approach)))
         if press > 0.0 and 3.0 * speed / (damping * press) < SOFT_HOP:
@@ -441,7 +467,11 @@ class Part:
     # --- counting
 
     def note(self, mode: Mode, stretch: Stretch, at: float) -> None:
-        """Add a stretch, up to a point, to the tally, by its direction along the track."""
+        """Add a stretch, up to a point `at` from 0 to 1, to the tally, by its direction.
+
+        The direction is that along the track; heights and the distance from the wall are noted,
+        too.
+        """
         tally, duration = self.tally, at * stretch.length
         if self.laws.contacts.wall:
             y = stretch.states[Y]
@@ -464,7 +494,7 @@ class Part:
                 )
 
     def count(self, mode: Mode, ux: float, duration: float) -> None:
-        """Add a duration to the tally of the present kind of motion."""
+        """Add a duration in rad to the tally: flight, or by the sign of the velocity along `ux`."""
         if not mode.floor:
             self.tally.flight += duration
         elif ux > STOPPED:

@@ -27,7 +27,10 @@ NARROWEST = 2.0**-44
 
 
 def _columns(terms: int, function: object, length: int = TERMS) -> Array:
-    """Return the matrix whose columns are a function of the unit polynomials, padded with 0."""
+    """Return the matrix whose columns are a function of the unit polynomials, padded with 0.
+
+    Shape (`length`, `terms`): it applies the function, which must be linear, to any coefficients.
+    """
     columns = np.zeros((length, terms))
     for k, unit in enumerate(np.eye(terms)):
         column = function(unit)[:length]  # type: ignore[operator]
@@ -76,7 +79,10 @@ MEAN_TWICE = _FROM_POINTS @ np.tensordot(_WEIGHTS * (1.0 - _QUADRATURE), _SCALED
 
 
 def values(coefficients: Array, at: float) -> Array:
-    """Return the values of one or several polynomials at a point from 0 to 1."""
+    """Return the values of one or several polynomials at a point from 0 to 1.
+
+    `coefficients` are those of Chebyshev polynomials, shape (..., TERMS).
+    """
     angle = math.acos(min(1.0, max(-1.0, 2.0 * at - 1.0)))
     return coefficients @ np.cos(angle * _DEGREES)
 
@@ -87,12 +93,12 @@ def _sense(rises: bool) -> int:
 
 
 def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
-    """Yield the roots of a polynomial in order, each with 1 (rising) or -1 (falling).
+    """Yield the roots of a polynomial in order, from 0 to 1, each with 1 (rising) or -1 (falling).
 
-    A stretch is cut into halves until the coefficients prove that the polynomial keeps its sign
-    there (the first is larger than all others together), or that its derivative does: then the
-    signs at the ends tell of the one root. So nothing is missed but a pair of roots between which
-    the polynomial is 0 up to rounding.
+    The stretch is cut into halves until the Chebyshev coefficients prove that the polynomial keeps
+    its sign there (the first is larger than all others together), or that its derivative does: then
+    the signs at the ends tell of the one root. Only a pair of roots can be missed between which the
+    polynomial is 0 up to rounding.
     """
     above: bool | None = None
     stack = [(0.0, 1.0, coefficients)]
@@ -129,12 +135,16 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
 
 
 def first_fall(coefficients: Array) -> float:
-    """Return the first point at which a polynomial falls through 0; else infinity."""
+    """Return the first point, from 0 to 1, at which a polynomial falls through 0; else infinity."""
     return next((at for at, sense in crossings(coefficients) if sense < 0), math.inf)
 
 
 def _root(c: Array, slope: Array, low: float, high: float) -> float:
-    """Return the root of a monotonic polynomial, by Newton's method within bounds."""
+    """Return the root, from 0 to 1, of a monotonic polynomial, by Newton's method within bounds.
+
+    `c` and `slope` are the coefficients of the polynomial and of its derivative, `low` and `high`
+    its values at 0 and 1, of opposite signs.
+    """
     left, right = 0.0, 1.0
     at = low / (low - high)
     for _ in range(100):

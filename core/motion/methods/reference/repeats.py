@@ -63,12 +63,12 @@ class Growth:
 
     Attributes
     ----------
-    places : list of int
-        Of the state, those that may change.
-    map : ndarray, shape (n, n)
-        Changes at the end over changes at the start.
-    travel : ndarray, shape (n,)
-        Change of the distance travelled over the cycle.
+    indices
+        Places in the state that may change, n of them.
+    map
+        Changes at the end over changes at the start, shape (n, n).
+    travel
+        Change of the distance travelled over the cycle, over changes at the start; shape (n,).
     """
 
     indices: list[int]
@@ -77,7 +77,10 @@ class Growth:
 
     @property
     def radius(self) -> float:
-        """The factor by which a small change of the state shrinks in one cycle, in the long run."""
+        """The factor by which a small change of the state shrinks in one cycle, in the long run.
+
+        The largest eigenvalue's size of `map`; infinite if the map is not known.
+        """
         if not np.all(np.isfinite(self.map)):
             return math.inf
         return float(np.abs(np.linalg.eigvals(self.map)).max(initial=0.0))
@@ -88,11 +91,17 @@ class Growth:
         return self.radius < ATTRACTS
 
     def lasting(self, change: Array) -> Array:
-        """Return the shift of the cycle if a change is added to the state in every round."""
+        """Return the shift of the cycle if `change` is added to the state in every round.
+
+        (1 - M)^-1 times the change, with the map M.
+        """
         return np.asarray(np.linalg.solve(np.eye(len(self.indices)) - self.map, change), np.float64)
 
     def weights(self) -> Array:
-        """Return the change of the cycle's travel per change of the state in every round."""
+        """Return the change of the cycle's travel per change of the state in every round.
+
+        Shape (n,); for changes that are added to the state anew in each round.
+        """
         left = np.eye(len(self.indices)) - self.map.T
         return np.asarray(np.linalg.solve(left, self.travel), np.float64)
 
@@ -102,13 +111,14 @@ class ReferenceRun:
 
     Attributes
     ----------
-    before, after : list of ndarray, shape (7,)
-        The states at the start and at the end of each period.
-    tallies : list of Tally
-    refused : int
-        How often a state came back to the digit that no round would bring back after a change.
-    lingers : bool
-        Whether one did by a change that neither grows nor dies out so that it could be seen.
+    before, after
+        The states at the start and at the end of each period, shape (7,).
+    tallies
+        What happened in each period, `Tally`.
+    refused
+        How often a state came back to the last digit in a cycle that does not attract.
+    lingers
+        If one of those cycles let a change neither grow nor die out visibly.
     """
 
     def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
@@ -153,8 +163,8 @@ class ReferenceRun:
     def indices(self, multiple: int) -> list[int]:
         """Return the indices of the state that must come back after `multiple` periods.
 
-        The distance from the wall, too, unless the wall was untouched over the cycle and the part
-        does not near it. Of a cylinder without a wall only the slip across plays a part.
+        The distance from the wall is among them, unless the wall was untouched over the cycle and
+        the part does not near it. Of a cylinder without a wall only the slip across plays a part.
         """
         indices = [Z, UX, UY, UZ]
         if not self.laws.contacts.wall:
@@ -166,11 +176,14 @@ class ReferenceRun:
         )
 
     def at_large(self, multiple: int) -> bool:
-        """True if the last cycle did not touch the wall."""
+        """True if the last `multiple` periods did not touch the wall."""
         return not any(tally.at_wall for tally in self.tallies[-multiple:])
 
     def nearing(self, multiple: int) -> float:
-        """Return the distance by which the part came nearer to the wall during the last cycle."""
+        """Return the distance by which the part neared the wall in the last `multiple` periods.
+
+        In g/w^2; 0 if it did not.
+        """
         change = float(self.before[-multiple][Y] - self.after[-1][Y])
         return change if change > SAME * self.scale else 0.0
 
@@ -189,7 +202,10 @@ class ReferenceRun:
         return state
 
     def off(self, multiple: int, back: int = 0) -> Array | None:
-        """Return the amounts by which the state does not come back; None before a whole cycle."""
+        """Return the end of `multiple` periods less their start; None before a whole cycle.
+
+        As states, shape (7,). The cycle ends `back` periods before the last one.
+        """
         last = len(self.after) - back
         first = last - multiple
         if first < self.plain_since:
@@ -197,7 +213,11 @@ class ReferenceRun:
         return self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
 
     def distance(self, multiple: int, indices: list[int], back: int = 0) -> float:
-        """Return the distance of the state from coming back, relative to the drive's size."""
+        """Return the distance of the state from coming back, relative to the drive's size.
+
+        After `multiple` periods that end `back` periods before the last one, over the `indices` of
+        the state; infinite before a whole cycle.
+        """
         off = self.off(multiple, back)
         return math.inf if off is None else float(np.abs(off[indices]).max()) / self.scale
 
@@ -206,7 +226,7 @@ class ReferenceRun:
         return self.distance(multiple, self.indices(multiple))
 
     def touches_alike(self, multiple: int) -> bool:
-        """True if the same contacts touch at both ends of the last cycle."""
+        """True if the same contacts touch at both ends of the last `multiple` periods."""
         return (self.part.on_floor, self.part.on_wall) == self.flags[-multiple]
 
     def cycle(self) -> int:
@@ -246,7 +266,11 @@ class ReferenceRun:
     # --- looking ahead
 
     def hasten(self) -> None:
-        """Replace the state by one nearer to the cycle, if the motion approaches one."""
+        """Replace the state by one nearer to the cycle, if the motion approaches one.
+
+        By a step of Newton's method (`look`) or, on its way to the wall, by skipping cycles
+        (`drift`).
+        """
         if len(self.after) < self.look_at or self.slides_free:
             return
         for multiple in range(1, min(MAX_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
@@ -266,12 +290,15 @@ class ReferenceRun:
                 return
 
     def same_events(self, multiple: int) -> bool:
-        """True if the last two cycles had the same events."""
+        """True if the last two cycles of `multiple` periods had the same events."""
         events = [tally.events for tally in self.tallies]
         return events[-multiple:] == events[-2 * multiple : -multiple]
 
     def drift(self, multiple: int) -> None:
-        """Skip cycles that repeat except for the distance from the wall, until it is near."""
+        """Skip cycles of `multiple` periods that repeat but for the distance from the wall.
+
+        Until the part is near the wall.
+        """
         nearing = self.nearing(multiple)
         room = min(tally.nearest for tally in self.tallies[-multiple:])
         cycles = math.floor(room / nearing) - 1
@@ -280,7 +307,11 @@ class ReferenceRun:
             self.plain_since = len(self.after)
 
     def look(self, multiple: int) -> None:
-        """Take one step of Newton's method towards the cycle, if it is attracting."""
+        """Take one step of Newton's method towards the cycle of `multiple` periods.
+
+        The step is kept if the cycle attracts and a cycle from the new state comes back more
+        nearly.
+        """
         if not self.affords(multiple):
             return
         self.looks += 1
@@ -297,7 +328,10 @@ class ReferenceRun:
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
-        """True if looking at a cycle is worth its cost so far; adds the cost of a look if it is."""
+        """True if a look at a cycle of `multiple` periods is worth its cost; then counts it.
+
+        Looks may take as many periods as were followed, and 20 more.
+        """
         takes = multiple * (len(self.indices(multiple)) + 1)
         if self.looked + takes > len(self.after) + LOOKS:
             return False
@@ -305,7 +339,10 @@ class ReferenceRun:
         return True
 
     def comes_back(self, state: Array, multiple: int, indices: list[int], within: Array) -> bool:
-        """True if a state is possible and a cycle from it ends within a distance of it."""
+        """True if a state is possible and a cycle of `multiple` periods from it comes back closely.
+
+        Over the `indices` of the state by at most the largest of `within`.
+        """
         if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
             return False
         try:
@@ -316,7 +353,10 @@ class ReferenceRun:
         return float(off[indices].max(initial=0.0)) <= float(within[indices].max(initial=0.0))
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
-        """Return the part after one cycle from a state."""
+        """Return the part after one cycle of `multiple` periods from a state.
+
+        `flags` tell if floor and wall touch at the start, `care` how finely it is followed.
+        """
         part = Part(self.laws, state.copy(), care, self.watch)
         part.on_floor, part.on_wall = flags
         part.reach = self.part.reach
@@ -326,7 +366,10 @@ class ReferenceRun:
         return part
 
     def measured(self, multiple: int) -> Growth:
-        """Return the matrix by which small changes at the cycle's start act on its end."""
+        """Return the map by which small changes at the start of the last cycle act on its end.
+
+        The cycle has `multiple` periods; each change is followed through it.
+        """
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
         if self.laws.groups.planar:
@@ -350,12 +393,12 @@ class ReferenceRun:
     # --- the mean velocity
 
     def mean(self, multiple: int) -> tuple[float, float]:
-        """Return the mean velocity of the last cycle with its error; infinite if not attracting.
+        """Return the mean velocity of the last `multiple` periods with its error, in g/w.
 
-        What is left of the transient, what the cycle changes if it is followed more finely, and
-        rounding at every event all shift the state by a little in each round: the cycle moves by
-        (1 - M)^-1 of it, where M tells what is left of a change after a round. The first two are
-        known: the velocity counts them, and the error still does.
+        NaN and infinite if the cycle does not attract. What is left of the transient, what the
+        cycle changes if it is followed more finely, and rounding at every event shift the state by
+        a little in each round: the cycle moves by (1 - M)^-1 of it, M the map of changes over a
+        round. The first two are known: the velocity counts them, and the error still does.
         """
         if self.refused and not self.affords(multiple):
             return math.nan, math.inf

@@ -48,7 +48,10 @@ UNIT = np.eye(NODES)
 
 
 class Slip(NamedTuple):
-    """Size, its rate, and direction of a slip at the nodes; how large the last terms are."""
+    """A slip at the nodes of a stretch: size in g/w, its rate in g, and direction.
+
+    `tail` is the size of the last terms of its series, in g/w.
+    """
 
     size: Numbers
     rate: Numbers
@@ -58,21 +61,22 @@ class Slip(NamedTuple):
 
 @dataclass
 class Stretch:
-    """The motion of a part over a stretch of phase without an event.
+    """The motion of a part over a stretch of phase without an event, as polynomials.
 
     Attributes
     ----------
-    start, length : float
-    states : ndarray, shape (7, TERMS)
-        Coefficients of the state.
-    rates : ndarray, shape (4, TERMS)
-        Of the velocities and the spin.
-    size, growth : ndarray, shape (TERMS,)
-        Of the size of the slip, and of its rate; 0 where there is none.
-    normal, side : ndarray, shape (TERMS,)
-        Of the forces of floor and wall.
-    tail : float
-        Size of the last coefficients: what more nodes would have changed, and more.
+    start, length
+        Phase at the start and duration, in rad.
+    states
+        Chebyshev coefficients of the state, shape (7, TERMS).
+    rates
+        Those of the rates of velocities and spin, shape (4, TERMS).
+    size, growth
+        Those of the size of the slip and of its rate, shape (TERMS,); 0 without slip.
+    normal, side
+        Those of the forces of floor and wall, shape (TERMS,).
+    tail
+        Size of the last coefficients in g/w: what more nodes would have changed, and more.
     """
 
     start: float
@@ -95,7 +99,8 @@ def solve(
 ) -> Stretch | None:
     """Return the motion of a part over a stretch in a mode; None if the iteration fails.
 
-    `begins` says that a slip starts from rest.
+    `state` is that at the phase `start`; the stretch lasts `length` rad; `begins` says that a slip
+    starts from rest.
     """
     phases = start + length * AT
     slip: Slip | None = Slip(np.zeros(NODES), np.zeros(NODES), (0.0, 0.0), 0.0)
@@ -133,10 +138,11 @@ def solve(
 def _slip(
     laws: ReferenceLaws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
 ) -> Slip | None:
-    """Return the slip at the nodes of an integration step; None if the iteration fails.
+    """Return the slip at the nodes of a stretch; None if the iteration fails.
 
-    The slip keeps its direction if nothing turns it by more than `STRAIGHT`, else it turns. If the
-    part `begins` to slip in this step, its direction is that of the push.
+    `phases` are those of the nodes, `state` is that at the start, `length` in rad. The slip keeps
+    its direction if nothing turns it by more than `STRAIGHT`. If the part `begins` to slip here,
+    its direction is that of the push less friction.
     """
     first, second = laws.slip(mode, state)
     size = math.hypot(first, second)
@@ -167,7 +173,11 @@ def _straight(
     start: tuple[float, float],
     rate: Array,
 ) -> Slip | None:
-    """Return a slip with constant direction."""
+    """Return a slip with constant direction at the nodes; None if the iteration fails.
+
+    `start` is its size in g/w and angle in rad at the start, `rate` a guess of the rate of its size
+    at the nodes, `phases` are those of the nodes, `length` in rad.
+    """
     size0, angle = start
     reach = length * NODES_INTEGRAL
     size = size0 + reach @ rate
@@ -197,7 +207,12 @@ def _turning(
     rate: Array,
     angular: Array,
 ) -> Slip | None:
-    """Return a slip that turns; `rate` and `angular` are initial guesses of its rates."""
+    """Return a slip that turns, at the nodes; None if the iteration fails.
+
+    `start` is its size in g/w and angle in rad at the start, `rate` and `angular` are guesses of
+    the rates of both at the nodes, `phases` those of the nodes, `length` in rad. By Newton's
+    iteration.
+    """
     size0, angle0 = start
     reach = length * NODES_INTEGRAL
     jacobian = np.zeros((2 * NODES, 2 * NODES))

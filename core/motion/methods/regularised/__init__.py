@@ -67,7 +67,11 @@ LOOSER = 10.0
 def follow_run(
     cell: Cell, solver: str, tolerance: float, max_periods: int, watch: Watch | None = None
 ) -> tuple[RegularisedRun, Orbit, float]:
-    """Return the run, the repeating motion, and the distance at which states count as equal."""
+    """Return the run, the repeating motion, and the distance at which states count as equal.
+
+    `solver` is one of `SOLVERS`, `tolerance` its relative error of a step; `max_periods` bounds the
+    run, which `watch` may stop.
+    """
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
@@ -78,7 +82,12 @@ def follow_run(
 def _cells(
     part: Groups, slip: float, stiffness: float, softer: float, kept: Sequence[int]
 ) -> list[Cell]:
-    """Return a cell with the asked laws, then cells with laws once and twice as coarse."""
+    """Return a cell with the laws asked for, then cells with laws once and twice as coarse.
+
+    `slip` is the slip speed in g/w, `stiffness` that of the floor over mass times w^2; coarser
+    cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the indices of the
+    axes: (0, 2) in the plane, (0, 1, 2) in space.
+    """
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
     drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
     coarser = [(COARSER**n * slip, stiffness / softer**n) for n in range(3)]
@@ -95,7 +104,11 @@ def _cell_motion(
     max_periods: int,
     watch: Watch,
 ) -> dict[str, float | str]:
-    """Return the fields of `Motion` for one cell, with the name of its status."""
+    """Return the fields of `Motion` for one cell, with the name of its status.
+
+    `coarse` are the same cell with coarser laws, once and twice, whose velocities give the error;
+    `solver`, `tolerance` and `max_periods` are those of `regularised_motion`.
+    """
     nothing: dict[str, float | str] = {**dict.fromkeys(Motion._fields, math.nan), "multiple": 0}
     if cell.gravity[-1] <= 0:  # the part falls off the floor
         return {**nothing, "status": "runaway"}
@@ -238,11 +251,11 @@ def regularised_motion(
 
 
 def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
-    """Return the function that estimates the time of a cell for one of the integrators.
+    """Return the function that estimates the time of a cell in s for one of the integrators.
 
-    `seconds` are those of a part that slides under a sine by the settings by default; the others
-    tell how that grows: with the order of the drive, where a part hops, and by the powers of the
-    settings.
+    `seconds` is the time of a part that slides under a sine with the default settings; it grows
+    with the order of the drive to the power `waves`, by the factor `hops` where a part hops, and
+    with the inverse of the settings to the powers `tolerance` and `slip`.
     """
 
     def price(cells: Priced) -> Price:
@@ -262,7 +275,11 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
 
 
 def sprung(solver: str, softer: float = SOFTER) -> Follow:
-    """Return the motion equation's function for a sprung floor, by one of the integrators."""
+    """Return the function of the motion equation for a sprung floor, by one of the integrators.
+
+    `softer` is the factor by which the stiffness is reduced to estimate the error; 1 if the
+    stiffness is that of a lining, and no error.
+    """
 
     def motion(
         *,
@@ -293,7 +310,7 @@ def sprung(solver: str, softer: float = SOFTER) -> Follow:
 
 
 def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
-    """Return the method that uses one of the integrators."""
+    """Return the method of this name that uses one of the integrators of scipy."""
 
     def follow(contacts: Contacts) -> Follow:
         """Return the motion equation's function; all contacts are treated alike."""

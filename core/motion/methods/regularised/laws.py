@@ -59,12 +59,12 @@ class RegularisedLaws:
         return max(1.0, 1e-4 * math.sqrt(self.stiffness))
 
     def friction(self, speed: float) -> tuple[float, float]:
-        """Return friction/(normal force x speed), and its derivative by speed over speed.
+        """Return friction over (normal force times speed), and its derivative by speed over speed.
 
-        The coefficient falls from the static to the kinetic one as a Gaussian of the speed. Its
-        height and width are those for which the force has its maximum, the static coefficient
-        exactly, at `PEAK` slip speeds; all shapes with a lower or higher peak would break loose at
-        a wrong load however small the slip speed is.
+        `speed` is the slip speed in g/w. The coefficient falls from the static to the kinetic one
+        as a Gaussian of the speed, whose height and width give the force its maximum, the static
+        coefficient exactly, at `PEAK` slip speeds: shapes with a lower or higher peak would break
+        loose at a wrong load however small the slip speed is.
         """
         square = speed * speed
         root = math.sqrt(square + self.slip_speed * self.slip_speed)
@@ -81,12 +81,18 @@ class RegularisedLaws:
         return value, slope
 
     def unclamped(self, height: float, velocity: float) -> float:
-        """Return spring plus damper force over the weight, which may pull (Kelvin-Voigt)."""
+        """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt).
+
+        `height` in g/w^2 is negative in the floor, `velocity` is that off the floor in g/w.
+        """
         spring = -self.stiffness * height
         return spring - self.damping * min(1.0, spring / self.onset) * velocity
 
     def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
-        """Return the floor's force over the weight, never negative, and its derivatives."""
+        """Return the floor's force over the weight, never negative, and its derivatives.
+
+        By `height` in g/w^2 (negative in the floor) and by `velocity` off the floor in g/w.
+        """
         force = self.unclamped(height, velocity) if height < 0 else 0.0
         if force <= 0:
             return 0.0, 0.0, 0.0
@@ -100,12 +106,13 @@ class RegularisedLaws:
 def damping_ratio(restitution: float, stiffness: float) -> float:
     """Return the damping ratio that gives a floor without adhesion a restitution.
 
-    With a damping ratio sin a an impact ends, when the force is 0, at the share
-    exp(-(pi - 2a) tan a) of its speed; with cosh b at exp(-2b coth b). Both are independent of the
-    speed, as Newton's law asks; with Hunt and Crossley's damper they are not. A restitution of 0
-    needs endless damping, which would let the part sink and rise slowly. The ratio stays below
+    With a damping ratio sin a an impact ends, when the force is 0, at the share exp(-(pi - 2a) tan
+    a) of its speed; with cosh b at exp(-2b coth b). Both are independent of the speed, as Newton's
+    law asks; with Hunt and Crossley's damper they are not. A restitution of 0 needs endless
+    damping, which would let the part sink and rise slowly. The ratio stays below
     (stiffness^(1/2)/8)^(1/3), but at least 1: there a landing at g/w under the full weight ends
-    without any rebound, and the floor still recovers in a time of order stiffness^(-1/3).
+    without any rebound, and the floor still recovers in a time of order stiffness^(-1/3). The
+    stiffness is in units of mass times w^2.
     """
     most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
     if restitution >= 1:
@@ -133,7 +140,10 @@ def laws(
     slip_speed: float,
     stiffness: float,
 ) -> RegularisedLaws:
-    """Return the laws whose damping gives the restitution."""
+    """Return the regularised laws of a cell, with the damping that gives its restitution.
+
+    `slip_speed` in g/w, `stiffness` of the floor over mass times w^2.
+    """
     damping = 2 * damping_ratio(restitution, stiffness) * math.sqrt(stiffness)
     static = max(friction_static, friction_kinetic)
     return RegularisedLaws(friction_kinetic, static, slip_speed, stiffness, damping)
@@ -143,18 +153,19 @@ def laws(
 class Cell:
     """One part on one track: the right-hand side of its motion and its Jacobian.
 
-    The state is the position and the velocity, (x, z, u_x, u_z) in the plane and
-    (x, y, z, u_x, u_y, u_z) in space.
+    The state is the position and the velocity, (x, z, u_x, u_z) in the plane and (x, y, z, u_x,
+    u_y, u_z) in space, in g/w^2 and g/w.
 
     Attributes
     ----------
-    laws : RegularisedLaws
-    drive, gravity : tuple of float
-        Along the track, (across it,) and normal to the floor.
-    wave : Wave or None
-        The drive where it is no plain sine.
-    piece : Piece or None
-        Of the wave, that in force.
+    laws
+        Friction and floor.
+    drive, gravity
+        Amplitude and gravity in g: along the track, (across it,) and normal to the floor.
+    wave
+        The drive if it is no plain sine, else None.
+    piece
+        The stretch of the wave that is in force, else None.
     """
 
     laws: RegularisedLaws
@@ -175,7 +186,7 @@ class Cell:
         return state
 
     def push(self, phase: float) -> list[float]:
-        """Return the drive acceleration at a phase."""
+        """Return the drive acceleration at a phase in g, along, (across,) and normal."""
         if self.piece is None:
             sine = math.sin(phase)
             return [d * sine for d in self.drive]
@@ -183,7 +194,10 @@ class Cell:
         return [along, normal] if self.coordinates == 2 else [along, across, normal]
 
     def pieces(self, begin: float, end: float) -> Iterator[tuple[Cell, float]]:
-        """Yield the cell for each stretch between jumps of the drive, with the phase of its end."""
+        """Yield the cell for each stretch between jumps of the drive, with the phase of its end.
+
+        From phase `begin` to `end` in rad; each has the piece of the wave in force there.
+        """
         if self.wave is None:
             yield self, end
             return
@@ -214,7 +228,7 @@ class Cell:
         return velocity + free
 
     def jacobian(self, phase: float, state: Array) -> Array:
-        """Return the derivative of `rate` by the state."""
+        """Return the derivative of `rate` by the state, shape (2 n, 2 n) for n coordinates."""
         del phase  # the drive does not depend on the state
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()

@@ -94,7 +94,7 @@ class RegularisedRun:
     def rate(self, cell: Cell, phase: float, state: Array) -> list[float]:
         """Return the derivative of the state; raise `SpentError` if all evaluations are used.
 
-        Raises `StoppedError` where the watch says so.
+        Raises `StoppedError` if the watch has stopped the work.
         """
         if self.left <= 0:
             raise SpentError
@@ -106,7 +106,7 @@ class RegularisedRun:
     def period(self, state: Array) -> _Period:
         """Return the motion over one period from a state, whose position is set to 0 first.
 
-        No step leaps over a jump of the push.
+        The height is kept. No step leaps over a jump of the push.
         """
         start = state.copy()
         start[: self.cell.coordinates - 1] = 0.0
@@ -117,10 +117,11 @@ class RegularisedRun:
         return _Period(tuple(pieces))
 
     def _smoothly(self, cell: Cell, phase: float, end: float, start: Array) -> list[_Piece]:
-        """Return the motion over phases in which the drive has no jump.
+        """Return the motion from `phase` to `end`, between which the drive has no jump.
 
-        A step may have to be shorter than ten spacings of the phase, where an integrator ends; it
-        then goes on with the time counted from there, whose spacings are as short as need be.
+        `start` is the state at first. A step may have to be shorter than ten spacings of the phase,
+        where an integrator ends; a new piece then goes on with the time counted from there, whose
+        spacings are as short as need be. Raises `SpentError` after too many pieces.
         """
         pieces: list[_Piece] = []
         for _ in range(MAX_RESTARTS):
@@ -145,7 +146,11 @@ class RegularisedRun:
 
 @dataclass
 class Orbit:
-    """The end of a run: the last states at the end of a period, and the mean velocity."""
+    """The end of a run: states at the ends of its last periods, mean velocity, periods, status.
+
+    `velocity` is in g/w; `multiple` is the number of periods after which it repeats, 0 if it does
+    not.
+    """
 
     states: list[Array]
     velocity: float
@@ -160,7 +165,10 @@ class Orbit:
 
 
 def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: float) -> Orbit:
-    """Return the motion once it repeats, or the last state when all periods are used."""
+    """Return the motion once it repeats, or its end if all periods or evaluations are used.
+
+    `state` is that at the start; `closeness` is the distance in g/w at which states count as equal.
+    """
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
     steep = math.hypot(*run.cell.gravity[:-1]) > weight * (1 + 1e-12)
@@ -217,7 +225,9 @@ def _crossings(
 ) -> list[float]:
     """Return the phases at which a function of the state changes sign.
 
-    scipy's own search for events fails where an interpolant misses the end of a step by rounding.
+    `state_at` gives the state at a phase; `phases` are ascending, so dense that a pair of changes
+    lies between no two. scipy's own search for events fails where an interpolant misses the end of
+    a step by rounding.
     """
 
     def value(phase: float) -> float:
@@ -233,7 +243,11 @@ def _crossings(
 
 
 def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
-    """Return shares of the period and impact counts over the last cycle."""
+    """Return shares of the four modes, impacts a period, landing speed and hop height of a cycle.
+
+    The cycle of the orbit is followed once more; speeds in g/w, heights in g/w^2. Raises
+    `SpentError` if the evaluations are used up.
+    """
     n = run.cell.coordinates
     law = run.cell.laws
     limit = PEAK * law.slip_speed
