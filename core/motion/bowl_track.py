@@ -55,26 +55,30 @@ class Track:
 
     Attributes
     ----------
-    count : int
-        How many there are.
-    own : mapping of str to tuple of int
-        Which stretches have a climb, a friction of their own.
+    count
+        Number of stretches.
+    own
+        By the stem of a parameter (`stretch_climb`, ...), the numbers of the stretches that have
+        their own value of it.
     """
 
     count: int
     own: Mapping[str, tuple[int, ...]]
 
     def names(self, stem: str) -> tuple[str, ...]:
-        """Return the parameter of a quantity on each stretch: its own, or an earlier one's."""
+        """Return the parameter that gives a quantity on each stretch: its own, or an earlier one's.
+
+        `stem` is the parameter's name without number; on stretch 3 a climb may come from stretch 1.
+        """
         return tuple(
             f"{stem}_{max(k for k in self.own[stem] if k <= n)}" for n in range(1, self.count + 1)
         )
 
 
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
-    """Return the track that a study's parameter names define; None if they define none.
+    """Return the track that a study's parameter names define (None if none), and their problems.
 
-    The second is what is wrong with them.
+    `of_bowl` tells if the study has a bowl drive unit, without which stretches are a problem.
     """
     parameters = tuple(names)
     matches = [match for match in map(_NUMBERED.fullmatch, parameters) if match]
@@ -91,7 +95,10 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
 
 
 def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
-    """Yield a problem for each number that a stretch lacks."""
+    """Yield a problem for each numbered parameter that a stretch lacks.
+
+    `own` holds the numbers of the stretches that have each parameter, `count` is that of stretches.
+    """
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
             if n not in own[stem]:
@@ -104,7 +111,10 @@ def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
 
 
 def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each parameter that stretches already determine."""
+    """Yield a problem for each parameter in `names` that stretches already determine.
+
+    `own` holds the numbers of the stretches that have each parameter of stretches.
+    """
     for stem, others in GIVES_WAY.items():
         for name in others:
             if own[stem] and name in names:
@@ -148,7 +158,7 @@ class AllStretches:
         return keywords(self.inputs)
 
     def __call__(self, **inputs: Any) -> Stretches:
-        """Return the stretches of the track from radii, turns and climbs."""
+        """Return the stretches of the track from the values of the inputs, by name."""
         radii, turns = (
             [inputs[name] for name in self.track.names(stem)]
             for stem in ("stretch_radius", "stretch_turns")
@@ -159,7 +169,10 @@ class AllStretches:
 
 @dataclass(frozen=True)
 class AtFraction:
-    """The function of an equation that gives what the stretch at a share of the length has."""
+    """The function of an equation that gives a quantity at a share of the track's length.
+
+    `stem` is the parameter's name without number, such as `stretch_friction`.
+    """
 
     track: Track
     stem: str
@@ -172,7 +185,7 @@ class AtFraction:
         return keywords(("track_fraction", "stretches", *self.track.names(self.stem)))
 
     def __call__(self, **inputs: Any) -> Array:
-        """Return the value that a quantity has on the stretch at a share of the track's length."""
+        """Return the value of the quantity on the stretch at a share of the track's length."""
         values = [inputs[name] for name in self.track.names(self.stem)]
         return picked(inputs["track_fraction"], inputs["stretches"], values)
 
@@ -229,7 +242,8 @@ class Passage(NamedTuple):
 def slowness(first: Array, last: Array) -> Array:
     """Return the mean of 1/v between two points, v linear between: ln(v_2/v_1)/(v_2 - v_1) [s m-1].
 
-    Infinite where one of both is not above 0, NaN where one has no value.
+    `first` and `last` are v_1 and v_2 [m s-1]. It gives the time of a part on a stretch. Infinite
+    if one of both is not above 0, NaN if one has no value.
     """
     moves = (first > 0.0) & (last > 0.0)
     v = np.where(moves, first, 1.0)
@@ -291,7 +305,10 @@ class AlongTrack:
         )
 
     def _of_cells(self, known: dict[str, Any]) -> Passage:
-        """Return the passage along the track for cells whose inputs have the shape (cells, 1)."""
+        """Return the passage along the track for cells whose inputs have the shape (cells, 1).
+
+        The motion is followed at `nodes` points; between two the mean velocity is taken as linear.
+        """
         stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
         ends = bounds(stretches)
@@ -351,7 +368,10 @@ def along_track(track: Track) -> tuple[Equation, ...]:
 
 
 def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:
-    """Return the equations for the passage along a whole track, from the equations at one point."""
+    """Return the equations for the passage along a whole track, from the equations at one point.
+
+    `equations` lead from parameters to the conveying velocity at one place of the track.
+    """
     stretches = AllStretches(track)
     way = between(equations, ("track_fraction",), ("conveying_velocity",))
     given = {*stretches.inputs, *(name for one in way for name in one.inputs)}

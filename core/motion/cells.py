@@ -84,7 +84,10 @@ def run_cells(
 def _different(
     groups: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.intp] | None]:
-    """Return the distinct rows and, for each row, its index among them; None if all rows differ."""
+    """Return the distinct rows and, for each row, its index among them; None if all rows differ.
+
+    `groups` has a row a cell: equal cells are computed once.
+    """
     rows = np.ascontiguousarray(groups + 0.0)  # -0.0 is 0.0
     # One number a row, by a sum of products of its bits: 64 bits sort faster than whole rows.
     factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) * 2 + 1

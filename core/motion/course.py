@@ -52,11 +52,11 @@ class TrajectoryRequest(NamedTuple):
         return self.arguments["groups"].single()
 
     def setting(self, name: str) -> float:
-        """Return a setting of the method, such as the tolerance."""
+        """Return a setting of the method by its name, such as `tolerance`."""
         return np.asarray(self.arguments[name]).item()
 
     def scale(self, name: str) -> float:
-        """Return a scale of the drive in SI units, such as the velocity scale."""
+        """Return a scale of the drive in SI units by its name, such as `velocity_scale` [m s-1]."""
         return self.known[name].item()
 
     def times(self) -> tuple[Array, Array]:
@@ -92,7 +92,9 @@ class TrajectoryRequest(NamedTuple):
     ) -> TrajectoryValues:
         """Return the trajectory in SI units from positions and velocities in scales of the drive.
 
-        Positions along are measured from `start`; `wall` says whether there is one, to be far from.
+        `position` and `velocity`, shape (n, 3), are in g/w^2 and g/w; `modes` has one
+        `MOTION_MODES` value a time. Positions along are measured from `start`; the distance from
+        the wall is given if there is a `wall`.
         """
         speed, length = self.scale("velocity_scale"), self.scale("length_scale")
         values = {

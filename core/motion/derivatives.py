@@ -87,7 +87,10 @@ class PlanarRules:
         return {"motion": self.motion, "energy": self.spent}
 
     def motion(self, inputs: Mapping[str, Any]) -> Ruled:
-        """Return the motion with its derivative, and the status of the derivative."""
+        """Return the motion with its derivative, and the status of the derivative in each cell.
+
+        `inputs` are those of the motion's equation, with derivatives by one parameter of the study.
+        """
         groups: Groups = inputs["groups"]
         table, status = self._followed(groups, inputs["tolerance"], inputs["max_periods"])
         motion = motion_of(table[:, :COLUMNS], status, (len(status),))
@@ -102,7 +105,10 @@ class PlanarRules:
         return Motion(**fields), self._status(groups, motion, np.where(jump, 0.0, table[:, -1]))
 
     def spent(self, inputs: Mapping[str, Any]) -> Ruled:
-        """Return the energies with their derivatives; the status is that of the motion."""
+        """Return the energies with their derivatives; the status, 0, is left to the motion.
+
+        `inputs` are those of the energy's equation, with derivatives by one parameter of the study.
+        """
         groups: Groups = inputs["groups"]
         settings = (inputs["tolerance"], inputs["max_periods"])
         table, _ = self._followed(groups, *settings)
@@ -125,9 +131,10 @@ class PlanarRules:
         return None if self.watch is None else replace(self.watch, progress=None)
 
     def _cells(self, groups: Groups, tolerance: Any, max_periods: Any) -> NDArray[np.float64]:
-        """Return kernel rows of the cells.
+        """Return the kernel's rows of the cells, without derivatives.
 
-        Restitution is set to 0 where the part never lifts off.
+        Restitution is set to 0 where the part never lifts off, so that equal cells are computed
+        once.
         """
         plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
@@ -153,7 +160,11 @@ class PlanarRules:
         return self._known[1:]
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
-        """Return the derivative status of each cell, from the motion's status and its margin."""
+        """Return the derivative status of each cell, from the motion's status and its margin.
+
+        `margin` is the least relative distance of a decision on the way from its other outcome:
+        below `KINK` there is no derivative.
+        """
         status = np.where(
             margin > compiled.derive.KINK, DERIVATIVE_STATUS["exact"], DERIVATIVE_STATUS["kink"]
         )
@@ -169,7 +180,11 @@ class PlanarRules:
 
 
 def _chained(slopes: Array, by: list[Array]) -> Array:
-    """Return the derivative of a result by a parameter, by the chain rule over all groups."""
+    """Return the derivative of a result by a parameter, by the chain rule over all groups.
+
+    `slopes`, shape (cells, groups), are derivatives by the groups; `by` holds the derivative of
+    each group by the parameter.
+    """
     terms = (np.where(slope == 0, 0.0, slopes[:, place] * slope) for place, slope in enumerate(by))
     return sum(terms, start=np.zeros(len(slopes)))
 
@@ -184,9 +199,9 @@ def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
 
 
 def groups_at(plan: Plan, values: Mapping[str, Any]) -> Groups | None:
-    """Return the dimensionless groups of cells from parameters in SI units; None if tumbling.
+    """Return the dimensionless groups of cells from parameters in SI units; None if it has none.
 
-    None for tumbling parts.
+    A plan of tumbling parts has no groups. `values` are the parameters by name.
     """
     before = []
     for equation in plan.equations:
@@ -269,10 +284,10 @@ def _by_differences(
     """Return derivatives of simulated outputs at one cell, by finite differences within its regime.
 
     Central differences over steps that halve from 2 % down are extrapolated (Ridders); the pair of
-    least error stands. Steps across which regime, period multiple or the impacts of a period change
-    are left out. NaN where nothing is left, where the motion is aperiodic or has no value, or where
-    the estimate of the error exceeds a thousandth: next to a jump, or in motion that hangs on its
-    parameters too roughly.
+    least error stands. Steps across which regime, period multiple or impacts a period change are
+    left out. NaN if nothing is left, if the motion is aperiodic or has no value, or if the error
+    estimate exceeds a thousandth: next to a jump, or where the motion depends on its parameters too
+    roughly.
     """
     gives = plan.scene.outputs(plan.variant)
     counts = tuple(name for name in COUNTS if name in gives)
@@ -302,7 +317,11 @@ def _by_differences(
 
 
 def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) -> Any:
-    """Return a mask of motions with the regime of the first one; None if that does not repeat."""
+    """Return a mask of motions with the regime of the first one; None if that does not repeat.
+
+    `known` holds the quantities of all motions; `counts` are the names of whole numbers, the period
+    multiple first, that must be the same.
+    """
     kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in counts)))
     kinds = kinds.reshape(1 + len(counts), -1)
     if not kinds[1, 0] >= 1:
@@ -311,7 +330,10 @@ def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) 
 
 
 def _extrapolated(value: float, differences: Array) -> Derived:
-    """Return the limit of central differences over halving steps, by Ridders' extrapolation."""
+    """Return the limit of central differences over halving steps, by Ridders' extrapolation.
+
+    `value` is the output itself, `differences` are those of the steps from the largest on.
+    """
     if not math.isfinite(value):
         return _lost(value, "no_value")
     best, error = math.nan, math.inf
@@ -330,12 +352,18 @@ def _extrapolated(value: float, differences: Array) -> Derived:
 
 
 def _lost(value: float, status: str) -> Derived:
-    """Return the record of a derivative that could not be found, with its status."""
+    """Return the record of a derivative that could not be computed, with its status.
+
+    `value` is the output itself, which is known.
+    """
     return _single_cell(value, math.nan, math.nan, status)
 
 
 def _single_cell(value: float, slope: float, error: float, status: str) -> Derived:
-    """Return the record of a derivative at a single cell."""
+    """Return the record of a derivative at a single cell.
+
+    `value` is the output, `slope` its derivative, `error` that of the derivative, `status` a name.
+    """
     single = _nothing((1,))
     single.value[:], single.slope[:], single.error[:], single.status[:] = (
         value,

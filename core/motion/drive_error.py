@@ -77,7 +77,10 @@ def drive_error(
 
 
 def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
-    """Return the conveying velocity of a one-cell study after each change of parameters [m s-1]."""
+    """Return the conveying velocity of a one-cell study after each change of parameters [m s-1].
+
+    Each change gives new values of some parameters, in the units of studies; shape (changes,).
+    """
     plan, fixed = prepared.plan, prepared.grid.fixed
     given = {
         name: parameter_to_si(name, np.array([one.get(name, fixed[name]) for one in changes]))
@@ -87,7 +90,7 @@ def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> 
 
 
 def _is_from(value: object, number: float) -> bool:
-    """True if a study's value is a number of the fitted drive, but for rounding."""
+    """True if a study's value is a number of the fitted drive, except for rounding."""
     return isinstance(value, Fixed) and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
 
 

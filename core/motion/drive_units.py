@@ -54,7 +54,11 @@ class HalfWave:
     orders = 2
 
     def wave(self, **inputs: Any) -> Wave:
-        """Return the trough's drive: push w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau."""
+        """Return the drive of the trough: push w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau.
+
+        With the amplitude A and the second harmonic (s, c) of `track_harmonic`; inputs by name, SI
+        units.
+        """
         ratio = inputs.pop("track_harmonic")
         inputs = {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
         rate = np.square(inputs["circular_frequency"]) / inputs["gravity"]
@@ -96,9 +100,9 @@ class ChosenUnit(NamedTuple):
 
 
 def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
-    """Return the drive unit that a study's parameter names define; None if they define none.
+    """Return the drive unit that a study's parameter names define (None if none), and problems.
 
-    The second is what is wrong with them.
+    Names that fit no unit, or several, are the problems.
     """
     names = tuple(parameters)
     of_unit = [name for name in names if name in PARAMETERS_OF_UNIT]
@@ -128,7 +132,10 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
 
 
 def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
-    """Return problems of a drive unit for which the load of travelling parts is not modelled."""
+    """Return problems of a drive unit for which the load of travelling parts is not modelled.
+
+    `of_unit` are the names of the unit's parameters, `turning` those of a unit that turns.
+    """
     problems = []
     if turning:
         message = "the effect of travelling parts on a unit that turns is not modelled"
@@ -217,7 +224,10 @@ class _Spliced:
     contacts: Contacts
 
     def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
-        """Return all equations: those of the drive unit, of the part, and of the whole track."""
+        """Return all equations: those of the drive unit, of the part, and of the whole track.
+
+        `of_part` are those of the part alone, under a sine.
+        """
         unit = self.unit
         of_unit = unit.scene.variants[unit.variant]
         if unit.shape is not None:
@@ -241,7 +251,10 @@ class _Spliced:
         return part_load(of_unit, of_part, self.contacts, place)
 
     def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
-        """Return all conditions: those of the drive unit, of the track, and of the part."""
+        """Return all conditions: those of the drive unit, of the track, and of the part.
+
+        In the order in which they are tried; `of_part` are those of the part alone.
+        """
         unit = self.unit
         kept = tuple(
             condition
@@ -265,7 +278,10 @@ class _Spliced:
 
 
 def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
-    """Return a copy of a system whose sine drive is computed by a drive unit."""
+    """Return a copy of a system whose sine drive is computed by a drive unit.
+
+    `contacts` are what its parts can touch, for the load that they are on the unit.
+    """
     spliced = _Spliced(unit, contacts)
     follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()
     of_unit = unit.scene.defaults_of(unit.variant)

@@ -80,7 +80,10 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
 
 
 def _where_driven(follow: Any) -> Any:
-    """Return the equation of a motion, extended by the status `no_drive` for invalid waves."""
+    """Return the equation of a motion, extended by the status `no_drive` for invalid waves.
+
+    `follow` is the equation's function; a wave is invalid if its mean acceleration is not 0.
+    """
 
     def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
         found: Motion = follow(groups=groups, watch=watch, **settings)
@@ -98,7 +101,7 @@ def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
     """Return the static friction, raised by a rounding where a step needs exactly its limit.
 
     A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as the best
-    ones do; where kinetic friction is the smaller, the last bit of a sum would decide the motion.
+    drives do; where kinetic friction is smaller, the last bit of a sum would decide the motion.
     """
     static: Array = groups.friction_static
     if not wave.steps.shape[1]:
@@ -108,7 +111,7 @@ def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
 
 @cache
 def _with_wave(groups: Any) -> Any:
-    """Return the equation for the dimensionless groups of a part, with the wave added."""
+    """Return the function of the equation for the groups of a part, with the wave added."""
 
     def waved(*, wave: Wave, **numbers: Array) -> Groups:
         found: Groups = groups(**numbers)
@@ -129,7 +132,10 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
 
 
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
-    """Return a system's equations with a wave in place of the sine drive."""
+    """Return the equations of a system with a wave in place of the sine drive.
+
+    `shape` tells the kind of wave and its parameters; `known` are the equations under a sine.
+    """
     changed = []
     for equation in known:
         if equation.gives == "groups":
@@ -142,7 +148,10 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
 
 
 def driven(system: Scene, shape: Shape) -> Scene:
-    """Return a copy of a system with another drive in place of the sine."""
+    """Return a copy of a system with another drive in place of the sine.
+
+    `shape` tells the kind of drive and its parameters.
+    """
     return replace(
         system,
         variants={name: under_wave(shape, known) for name, known in system.variants.items()},

@@ -84,7 +84,10 @@ class Harmonics:
         return max(k for _, k in self.terms)
 
     def wave(self, **inputs: Array) -> Wave:
-        """Return the wave of push k^2 w^2 A_k sin(k tau + phi_k)/g, summed over the harmonics."""
+        """Return the wave of push k^2 w^2 A_k sin(k tau + phi_k)/g, summed over the harmonics.
+
+        From frequency, amplitudes A_k and phases phi_k of the inputs, by name, SI units.
+        """
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
         harmonics = np.zeros((3, 2, self.orders, *shape))
@@ -115,7 +118,10 @@ class Steps:
 
     @property
     def closing(self) -> dict[str, int]:
-        """The step on each axis whose acceleration is computed so that the mean is 0."""
+        """The step on each axis whose acceleration is computed so that the mean is 0.
+
+        That is the step without its own acceleration, if there is exactly one.
+        """
         given = {axis: [n for a, n in self.levels if a == axis] for axis, _ in self.levels}
         missing = {axis: set(range(1, self.count + 1)) - set(n) for axis, n in given.items()}
         return {axis: min(left) for axis, left in missing.items() if len(left) == 1}
@@ -139,7 +145,10 @@ class Steps:
         return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
 
     def wave(self, **inputs: Array) -> Wave:
-        """Return the wave of steps; NaN in cells where the mean acceleration is not 0."""
+        """Return the wave of steps; NaN in cells where the mean acceleration is not 0.
+
+        From accelerations and durations of the inputs, by name; only ratios of durations count.
+        """
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
         last = np.stack([np.broadcast_to(inputs[f"duration_{n}"], shape)
@@ -156,9 +165,10 @@ class Steps:
         return Wave(np.zeros((3, 2, 0, *shape)), steps)
 
     def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
-        """Return the drive acceleration of every step along an axis, in g.
+        """Return the push of the drive on a part in every step along an axis, in g.
 
-        `last` are shares of the period.
+        Minus the acceleration of the track; `last` are the shares of the period that the steps
+        last, shape (steps, ...).
         """
         levels = np.zeros_like(last)
         closing = self.closing.get(axis, 0)
@@ -183,7 +193,10 @@ def _aligned(inputs: dict[str, Array]) -> dict[str, Array]:
 
 
 def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
-    """Return the problem if no combination of the given values makes a valid drive; else empty."""
+    """Return the problem if no combination of the given values makes a valid drive; else empty.
+
+    A drive in steps must have some duration, and a mean acceleration of 0 on each axis.
+    """
     given = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
     wave = shape.wave(**{name: np.asarray(value) for name, value in given.items()})
     if not np.all(np.isnan(waves.size(wave))):
@@ -201,9 +214,9 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
 
 
 def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
-    """Return the shape of drive that a study's parameter names define; None for the plain sine.
+    """Return the shape of drive that a study's parameter names define, and their problems.
 
-    The second is what is wrong with them.
+    None for the plain sine, and if there are problems.
     """
     known = {*DRIVE, *SINE}
     names = [name for name in parameters if name in known]
@@ -231,7 +244,10 @@ _NO_SINE = {
 
 
 def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
-    """Return the drive in steps that parameter names define, and the problems of these names."""
+    """Return the drive in steps that parameter names define, and the problems of these names.
+
+    `names` are the matches of the pattern of such names.
+    """
     levels = {(m[1], int(m[2])) for m in names if m[1]}
     count = max(int(m[2]) for m in names)
     if not levels or count == 1:
@@ -244,7 +260,11 @@ def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
 
 
 def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
-    """Return the problem of a parameter that belongs to another kind of drive."""
+    """Return the problem of a parameter `name` that belongs to another kind of drive.
+
+    `kind` is the drive that it belongs to, `other` the one that the study gives too, `fix` the
+    remedy.
+    """
     return Problem(
         f"parameters.{name}", f"it belongs to {kind}, but the study also gives {other}", fix
     )

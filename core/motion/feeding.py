@@ -113,7 +113,11 @@ def _between(values: NDArray[np.float64]) -> str:
 
 
 def _share_backwards(table: Table) -> float:
-    """Return the share of the cells that travel backwards."""
+    """Return the share of the cells that travel backwards, from 0 to 1.
+
+    By `direction` if the result has it, else by the mean velocity beyond its stated error, else by
+    the feed rate; 0 if it has none of these.
+    """
     values = {name: variable.values for name, variable in table.variables.items()}
     if "direction" in values:
         return float(np.mean(values["direction"] == DIRECTIONS["backwards"].value))

@@ -124,9 +124,10 @@ SOLID_CYLINDER = 2.0  # m r^2/I about its axis
 
 
 def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
-    """Return a mask of the cells that move in the vertical plane of the track: no push across.
+    """Return a mask of the cells that move in the vertical plane of the track.
 
-    Such a part touches the wall of a straight track, if at all, without a load.
+    Nothing pushes such a part across; it touches the wall of a straight track, if at all, without a
+    load.
     """
     pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
         groups.gravity_number_across, 0.0
@@ -158,7 +159,10 @@ def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64]
 def groups_of(
     rows: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups in a kernel's rows, and the columns of `more` further fields."""
+    """Return the groups in a kernel's rows, and the columns of `more` further fields.
+
+    `waved` tells if the columns of a wave come last; the inverse of `cells_of`.
+    """
     numbers = len(Groups._fields) - 1
     columns = rows.T
     wave = of_columns(rows[:, numbers + more :]) if waved else None
@@ -174,7 +178,10 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
 def one_of(
     row: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups in one row of a kernel as plain numbers, and `more` further fields."""
+    """Return the groups in one row of a kernel as plain numbers, and `more` further fields.
+
+    `waved` tells if the columns of a wave come last.
+    """
     numbers = len(Groups._fields) - 1
     wave = of_row(row[numbers + more :]) if waved else None
     values = row.tolist()

@@ -19,18 +19,18 @@ from core.scenes.scene import Equation, taking
 
 @dataclass(frozen=True)
 class Limit:
-    """One of the limits.
+    """A demand of a drive on the machine along one axis, such as its stroke.
 
     Attributes
     ----------
-    says : str
-        What it is.
-    scale : callable
-        Its scale, from quantities by name.
-    of_sine : float
-        Its value in that scale, over the drive number of the axis.
-    of_wave : callable
-        The same of a wave and an axis.
+    says
+        Its description, with {} for the axis, and its unit.
+    scale
+        Function that gives its scale from quantities by name, SI units.
+    of_sine
+        Its value for a sine in that scale, over the drive number of the axis.
+    of_wave
+        Function that gives its value in that scale from a wave and an axis.
     """
 
     says: str
@@ -62,7 +62,10 @@ LIMITS = {
 
 
 def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
-    """Return the equations of all limits of the drive, such as its stroke, for a sine or a wave."""
+    """Return the equations of all limits of the drive, such as its stroke, for a sine or a wave.
+
+    `drive` is "sine" or "wave"; there is one equation for each limit and each of the `axes`.
+    """
     return tuple(
         Equation(f"{name}_{axis}", _function(limit, axis, drive), "theory 13.14")
         for name, limit in LIMITS.items()
@@ -71,7 +74,10 @@ def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
 
 
 def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
-    """Return the function that computes a limit of the drive along an axis."""
+    """Return the function that computes a limit of the drive along an axis.
+
+    `drive` is "sine" or "wave": from the drive number of the axis, or from the wave.
+    """
     number, place = f"drive_number_{axis}", AXES.index(axis)
     drive_input = "wave" if drive == "wave" else number
 

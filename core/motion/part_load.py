@@ -49,7 +49,7 @@ SCATTERED = 4
 def price_of_load(motion: float) -> float:
     """Return the time to compute a cell's part load on one core, from that of one motion [s].
 
-    Some 200 motions by events, of which most repeat, and few are dear where one is.
+    Some 200 motions by events, most of which repeat; only a few take long where one motion does.
     """
     return 2e-3 + 40.0 * motion
 
@@ -171,7 +171,11 @@ class PartLoad:
         return Load._make(np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
 
     def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
-        """Return amplitude and angle of the track under a load of effective mass and damping."""
+        """Return amplitude [m] and angle [rad] of the track under a load of parts.
+
+        `known` are the quantities that the unit needs, `mass` [kg] and `damping` [N s/m] those of
+        the load.
+        """
         none = np.zeros(mass.shape, dtype=bool)
         some = Load(mass, damping, mass, none, none, none)
         found = run(self.respond, {**self._placed(known), "part_load": some})
@@ -201,7 +205,10 @@ class PartLoad:
         return {**known, **(self.location(known) if self.location else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
-        """Return the load of cells given as one-dimensional arrays."""
+        """Return the load of cells given as one-dimensional arrays.
+
+        A table over amplitudes brackets every agreement of drive and parts, which is then refined.
+        """
         most = BEYOND * np.max([self._sticking(known, share) for share in SHARES], axis=0)
         count = int(np.ceil(np.log(WIDTH) / STEP)) + 2
         # Cells that differ in what the motion does not know share its amplitudes, and its motions.
@@ -244,10 +251,10 @@ class PartLoad:
     def _agreement(
         self, known: dict[str, Array], ends: list[tuple[Array, ...]], exact: Mask
     ) -> tuple[Array, Array, Array, Mask]:
-        """Return amplitude, mass and damping where drive and parts agree, and where they jump.
+        """Return amplitude, mass and damping where drive and parts agree, and a mask of jumps.
 
         `ends` are logarithm of amplitude, mass and damping of two neighbours of the table. Where
-        motions are not exact, or the load jumps, it lies on the line between both.
+        motions are not `exact`, or the load jumps, the agreement lies on the line between both.
         """
         (low, mass, damping), (high, next_mass, next_damping) = ends
         columns = tuple(known[name] for name in self.needs)
@@ -269,7 +276,11 @@ class PartLoad:
         self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
         damping: Array, high: Array, next_mass: Array, next_damping: Array,
     ) -> tuple[Array, Array]:  # fmt: skip
-        """Return mass and damping of the parts at amplitudes between two entries of the table."""
+        """Return mass and damping of the parts at amplitudes between two entries of the table.
+
+        `logarithm` is that of the amplitude; `low`, `mass`, `damping` and `high`, `next_mass`,
+        `next_damping` are the entries. Exact motions are followed anew, others are interpolated.
+        """
         share = (logarithm - low) / (high - low)
         mass = mass + share * (next_mass - mass)
         damping = damping + share * (next_damping - damping)
@@ -279,9 +290,10 @@ class PartLoad:
         return mass, damping
 
     def _excess(self, logarithm: Array, *columns: Array) -> Array:
-        """Return ln(A_unit(load(A))/A) at logarithms of amplitudes.
+        """Return ln(A_unit(load(A))/A) at logarithms of amplitudes: 0 where drive and parts agree.
 
-        0 where drive and parts agree.
+        `columns` are those of `_load`, then the quantities of `needs`, as scipy's root finder hands
+        them.
         """
         line: Any = columns[: -len(self.needs)]
         known = dict(zip(self.needs, columns[len(line) :], strict=True))
@@ -290,12 +302,15 @@ class PartLoad:
     def _left(
         self, known: Mapping[str, Array], mass: Array, damping: Array, logarithm: Array
     ) -> Array:
-        """Return ln(A_unit/A) for given mass and damping, at logarithms of amplitudes."""
+        """Return ln(A_unit/A) for given mass and damping, at logarithms of amplitudes A.
+
+        A_unit is the amplitude of the unit under that load.
+        """
         with np.errstate(invalid="ignore"):
             return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)
 
     def _sticking(self, known: dict[str, Array], share: float) -> Array:
-        """Return the amplitude of the track if a share of the parts sticks to it."""
+        """Return the amplitude of the track in m if the share `share` of the parts sticks to it."""
         mass = share * known["conveyed_mass"]
         amplitude: Array = self.amplitude(known, mass, np.zeros_like(mass))[0]
         return amplitude

@@ -18,12 +18,12 @@ Three = tuple[Numbers, Numbers, Numbers]
 
 @dataclass(frozen=True)
 class Sine:
-    """The plain sine, from these numbers: along, across and normal."""
+    """The plain sine of a drive; `numbers` are its amplitudes along, across and normal, in g."""
 
     numbers: tuple[float, float, float]
 
     def push(self, phase: Numbers) -> Three:
-        """Return the push along, across and normal at a phase."""
+        """Return the push along, across and normal at a phase in rad, in g."""
         sine = np.sin(phase)
         along, across, normal = self.numbers
         return along * sine, across * sine, normal * sine
@@ -49,10 +49,12 @@ class Piece:
 
     Attributes
     ----------
-    harmonics : ndarray, shape (3, 2, orders)
-    level : tuple of 3 floats
-    start, track : float
-        A phase, and the speed that the steps give the track along there.
+    harmonics
+        Coefficients of sin(k tau) and cos(k tau) on three axes in g, shape (3, 2, orders).
+    level
+        Push of the step on three axes in g.
+    start, track
+        A phase in rad, and the velocity that the steps give the track along there, in g/w.
     """
 
     harmonics: Array
@@ -66,7 +68,7 @@ class Piece:
         return np.arange(1.0, self.order + 1.0)
 
     def push(self, phase: Numbers) -> Three:
-        """Return the push along, across and normal at a phase."""
+        """Return the push along, across and normal at a phase in rad, in g."""
         if not self.order:
             along, across, normal = (level + 0.0 * phase for level in self.level)
             return along, across, normal
@@ -78,7 +80,7 @@ class Piece:
         return along, across, normal
 
     def speed(self, phase: Numbers) -> Numbers:
-        """Return the velocity of the track along at a phase."""
+        """Return the velocity of the track along itself at a phase in rad, in g/w."""
         turned = np.multiply.outer(self.orders, phase)
         sine, cosine = self.harmonics[ALONG] / self.orders
         waves = np.tensordot(sine, np.cos(turned), 1) - np.tensordot(cosine, np.sin(turned), 1)
@@ -96,7 +98,10 @@ class Piece:
 
 
 def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Piece, float]]:
-    """Yield the drive of one part between jumps, with the phase of each end."""
+    """Yield the drive of one part between jumps, with the phase of each end.
+
+    From the phase `begin` to `end` in rad; each piece is smooth up to both its ends.
+    """
     p = groups
     if p.wave is None:
         yield Sine((p.drive_number_along, p.drive_number_across, p.drive_number_normal)), end
@@ -105,7 +110,10 @@ def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Pi
 
 
 def pieces_of(wave: Wave, begin: float, end: float) -> Iterator[tuple[Piece, float]]:
-    """Yield the wave of one cell between jumps, with the phase of each end."""
+    """Yield the wave of one cell between jumps, with the phase of each end.
+
+    From the phase `begin` to `end` in rad; each piece is smooth up to both its ends.
+    """
     if not wave.steps.shape[1]:
         yield Piece(wave.harmonics), end
         return

@@ -23,48 +23,70 @@ NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 
 
 def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill result table and statuses of cells; a row of `groups` holds `Cell` and a wave."""
+    """Fill result table and statuses of cells; a row of `groups` holds `Cell` and a wave.
+
+    `table` has the columns of a `Motion`; `stop` is a flag that ends the work.
+    """
     compiled.solve.solve_cells(groups, waves_of(groups), table, status, stop)
     _average(groups, table, status, stop)
 
 
 def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill result table, derivatives and statuses of cells under a sine."""
+    """Fill result table, derivatives and statuses of cells under a sine.
+
+    `spent` asks for derivatives of energies, too; a row of `groups` holds the fields of `Cell`;
+    `stop` is a flag that ends the work.
+    """
     compiled.derive.derive_cells(spent, groups, table, status, stop)
     _average(groups, table, status, stop)
 
 
 def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the energy table of cells; NaN where the motion does not repeat."""
+    """Fill the energy table of cells; NaN where the motion does not repeat.
+
+    A row of `groups` holds `Cell` and a wave; `table` has the columns of an `Energy`.
+    """
     compiled.again.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
 def average_spent(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the energy table of cells that do not repeat, from long runs."""
+    """Fill the energy table of cells that do not repeat, from long runs.
+
+    A row of `groups` holds `Cell` and a wave; `table` has the columns of an `Energy`.
+    """
     compiled.unrepeated.average_spent(groups, waves_of(groups), table, status, stop)
 
 
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Return the motion pieces of one cell's cycle."""
+    """Return one cell's motion pieces, phase shift, direction sign, and True if they repeat.
+
+    `row` holds `Cell` and a wave; see the kernel `again.follow`.
+    """
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
     return compiled.again.follow(row, waves_of(row), int(status[0]), stop)
 
 
 def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
-    """Return a motion at phases counted from the start of its cycle."""
+    """Return position, height, velocities and mode at phases from the start of a period, (n, 5).
+
+    `pieces`, `shift` and `repeats` come from `follow`, `row` holds `Cell` and a wave.
+    """
     return compiled.again.sample(pieces, row, waves_of(row), shift, phases, repeats)
 
 
 def waves_of(groups: Floats) -> Waves:
-    """Return a buffer for the wave behind each cell's numbers; empty for a sine."""
+    """Return a buffer for the wave behind each cell's numbers; empty for a sine.
+
+    Its type selects the compiled kernel.
+    """
     if groups.shape[-1] > compiled.cells.GROUPS:
         return compiled.wave.WaveTable(np.zeros(compiled.wave.TABLE))
     return compiled.flow.NO_WAVES
 
 
 def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill velocity columns and status of cells that do not repeat, from long runs."""
+    """Fill results and status of cells that do not repeat, from long runs."""
     (cells,) = np.nonzero(status == compiled.solve.UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)

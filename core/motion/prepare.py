@@ -90,7 +90,7 @@ class Simulation(Prepared):
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
     """Return the method that verifies motions of a grid; None if there is none.
 
-    `free` are parameters that are not on the grid and take any value.
+    `free` are names of parameters that are not on the grid and take any value.
     """
     scene, methods = plan.scene, methods_of(plan.scene.name)
     for name in methods[plan.variant].checked_by:
@@ -106,8 +106,8 @@ def price_of(
 ) -> tuple[float, float]:
     """Return the likely and the largest time of a grid's cell by a method [s].
 
-    `free` are parameters that are not on the grid, and the ends of their values, SI units. Another
-    method than that of the plan has its own settings, by default.
+    `free` are parameters that are not on the grid, and the ends of their values, SI units. A method
+    other than that of the plan has its own default settings.
     """
     settings = method.defaults if method.name != plan.variant else {}
     contacts = CONTACTS.get(plan.scene.name, Contacts())
@@ -133,10 +133,10 @@ def price_of(
 
 
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:
-    """Return the system with the drive and floor of given parameters, and the method in force.
+    """Return the system with the drive and floor of given parameters, its method, and problems.
 
     The drive is a sine, another wave, or a drive unit; the floor is rigid, or as `on_soft_floor`
-    says. The third is what is wrong with the method.
+    decides. The problems are those of the name of the method.
 
     Raises
     ------
@@ -217,7 +217,7 @@ def prepare(study: SimulateStudy) -> Simulation:
 
 
 def _derivable(prepared: Simulation) -> Simulation:
-    """Return a simulation, after checking that its derivatives can be computed."""
+    """Return a simulation unchanged; raise StudyError if its derivatives cannot be computed."""
     asked = prepared.derived
     if asked is None:
         return prepared
@@ -238,7 +238,10 @@ def _derivable(prepared: Simulation) -> Simulation:
 
 
 def _all_exact(prepared: Simulation) -> bool:
-    """True if no cell of a simulation has a drive across the track."""
+    """True if all cells of a simulation have exact derivatives.
+
+    That is motion in the plane under a sine by the method `events`, with constant restitution.
+    """
     grid, scene = prepared.grid, prepared.plan.scene
     is_sine = all(equation.gives != "wave" for equation in prepared.plan.equations)
     level = all(
@@ -255,7 +258,10 @@ def _all_exact(prepared: Simulation) -> bool:
 
 
 def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
-    """Return the outputs that are always computed: the status, and the mean acceleration if any."""
+    """Return the outputs that are always computed: the status, and the mean acceleration if any.
+
+    For a scene and the name of its method; they are added to those that a study asks for.
+    """
     more = ("mean_acceleration",) if "mean_acceleration" in scene.outputs(method) else ()
     return ("motion_status", *more)
 
@@ -300,7 +306,10 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
-    """Yield a problem if a cell or trajectory takes more steps than a method allows."""
+    """Yield a problem if a cell or trajectory takes more steps than a method allows.
+
+    Also if a trajectory shows more periods than any method follows.
+    """
     settings = {**method.defaults, **study.settings()}
     periods, steps = settings.get("max_periods", 0.0), settings.get("steps_per_period", 0.0)
     if method.most_steps is not None and 4 * steps * periods > method.most_steps:

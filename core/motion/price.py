@@ -29,7 +29,7 @@ REBOUNDS = 0.2, 0.5
 
 
 class Price(NamedTuple):
-    """Seconds of a cell on one core: as is likely, and what no cell is known to exceed by much."""
+    """Seconds of a cell on one core: the likely time, and one that hardly any cell exceeds."""
 
     likely: Array
     most: Array
@@ -37,13 +37,13 @@ class Price(NamedTuple):
 
 @dataclass(frozen=True)
 class Priced:
-    """Some cells of a study, of which a method tells the price.
+    """Some cells of a study, whose computing time a method estimates.
 
     Attributes
     ----------
-    known : mapping
-        What the equation that takes long is given: `groups` or `throw`, and settings.
-    contacts : Contacts
+    known
+        Inputs of the equation that takes long: `groups` or `throw`, and settings.
+    contacts
         What the parts can touch.
     """
 
@@ -57,7 +57,7 @@ class Priced:
         return groups
 
     def setting(self, name: str) -> Array:
-        """Return a setting in force, such as the tolerance."""
+        """Return a setting in force by its name, such as `tolerance`."""
         return np.asarray(self.known[name], dtype=np.float64)
 
     @property
@@ -91,7 +91,10 @@ class Priced:
         return 0 if wave is None else wave.steps.shape[1]
 
     def periods(self, usual: float) -> Array:
-        """Return the likely number of periods to simulate; `usual` if the motion repeats."""
+        """Return the likely number of periods to simulate; `usual` if the motion repeats.
+
+        The mean of `usual` and `max_periods`, weighted by the probability that it does not repeat.
+        """
         allowed, share = self.setting("max_periods"), self.restless
         return share * allowed + (1.0 - share) * np.minimum(allowed, usual)
 
@@ -101,7 +104,10 @@ Pricing = Callable[[Priced], Price]
 
 
 def seconds_of(price: float | Pricing, cells: Callable[[], Priced]) -> tuple[float, float]:
-    """Return the likely and the largest time per cell, averaged over some cells [s]."""
+    """Return the likely and the largest time per cell, averaged over some cells [s].
+
+    `price` is a method's time of a cell, or the function that estimates it from `cells()`.
+    """
     if not callable(price):
         return price, price
     with np.errstate(all="ignore"):

@@ -80,7 +80,7 @@ def effective_distance(
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:
-    """Return the length of track that a part takes [m]; no rate belongs to none."""
+    """Return the length of track that a part takes [m]; raise StudyError if it is not above 0."""
     spacing = length + gap
     if np.any(spacing <= 0.0):
         fix = "Give what a part takes of the track"

@@ -57,7 +57,7 @@ def prepare_reduced(study: SimulateStudy) -> Simulation:
     Raises
     ------
     StudyError
-        As `core.motion.prepare.prepare`.
+        With every problem of scene, method, outputs, settings and parameters.
     """
     prepared = prepare(study)
     if study.reduce is None:

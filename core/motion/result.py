@@ -104,7 +104,10 @@ COLUMNS = len(Motion._fields) - 1
 def motion_of(
     table: NDArray[np.float64], status: NDArray[np.int8], shape: tuple[int, ...]
 ) -> Motion:
-    """Return a kernel's result table as a `Motion` of arrays of a shape."""
+    """Return a kernel's result table as a `Motion` of arrays of a shape.
+
+    `table` has a row a cell and a column a field, `status` one value a cell.
+    """
     columns = [np.ascontiguousarray(column).reshape(shape) for column in table.T]
     return checked(Motion._make([*columns, status.reshape(shape)]))
 
@@ -112,9 +115,9 @@ def motion_of(
 def checked(motion: Motion) -> Motion:
     """Return the motion with NaN wherever the status says that there is no result.
 
-    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`,
-    and what has that has no values: a method may have got some way.
-    (Time stepping counts no impact slower than what a step changes: hops may have none.)
+    A cell that overflowed, or that was in the air all along without landing, gets `limit_reached`,
+    and loses all values, since a method may have got some way. (Time stepping counts no impact
+    slower than the change of a step: hops may have none.)
     """
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])

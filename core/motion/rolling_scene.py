@@ -161,7 +161,11 @@ VALIDITY = (
 def rolling_scenes(
     scales_of_drive: tuple[Equation, ...], driven_within: Constraint
 ) -> dict[str, Scene]:
-    """Return the systems of round parts, by name."""
+    """Return the systems of round parts, by name.
+
+    `scales_of_drive` are the equations of the drive's scales, `driven_within` the constraint on its
+    frequency.
+    """
     planar = tuple(each for each in scales_of_drive if each.gives != "drive_number_along")
     planar = (
         *planar,

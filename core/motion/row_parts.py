@@ -36,16 +36,16 @@ class NumberedParts:
 
     Attributes
     ----------
-    numbers : mapping of str to tuple of int
-        Which parts have a friction, a mass, a gap of their own.
-    count : int
-        Parts that these numbers tell of; 0 if there are none.
-    counted : bool
-        Whether the study gives the number of parts, too.
-    stop_gap : str
+    numbers
+        By the stem of a parameter (`part_friction`, ...), the parts with their own value of it.
+    count
+        Smallest number of parts that these numbers imply; 0 if there are none.
+    counted
+        If the study gives the number of parts, too.
+    stop_gap
         Parameter that puts a stop in front of the row; empty if none does.
-    drawn : bool
-        Whether the frictions of the parts are drawn at random.
+    drawn
+        If the frictions of the parts are sampled at random.
     """
 
     numbers: Mapping[str, tuple[int, ...]]
@@ -113,7 +113,7 @@ class NumberedParts:
 def drawn_deviations(seed: Array, parts: int) -> Array:
     """Return random deviations of the parts, in standard deviations, shape (parts, ...).
 
-    Normal, cut at `MAX_DEVIATIONS`; those of a seed are the same in every study, and those of a
+    Normal, cut at `MAX_DEVIATIONS`; those of a `seed` are the same in every study, and those of a
     longer row begin with those of a shorter one.
     """
     seeds, where = np.unique(np.asarray(seed), return_inverse=True)
@@ -123,7 +123,10 @@ def drawn_deviations(seed: Array, parts: int) -> Array:
 
 
 def numbered(names: Iterable[str]) -> NumberedParts:
-    """Return the parts that a study's parameter names define."""
+    """Return the parts of a row that a study's parameter names define.
+
+    Names such as `part_friction_2` give a part its own value.
+    """
     names = tuple(names)
     found = [match for match in map(_NUMBERED.fullmatch, names) if match]
     numbers = {

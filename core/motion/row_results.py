@@ -183,7 +183,7 @@ RESULTS = (
 
 
 def _of_platoon(number: int) -> tuple[Equation, Equation]:
-    """Return the equations of size and velocity of a platoon, 1 at the rear."""
+    """Return the equations of size and velocity of the platoon with this number, 1 at the rear."""
 
     def size(*, motion: RowMotion) -> Array:
         """Return the number of parts in the platoon."""

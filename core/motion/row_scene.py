@@ -39,7 +39,11 @@ def drive_number_along(*, drive_number: Array, beta: Array) -> Array:
 
 
 def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) -> Scene:
-    """Return the system of a row whose parts are all equal."""
+    """Return the system of a row whose parts are all equal.
+
+    `scales_of_drive` are the equations of the drive's scales, `driven_within` the constraint on its
+    frequency.
+    """
     in_space = (
         *(one for one in scales_of_drive if one.gives != "drive_number_along"),
         Equation("drive_number_along", drive_number_along, SOURCE),
@@ -100,9 +104,9 @@ def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
 
 
 def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
-    """Return the system of the row that a study's parameter names define.
+    """Return the system of the row that a study's parameter names define, and their problems.
 
-    The second is what is wrong with them, and with the drive of a row.
+    The problems are those of the parts and of the drive of a row.
     """
     parts, problems = numbered(names), contradictions(names)
     known = {
@@ -128,7 +132,10 @@ def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Probl
 
 
 def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
-    """Return the problem of a drive unit whose load by a row of such parts is not modelled."""
+    """Return the problem of a drive unit whose load by a row of such parts is not modelled.
+
+    `names` are the parameter names of the study; empty if there is no unit, or no problem.
+    """
     if unit is None:
         return []
     problems, parts = [], numbered(names)

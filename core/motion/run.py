@@ -35,7 +35,7 @@ TIME = "cycle_time"
 def compute(prepared: Simulation, watch: Watch) -> Computed:
     """Return outputs and `regime` of a prepared simulation, and its trajectory if asked for.
 
-    Of one that is reduced, its answers.
+    A reduced simulation gives its statistics instead of its cells.
     """
     if isinstance(prepared, ReducedSimulation):
         return prepared.compute(watch)
@@ -97,7 +97,10 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
 
 
 def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> TrajectoryValues:
-    """Return the trajectory of the part at the asked times."""
+    """Return the trajectory of the part at the times of the study.
+
+    `known` holds every quantity of the plan.
+    """
     samples, scene = prepared.study.trajectory, prepared.plan.scene.name
     follow = prepared.method.course
     assert samples is not None

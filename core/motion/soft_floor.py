@@ -77,7 +77,7 @@ def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Sce
 
 @cache
 def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
-    """Return the groups' equation for a part whose restitution falls with speed."""
+    """Return the function of the groups' equation for a part whose restitution falls with speed."""
 
     def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
         """Return the groups of the part, with the law's damping."""
@@ -94,7 +94,10 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
 
 
 def _refusals(system: Scene, parameters: Collection[str]) -> list[Constraint]:
-    """Return the constraints on parameters of a study with this law."""
+    """Return the constraints on parameters of a study whose restitution falls with speed.
+
+    It is known only for motion in the plane, and by some methods.
+    """
     message = "restitution that falls with speed is known for motion in the plane of the track"
     nothing = [
         Constraint(
@@ -135,7 +138,8 @@ def contact_stiffness(*, lining_stiffness: Array, mass: Array, frequency: Array)
 def _with_lining(system: Scene) -> Scene:
     """Return a system with a springy lining.
 
-    Methods with rigid contacts say where it is too soft for them; a sprung floor has its stiffness.
+    Methods with rigid contacts get the condition `soft_contact`, where it is too soft for them; a
+    sprung floor gets its stiffness.
     """
     own = (
         Equation("lining_frequency", soft_contact.lining_frequency, SOURCE),

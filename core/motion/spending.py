@@ -21,7 +21,7 @@ KINDS = {
 
 
 def _power(kind: str) -> Callable[..., Array]:
-    """Return the equation's function for a kind of mean power."""
+    """Return the function of the equation for a kind of mean power, a field of `Energy`."""
 
     def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
         power: Array = getattr(energy, kind) * (gravity * velocity_scale)
@@ -32,7 +32,7 @@ def _power(kind: str) -> Callable[..., Array]:
 
 
 def _work(kind: str) -> Callable[..., Array]:
-    """Return the equation's function for a kind of work per metre."""
+    """Return the function of the equation for a kind of work per metre, a field of `Energy`."""
 
     def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
         return _a_metre(getattr(energy, kind), motion) * gravity
@@ -46,7 +46,11 @@ def _work(kind: str) -> Callable[..., Array]:
 
 
 def _a_metre(energy: Array, motion: Motion) -> Array:
-    """Return an energy per distance travelled; infinite or NaN without travel."""
+    """Return an energy per distance travelled; infinite or NaN without travel.
+
+    `energy` is a mean power per mass in g^2/w, divided by the mean velocity in g/w: the result is
+    in g. Infinite if it is above 0 without travel, NaN if both are 0.
+    """
     beyond = np.where(energy > 0, np.inf, np.nan)
     with np.errstate(over="ignore"):
         return ratio(energy, np.abs(motion.velocity), beyond)

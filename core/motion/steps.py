@@ -20,15 +20,19 @@ MAX_MOVES = 32
 
 
 def sines_at(steps: int, shift: float) -> Array:
-    """Return sine and cosine at the middle of each step of a period, shape (1, 2, steps)."""
+    """Return sine and cosine at the middle of each step of a period, shape (1, 2, steps).
+
+    `shift` moves the steps, in steps: -0.5 begins half a step earlier.
+    """
     phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
     return np.stack([np.sin(phases), np.cos(phases)])[np.newaxis]
 
 
 def drives_of(wave: Wave, steps: int, begin: float) -> Array:
-    """Return the drives of cells over a period from a phase, (cells, rows, steps and jumps).
+    """Return the drives of cells over a period from the phase `begin`, in steps without jumps.
 
-    The rows are those of the kernels' `Drive`.
+    Shape (cells, rows, steps and jumps), the rows those of the kernels' `Drive`: `steps` equal
+    steps, cut where the push of the wave jumps.
     """
     step, jumps = TURN / steps, wave.steps[ENDS]
     starts = begin + step * np.arange(float(steps))[:, np.newaxis]
@@ -48,7 +52,11 @@ def drives_of(wave: Wave, steps: int, begin: float) -> Array:
 
 
 def _apart(starts: Array, least: float, end: float) -> Array:
-    """Return ascending phases; any too near to the one before is moved half-way to the next."""
+    """Return ascending phases; any too near to the one before is moved half-way to the next.
+
+    `starts` are the phases at which steps begin, `least` the shortest step, `end` the end of the
+    period, in rad.
+    """
     starts = starts.copy()
     for _ in range(MAX_MOVES):
         gaps = np.diff(starts, axis=0, append=end)

@@ -195,7 +195,11 @@ def _conveying(
     defaults: Mapping[str, float] = MappingProxyType({}),
     more: str = "",
 ) -> Scene:
-    """Return the system of a conveyed part; `in_space` are its scales and groups."""
+    """Return the system of a conveyed part.
+
+    `in_space` are the equations of its scales and groups, `defaults` its default values beside
+    those of all, `more` what is added to its range of validity.
+    """
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
     def equations(method: Method) -> tuple[Equation, ...]:

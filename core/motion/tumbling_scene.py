@@ -74,7 +74,7 @@ def part_energy_lost(*, specific_energy_lost: Array, mass: Array) -> Array:
 
 
 def _ended(name: str) -> Callable[..., Mask]:
-    """Return the condition that the tumbling ended with a status."""
+    """Return the condition that the tumbling ended with the status of this name."""
 
     def ended(*, tumble: Tumble) -> Mask:
         return tumble.status == STATUS[name]
@@ -140,7 +140,10 @@ CONDITIONS = (
 
 
 def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
-    """Return the system of a tumbling part of one shape."""
+    """Return the system of a tumbling part of one shape.
+
+    `part` is the function of the equation that gives the part from its sizes.
+    """
     numbers = (
         Equation("tumbling_part", part, "theory 2.1"),
         Equation("throw", throw, "theory 2.1"),

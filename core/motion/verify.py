@@ -34,7 +34,7 @@ SPEED = ("drive_number", "velocity_scale")
 
 
 def accuracy(plan: Plan) -> str:
-    """Return the known error of a method as a sentence."""
+    """Return the known error of a plan's method as a sentence, for the attributes of a result."""
     text = methods_of(plan.scene.name)[plan.variant].accuracy
     if ERROR in plan.outputs:
         return f"{text}; {ERROR} states it for each cell"
@@ -181,7 +181,11 @@ def _with_worst(
     theirs: Mapping[str, Array],
     exact: NDArray[np.bool_],
 ) -> Comparison:
-    """Return the comparison, with the output that differs most relative to its size."""
+    """Return the comparison, with the output that differs most relative to its size.
+
+    `got` are the outputs to verify, `theirs` those of the other method; only cells of the mask
+    `exact` count.
+    """
     for name in outputs:
         right = np.where(exact, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
@@ -201,7 +205,10 @@ def _with_worst(
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
-    """Return the reasons why cells with such statuses cannot be judged, with counts."""
+    """Return the reasons why cells with such statuses cannot be judged, with counts.
+
+    `ours` and `theirs` are the statuses of these cells by both methods, `method` the other's name.
+    """
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
     for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
@@ -222,7 +229,10 @@ def _follow_cells(
     count: int,
     watch: Watch | None,
 ) -> dict[str, Array]:
-    """Return the outputs of cells computed by a method, in the units of studies."""
+    """Return the outputs of `count` cells computed by a method, in the units of studies.
+
+    `cells` are their parameters, SI units; outputs that the method does not give are left out.
+    """
     asked = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
     plan = plan_scene(scene, method, asked, parameters)
@@ -280,9 +290,10 @@ def verified_at(
     arrays: Mapping[str, NDArray[np.generic]] | None,
     watch: Watch,
 ) -> dict[str, str | int]:
-    """Return the verification result of sampled cells; they are simulated again if not in `arrays`.
+    """Return the verification result of sampled cells as attributes of the dataset.
 
-    Otherwise as `verified`.
+    `arrays` holds the computed outputs, SI units; if None, the cells are simulated again. `watch`
+    may stop it.
     """
     plan = prepared.plan
     other = other_method(plan, prepared.grid)

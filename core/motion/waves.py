@@ -66,7 +66,7 @@ def _broadcast_cells(part: Array, own: int, shape: tuple[int, ...]) -> Array:
 
 
 def of_columns(rows: NDArray[np.float64]) -> Wave:
-    """Return the wave stored in rows of `Wave.columns`."""
+    """Return the wave stored in rows of `Wave.columns`, a row a cell."""
     orders, steps = int(rows[0, 0]), int(rows[0, 1])
     columns = rows.T[2:]
     return Wave(
@@ -85,14 +85,20 @@ def of_row(row: NDArray[np.float64]) -> Wave:
 
 
 def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the push at a phase; phases and cells broadcast."""
+    """Return the push at a phase along an axis, in g; phases and cells broadcast.
+
+    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    """
     tau = np.asarray(phase, dtype=float)
     total = _harmonic(wave, axis, tau, 0)
     return total + level(wave, axis, tau) if wave.steps.shape[1] else total
 
 
 def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the share of the push at a phase that comes from the steps of a wave."""
+    """Return the share of the push at a phase that comes from the steps of a wave, in g.
+
+    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    """
     tau = np.asarray(phase, dtype=float)
     if not wave.steps.shape[1]:
         return np.zeros(np.broadcast_shapes(tau.shape, wave.cells))
@@ -100,7 +106,10 @@ def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the velocity of the track at a phase, in g/w."""
+    """Return the velocity of the track along an axis at a phase, in g/w, without its mean.
+
+    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    """
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 1)
     if wave.steps.shape[1]:
@@ -109,7 +118,10 @@ def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the displacement of the track at a phase, in g/w^2."""
+    """Return the displacement of the track along an axis at a phase, in g/w^2, without its mean.
+
+    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    """
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 2)
     if wave.steps.shape[1]:
@@ -118,7 +130,10 @@ def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
-    """Return the harmonics of the push, integrated `integrals` times without constants."""
+    """Return the harmonics of the push, integrated `integrals` times without constants.
+
+    At phases `tau` along an axis; -1 is the derivative.
+    """
     total = np.zeros(np.broadcast_shapes(tau.shape, wave.harmonics.shape[3:]))
     for k, (sine, cosine) in enumerate(zip(*wave.harmonics[axis], strict=True), start=1):
         turned = k * tau - integrals * np.pi / 2
@@ -127,7 +142,10 @@ def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
 
 
 def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return the values of the step at each phase, and the number of that step."""
+    """Return the values of all steps, broadcast to the phases, and the index of the step in force.
+
+    `values`, shape (steps, ...), at phases `tau`; both are arguments of `take_along_axis`.
+    """
     within = np.mod(tau, TURN)
     ends = wave.steps[ENDS]
     shape = np.broadcast_shapes(within.shape, ends.shape[1:])
@@ -140,7 +158,10 @@ def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.i
 
 
 def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
-    """Return velocity and displacement of a track that moves in steps, both without mean."""
+    """Return velocity and displacement of a track that moves in steps, both without mean.
+
+    Along an axis at phases `tau`, in g/w and g/w^2.
+    """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
     last = ends - starts
@@ -155,7 +176,10 @@ def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
 
 
 def step_speeds(wave: Wave, axis: int) -> Array:
-    """Return the velocity of the track at the start of each step, shape (steps, ...)."""
+    """Return the velocity of the track along an axis at the start of each step, in g/w.
+
+    Shape (steps, ...), without its mean over the period.
+    """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     last = np.diff(ends, axis=0, prepend=0.0)
     after = -np.cumsum(level * last, axis=0)
@@ -188,7 +212,10 @@ def stroke(wave: Wave, axis: int) -> Array:
 
 
 def jerk(wave: Wave, axis: int) -> Array:
-    """Return the largest absolute derivative of the push; infinite where it jumps."""
+    """Return the largest absolute derivative of the push by the phase along an axis, in g.
+
+    Infinite if the push jumps.
+    """
     if wave.steps.shape[1]:
         jumps = largest_over_period(wave, axis, "push") + largest_over_period(
             wave, axis, "push back"
@@ -210,7 +237,7 @@ COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
-    """Yield phases that include all extremes of a quantity."""
+    """Yield phases that include all extremes of a quantity, a key of `COURSES`, along an axis."""
     if wave.harmonics.shape[2]:
         yield from _turns(wave, axis, COURSES[of][1])
     start = np.zeros(())
@@ -223,7 +250,10 @@ def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
 
 
 def _turns(wave: Wave, axis: int, integrals: int) -> Array:
-    """Return the phases of all extremes of the harmonics, integrated `integrals` times."""
+    """Return the phases of all extremes of the harmonics, integrated `integrals` times.
+
+    Shape (2 orders, cells); cells with fewer extremes have zeros.
+    """
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
     shape = wave.cells
@@ -260,7 +290,7 @@ def _angles(slopes: NDArray[np.complex128]) -> Array:
 
 
 def bound(wave: Wave, axis: int) -> Array:
-    """Return an upper bound of the push: the sum of its amplitudes."""
+    """Return an upper bound of the push along an axis, in g: the sum of its amplitudes."""
     amplitudes = np.hypot(*wave.harmonics[axis]).sum(axis=0)
     return amplitudes + np.abs(wave.steps[axis]).max(axis=0, initial=0.0)
 

@@ -188,7 +188,7 @@ class ReferenceRun:
         return change if change > SAME * self.scale else 0.0
 
     def drifts(self, periods: int) -> bool:
-        """True if the part has approached the wall for so many periods."""
+        """True if the part has approached the wall, without touching it, for so many periods."""
         return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
 
     def comparable(self, state: Array) -> Array:
