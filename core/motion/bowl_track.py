@@ -287,7 +287,10 @@ class AlongTrack:
         return keywords(self.needs)
 
     def __call__(self, **inputs: Any) -> Passage:
-        """Return the passage of parts along the whole track, for every cell."""
+        """Return the passage of parts along the whole track, for every cell.
+
+        From the quantities of `needs` by name; the cells are followed in pieces of `PIECE` motions.
+        """
         settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
         names = [name for name in self.needs if name not in settings]
         columns = np.broadcast_arrays(*(np.asarray(inputs[name], dtype=float) for name in names))

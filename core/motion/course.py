@@ -60,7 +60,10 @@ class TrajectoryRequest(NamedTuple):
         return self.known[name].item()
 
     def times(self) -> tuple[Array, Array]:
-        """Return the times [s] and drive phases of a trajectory: over a cycle, or as asked."""
+        """Return the times [s] and drive phases [rad] of a trajectory.
+
+        Over a cycle, or those that the study asks for.
+        """
         # Circular frequency.
         pace = self.scale("velocity_scale") / self.scale("length_scale")
         if isinstance(self.samples, int):
@@ -71,7 +74,7 @@ class TrajectoryRequest(NamedTuple):
         return times, pace * times
 
     def track(self) -> dict[str, Array]:
-        """Return the displacement of the track at these times, quantities by name [m]."""
+        """Return the displacement of the track along and normal at these times, by quantity [m]."""
         (_, phases), length, groups = self.times(), self.scale("length_scale"), self.groups
         if groups.wave is None:
             swing = length * np.sin(phases)

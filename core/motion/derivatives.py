@@ -190,7 +190,11 @@ def _chained(slopes: Array, by: list[Array]) -> Array:
 
 
 def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
-    """Return a mask of the cells whose motion has exact derivatives in closed form."""
+    """Return a mask of the cells whose motion has exact derivatives in closed form.
+
+    That is motion in the plane under a sine by the method `events`, with constant restitution; a
+    mask of one element, False, if the plan has none.
+    """
     contacts = CONTACTS.get(plan.scene.name)
     by_differences = any(equation.gives in BY_DIFFERENCES for equation in plan.equations)
     if contacts is None or plan.variant != "events" or groups.wave is not None or by_differences:
@@ -269,7 +273,7 @@ def derivatives_at(
 
 
 def _nothing(shape: tuple[int, ...]) -> Derived:
-    """Return derivatives of a shape with no value and the status `not_computed`."""
+    """Return derivatives of a shape without any value, with the status `not_computed`."""
     value, slope, error, below, above = (np.full(shape, np.nan) for _ in range(5))
     status = np.full(shape, DERIVATIVE_STATUS["not_computed"], dtype=np.int8)
     return Derived(value, slope, error, status, below, above, np.zeros(shape, dtype=bool))

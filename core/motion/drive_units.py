@@ -244,7 +244,10 @@ class _Spliced:
         return found if unit.track is None else (*found, *bowl_track.along(unit.track, found))
 
     def _load(self, of_unit: Collection[Equation], of_part: Collection[Equation]) -> PartLoad:
-        """Return the equation for the load of the parts on the drive unit."""
+        """Return the function of the equation for the load of the parts on the drive unit.
+
+        `of_unit` and `of_part` are the equations of the unit and of a part on it.
+        """
         if self.unit.track is None:
             return part_load(of_unit, of_part, self.contacts)
         place = bowl_track.AtLoad(bowl_track.AllStretches(self.unit.track))

@@ -161,7 +161,7 @@ class PartLoad:
         return keywords(self.needs)
 
     def __call__(self, **inputs: Any) -> Load:
-        """Return the load of the parts in every cell."""
+        """Return the load of the parts in every cell, from the quantities of `needs` by name."""
         columns = np.broadcast_arrays(
             *(np.asarray(inputs[name], dtype=float) for name in self.needs)
         )
@@ -182,9 +182,11 @@ class PartLoad:
         return found["track_amplitude"], found["vibration_angle"]
 
     def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
-        """Return effective mass and damping of the parts at amplitudes, and where motions repeat.
+        """Return effective mass and damping of parts at amplitudes, and if their motions repeat.
 
-        The mass m (1 + 2 <u.b'>/p^2), the damper 2 m w drive/p^2.
+        The mass m (1 + 2 <u.b'>/p^2) and the damper 2 m w drive/p^2, with the mass m of the parts,
+        the drive number p, and the mean `swing` <u.b'> and power `drive` of a part's motion (theory
+        13.15).
         """
         mass, damping = known["conveyed_mass"], np.zeros_like(known["conveyed_mass"])
         turns = any(one.gives == "vibration_angle" for one in self.respond)
@@ -227,7 +229,10 @@ class PartLoad:
         several = ((falls | rises).sum(axis=1) > 1) & apart
 
         def agreed(index: NDArray[np.intp]) -> tuple[Array, Array, Array, Mask]:
-            """Return amplitude, mass and damping of the agreement in an interval of the table."""
+            """Return amplitude, mass, damping and jumps of the agreement in one interval.
+
+            `index` is that of the interval of the table, one for each cell.
+            """
             ends = [
                 tuple(part[rows, index + end] for part in (nodes, mass, damping)) for end in (0, 1)
             ]
@@ -240,7 +245,11 @@ class PartLoad:
         return Load._make((*numbers, several & ~none, hunts & ~none, thrown & ~none))
 
     def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
-        """True where harmonics of the parts' force move the track by more than 0.1 %."""
+        """True where harmonics of the parts' force move the track by more than 0.1 %.
+
+        That is where parts of `mass` and `damping` are thrown beyond a throw number of 2, and weigh
+        more than 1 % of the moving mass.
+        """
         amplitude, angle = self.amplitude(known, mass, damping)
         placed = {**self._placed(known), "amplitude": amplitude, "beta": angle}
         groups: Groups = run(self.turn, placed)["groups"]

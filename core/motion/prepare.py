@@ -273,7 +273,10 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
-    """Return the problems of the trajectory that a study asks for."""
+    """Return the problems of the trajectory that a study asks for; empty if there are none.
+
+    It needs one value of every parameter, and a method that gives more than means.
+    """
     if study.trajectory is None:
         return []
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
@@ -292,7 +295,10 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
-    """Return the problems of a reduction that a study of motion asks for."""
+    """Return the problems of a reduction that a study of motion asks for; empty if none.
+
+    It excludes derivatives and a trajectory.
+    """
     if study.reduce is None:
         return []
     problems = problems_of_names(study.reduce, study.outputs, study.values())

@@ -68,7 +68,10 @@ class Priced:
 
     @property
     def restless(self) -> Array:
-        """The probability, 0 to 1, that a part's motion does not repeat."""
+        """The probability, 0 to 1, that a part's motion does not repeat.
+
+        0 up to a restitution of 0.2, rising to 1 at 0.5, for parts that lift off.
+        """
         few, many = REBOUNDS
         rebounds = np.maximum(self.groups.restitution, self.groups.wall_restitution)
         return np.where(self.hops, np.clip((rebounds - few) / (many - few), 0.0, 1.0), 0.0)
@@ -123,16 +126,18 @@ def some_cells(
     contacts: Contacts,
     free: Mapping[str, tuple[float, float]],
 ) -> Priced:
-    """Return a few evenly chosen cells of a grid, the same for equal grids.
+    """Return a few evenly chosen cells of a grid, the same for equal grids, to estimate times.
 
     Parameters
     ----------
-    plan : Plan
-        Of a method; others have the same numbers of a part.
-    settings : mapping of str to float
-        Those in force.
-    free : mapping of str to (float, float)
-        Parameters that are not on the grid, and between which values they lie, SI units.
+    plan
+        Plan of a method; those of other methods have the same numbers of a part.
+    settings
+        Settings of the method in force, by name.
+    contacts
+        What the parts can touch.
+    free
+        Parameters that are not on the grid, and the ends of their values, SI units.
     """
     count = CELLS if free else min(CELLS, grid.cells)
     places = random_positions(grid, count, 0)

@@ -59,7 +59,10 @@ class Motion(NamedTuple):
     status: NDArray[np.int8]
 
     def only(self, name: str) -> Mask:
-        """True where a part moves in one way all the time; every other way has share 0."""
+        """True where a part moves in one way all the time; every other way has share 0.
+
+        `name` is one of `SHARES`.
+        """
         others = [getattr(self, other) for other in SHARES if other != name]
         moves = np.asarray(getattr(self, name) > 0)
         return np.logical_and.reduce([moves, *(other == 0 for other in others)])

@@ -73,7 +73,7 @@ def slip_groups(
 ) -> Groups:  # fmt: skip
     """Return the groups of the block that moves like the slip of a round part's contact.
 
-    Its friction is 1 + kap times that of the part.
+    Its friction is 1 + kap times that of the part, with the inertia factor kap = m r^2/I.
     """
     return Groups(
         drive_number_along=drive_number_along,
@@ -191,7 +191,11 @@ def rolling_scenes(
     def scene(
         name: str, title: str, numbers: tuple[Equation, ...], kap: float, more: str = ""
     ) -> Scene:
-        """Return the system of one round part."""
+        """Return the system of one round part.
+
+        `numbers` are the equations of its dimensionless numbers, `kap` is m r^2/I of the full body,
+        `more` is added to its range of validity.
+        """
         shape = round_parts.ball_factor if name == BALL else round_parts.tube_factor
         own = (*numbers, Equation("rolling_factor", shape, "theory 18.1"))
         leaning = {"delta": 0.0} if name == DISC else {}

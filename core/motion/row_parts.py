@@ -88,7 +88,10 @@ class NumberedParts:
         return keywords(self.inputs)
 
     def __call__(self, **given: Any) -> RowParts:
-        """Return the parts of the row; a fractional number of parts is rounded up."""
+        """Return the parts of the row, from the quantities of `inputs` by name.
+
+        A fractional number of parts is rounded up.
+        """
         count = np.ceil(np.asarray(given.get("parts", float(self.count)), dtype=float))
         most = max(self.count, int(count.max()))
         places = range(1, most + 1)

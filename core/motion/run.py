@@ -54,7 +54,10 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
 
 
 def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
-    """Return the results of a simulation, labelled; cells are verified if asked for."""
+    """Return the results of a simulation as a labelled table; cells are verified if asked for.
+
+    `computed` holds the arrays by name; `watch` may stop the verification.
+    """
     if isinstance(prepared, ReducedSimulation):
         return prepared.label(computed, watch)
     plan, arrays = prepared.plan, computed.arrays

@@ -31,7 +31,10 @@ SPRUNG = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA":
 
 
 def on_soft_floor(name: str, names: Collection[str]) -> Scene:
-    """Return a conveying system with the floor that a study's parameters define."""
+    """Return the conveying system of this name with the floor that a study's parameters define.
+
+    `names` are those of the parameters.
+    """
     parameters = set(names)
     if not parameters & {FALLING, LINING, DAMPED}:
         return _plain(name)

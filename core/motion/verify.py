@@ -256,7 +256,10 @@ def _velocity_difference(
 
 
 def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return a mask of motions that repeat after different numbers of periods."""
+    """Return a mask of motions that repeat after different numbers of periods by two methods.
+
+    `got` and `theirs` hold the outputs of both; all False if `period_multiple` is not among them.
+    """
     multiple = got.get("period_multiple")
     if multiple is None:
         return np.zeros(theirs["motion_status"].shape, dtype=np.bool_)

@@ -271,9 +271,10 @@ def _turns(wave: Wave, axis: int, integrals: int) -> Array:
 
 
 def _angles(slopes: NDArray[np.complex128]) -> Array:
-    """Return the phases of the roots of Re sum of b_k exp(i k tau), b of shape (n, orders).
+    """Return the phases of the roots of Re sum of b_k exp(i k tau), shape (n, 2 orders).
 
-    The eigenvalues of companion matrices, then Newton's steps.
+    b_k are the columns of `slopes`, shape (n, orders), k from 1. By the eigenvalues of companion
+    matrices, then two steps of Newton's.
     """
     count, order = slopes.shape
     rows = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
@@ -296,7 +297,10 @@ def bound(wave: Wave, axis: int) -> Array:
 
 
 def size(wave: Wave) -> Array:
-    """Return an upper bound of the track's speed in g/w: the sum of its amplitudes."""
+    """Return an upper bound of the track's speed in g/w.
+
+    The root of the sum of squares of its bounds on the three axes.
+    """
     squares = np.zeros(wave.cells)
     orders = np.arange(1, wave.harmonics.shape[2] + 1).reshape(
         -1, *(1,) * (wave.harmonics.ndim - 3)

@@ -156,7 +156,10 @@ def _rolled(method: Method) -> Method:
 
 
 def of_slip(block: Follow) -> Follow:
-    """Return the equation's function for the slip at a round part's contact."""
+    """Return the function of the equation for the slip at a round part's contact.
+
+    `block` is that of the motion of a block, whose groups are those of the slip.
+    """
 
     def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **inputs: Any) -> Motion:
         """Return the slip of a round part's contact, computed as the motion of a block."""

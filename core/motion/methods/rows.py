@@ -220,7 +220,7 @@ def _by_events(
 
 
 def _stepped(steps: int) -> Kernel:
-    """Return the kernel for time stepping with this number of steps."""
+    """Return the kernel for time stepping with this number of steps a period."""
 
     def kernel(
         cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]

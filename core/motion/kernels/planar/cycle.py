@@ -43,7 +43,8 @@ def write_segment(
 
     `rows` has the columns of `SEGMENT`; `tau` is the phase at the start and `span` the duration in
     rad, `w` the velocity off the floor at the start (-1 for contact), `speed` the landing speed and
-    `impulse` what the landing takes from the floor, in g/w.
+    `impulse` what the landing takes from the floor, in g/w; of a contact the rebound of the hops
+    that it stands for.
     """
     rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
     rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse

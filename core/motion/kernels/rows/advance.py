@@ -201,8 +201,8 @@ def happened(
 ) -> tuple[Air, float, float]:
     """Change the state of a row by an event at phase `tau`; return flight, energy lost, impulse.
 
-    The flight after it (`Air`), the energy that a collision takes, and the impulse on the stop.
-    `air` is the flight before, `restitution` that between parts.
+    The flight after the event (`Air`), the energy that a collision takes, and the impulse on the
+    stop. `air` is the flight before, `restitution` that between parts.
     """
     lost, impulse = 0.0, 0.0
     if event.kind == LIFT:

@@ -112,7 +112,7 @@ def relative_push(row: Row, drive: Drive, contact: int, tau: float) -> float:
 
 @borrowing
 def swung(drive: Drive, tau: float, span: float) -> tuple[float, float]:
-    """Return the velocity and distance that sin(tau) adds over a phase."""
+    """Return the velocity and distance that sin adds over `span` rad from phase `tau` on."""
     return swings(math.sin(tau), math.cos(tau), span)
 
 

@@ -344,7 +344,10 @@ def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
 
 @borrowing
 def swung(drive: RowWave, tau: float, span: float) -> Swung:
-    """Return the velocities and distances that both pushes add over a phase."""
+    """Return velocities and distances that both pushes add over `span` rad from phase `tau`.
+
+    As `Swung`, handed on to `carried`.
+    """
     swing, sway = flow(drive.base, FORWARD, 0.0, tau, span)
     normal_swing, normal_sway = flow(drive.base, BACKWARD, 0.0, tau, span)
     return Swung(swing, sway, normal_swing, normal_sway)
@@ -365,7 +368,10 @@ def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tupl
 
 @borrowing
 def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
-    """Return the integrals of the distances that both pushes add over a phase."""
+    """Return the integrals of the distances that both pushes add over `span` from phase `tau`.
+
+    Handed on to `gap_swept`.
+    """
     return _swept(drive.base, FORWARD, tau, span), _swept(drive.base, BACKWARD, tau, span)
 
 

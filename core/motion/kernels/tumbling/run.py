@@ -16,7 +16,10 @@ settled."""
 
 
 class TumblingRun(NamedTuple):
-    """The results of a run besides its state; the table's columns follow `Tumble`."""
+    """The results of a run besides its state, as the columns of its table follow `Tumble`.
+
+    Times in s, `largest_bounce` in m; `side` is the number of the side that lies flat, 0 if none.
+    """
 
     status: int
     time: float
@@ -28,7 +31,11 @@ class TumblingRun(NamedTuple):
 
 @compiled
 def start_of(cell: Cell, state: Floats) -> None:
-    """Set the state to the start of a run: pitch, velocities, and y = rho max sin s + gap."""
+    """Set the state to the start of a run: pitch, velocities, and height, from the cell.
+
+    The height of the centre is y = rho max sin s + gap, with the half diagonal rho, the angles s of
+    the corners, and the gap below the lowest corner.
+    """
     state[:] = 0.0
     state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
     state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward

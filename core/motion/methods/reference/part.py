@@ -162,8 +162,8 @@ class Part:
     def settle(self) -> None:
         """Put a part that has stopped beside a contact onto it, if it is pressed towards it.
 
-        A slip along the wall may stop amid the last hops on the floor; it would begin anew with a
-        phase that is longer than a hop, for ever.
+        A slip along the wall may stop during the last hops on the floor; it would begin anew with a
+        stretch longer than a hop, for ever.
         """
         s = self.state
         _, dy, dz = self.laws.free(self.phase, float(s[UX]))
@@ -290,7 +290,7 @@ class Part:
             self.smoothly(reached, asked, rows)
 
     def rest_on(self, mode: Mode) -> bool:
-        """Record the contacts that carry the part; return True if a slip begins from rest."""
+        """Record the contacts of a mode that carry the part; True if a slip begins from rest."""
         self.on_floor = mode.floor
         # Without slip a block stays at the wall though it does not press on it.
         held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0

@@ -135,7 +135,7 @@ class ReferenceRun:
         self.refused, self.lingers = 0, False
 
     def follow(self) -> None:
-        """Follow the motion for one more period."""
+        """Follow the motion for one more period of the drive, and record states and tally."""
         part = self.part
         part.tally, part.phase = Tally(), 0.0
         self.before.append(part.state.copy())
@@ -194,7 +194,8 @@ class ReferenceRun:
     def comparable(self, state: Array) -> Array:
         """Return a state in the form in which two states are compared.
 
-        A cylinder that rolls has its slip in place of its speed across.
+        A cylinder that rolls has its slip in the place of its velocity across: at which speed it
+        rolls does not matter.
         """
         if self.laws.contacts.rolling and not self.laws.contacts.wall:
             state = state.copy()
@@ -230,7 +231,11 @@ class ReferenceRun:
         return (self.part.on_floor, self.part.on_wall) == self.flags[-multiple]
 
     def cycle(self) -> int:
-        """Return the number of periods after which the motion repeats; 0 if not known yet."""
+        """Return the number of periods after which the motion repeats; 0 if not known yet.
+
+        The first, up to 32, after which the state comes back, no longer comes nearer, and no
+        shorter cycle nearly repeats.
+        """
         for multiple in range(1, min(MAX_MULTIPLE, len(self.after) - self.plain_since) + 1):
             indices = self.indices(multiple)
             apart = self.distance(multiple, indices)

@@ -215,7 +215,10 @@ class Cell:
         return 1 if self.wave is None else max(1, int(self.wave.harmonics.shape[2]))
 
     def rate(self, phase: float, state: Array) -> list[float]:
-        """Return the derivative of the state by phase (theory 13.1)."""
+        """Return the derivative of the state by phase, in g/w and g (theory 13.1).
+
+        `state` holds position and velocity; friction and floor are the regularised laws.
+        """
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()
         force, _, _ = self.laws.normal(position, velocity[-1])

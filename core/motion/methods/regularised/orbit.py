@@ -133,7 +133,10 @@ class RegularisedRun:
         raise SpentError
 
     def _from(self, cell: Cell, phase: float, end: float, start: Array) -> Any:
-        """Return scipy's solution between two phases, or up to where the integrator gives up."""
+        """Return scipy's solution from `phase` to `end`, or up to where the integrator gives up.
+
+        `start` is the state at first; the solution's time counts from there.
+        """
 
         def rate(since: float, state: Array) -> list[float]:
             """Return the derivative of the state at a phase since the start."""
@@ -158,7 +161,7 @@ class Orbit:
     status: str
 
     def across(self, coordinates: int) -> float:
-        """Return the mean velocity across the track; 0 in the plane."""
+        """Return the mean velocity across the track in g/w; 0 in the plane (2 coordinates)."""
         if coordinates < 3:
             return 0.0
         return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
@@ -181,11 +184,11 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
         return float(np.max(np.abs(states[index] - states[index - multiple])))
 
     def repeats(multiple: int) -> bool:
-        """True if the remaining differences are small, or integrator noise only.
+        """True if the motion repeats after `multiple` periods, but for integrator noise.
 
-        They are a geometric series of the rate at which they shrink. Noise does not add up over
-        cycles as a drift does that hardly shrinks. Where friction changes less in a period than
-        noise does, nobody can tell.
+        What the differences will still add up to, a geometric series, must be below the closeness;
+        or they must be noise, which does not add up over cycles as a slow drift does. Where
+        friction changes less in a period than noise does, nobody can tell: False.
         """
         if 0.0 < PERIOD * weight <= NOISE * closeness:
             return False
