@@ -35,16 +35,17 @@ from core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"
 PARTS = 16
-"""Equal parts of a stretch, at whose ends the motion is followed."""
+"""Equal intervals of a stretch, at whose ends the motion is followed."""
 INSIDE = 1e-9
 """Of a stretch: how far its first and last node lie from its ends."""
 SMALL = 1e-4
-"""Of a speed: changes below this are taken by a series."""
+"""Relative change of a velocity below which its quotient is taken from a series."""
 PIECE = 100_000
-"""Motions that are followed together."""
+"""Largest number of motions that are followed together, for memory."""
 GIVES_WAY = {"stretch_climb": ("gamma",), "stretch_friction": ("friction", "friction_static",
              "friction_kinetic"), "stretch_radius": ("radius",)}  # fmt: skip
-"""Parameters that what a stretch has of its own takes the place of."""
+"""Parameters that a study may not give beside a quantity of the stretches, which takes their
+place."""
 
 _NUMBERED = re.compile(rf"({'|'.join(OF_STRETCHES)})_(\d+)")
 

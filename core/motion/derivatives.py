@@ -36,13 +36,13 @@ from core.plan.equations import regimes, run
 from core.plan.plan import Plan, plan_scene
 from core.watch import Watch
 
-HALVINGS = 12  # of the step of a difference
-LARGEST_STEP = 0.02  # relative
-TRUSTED = 1e-3  # relative error of a derivative of simulated motion that is still given
+HALVINGS = 12  # times that the step of a finite difference is halved
+LARGEST_STEP = 0.02  # relative step of a parameter, the first of a series of finite differences
+TRUSTED = 1e-3  # largest relative error of a derivative by differences that is still reported
 BY_DIFFERENCES = ("effective_mass_ratio", "part_load")
-"""What has no exact derivative: plans with these are derived by differences."""
+"""Quantities without exact derivatives: plans with these are derived by differences."""
 COUNTS = ("period_multiple", "impacts_per_period", "collisions_per_period")
-"""What does not change inside a regime, as far as a scene has it."""
+"""Whole numbers that do not change inside a regime; a scene may lack some."""
 
 BY = (
     "drive_number_along", "drive_number_normal", "gravity_number_along", "gravity_number_normal",
@@ -50,6 +50,7 @@ BY = (
 )  # fmt: skip
 """The groups that a motion in the plane is derived by, in the order of the kernel."""
 ACROSS = ("drive_number_across", "gravity_number_across", "curvature_number")
+"""Dimensionless numbers that push a part across the track."""
 MOTION_MEANS = ("velocity", "stick", "forward", "backward", "flight", "landing_speed", "hop_height")
 """The fields of `Motion` that are derived, in the order of the kernel; those of `Energy` follow."""
 

@@ -17,10 +17,10 @@ from core.study.simulate_study import SimulateStudy
 from core.study.values import Fixed
 
 LEAST_DRAWS, MAX_DRAWS = 20, 10_000
-"""Of 20, half a draw lies beyond each of `ENDS`; of 10,000, 250 do, which tell an end to 6 % of the
-tail: more would cost motions and tell nothing."""
-SAME = 1e-9  # of a number of the fit, by which a study may miss it and still have it from there
-ENDS = (2.5, 97.5)  # percent
+"""Fewest and most samples of the drive. Of 20, half a sample lies beyond each of `ENDS`; of 10,000,
+250 do, which give that quantile to 6 % of the tail: more would cost motions for nothing."""
+SAME = 1e-9  # relative difference below which a study's value counts as that of the fitted drive
+ENDS = (2.5, 97.5)  # percent: the quantiles reported
 VELOCITY = "conveying_velocity"
 
 

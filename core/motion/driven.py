@@ -21,7 +21,8 @@ from core.scenes.scene import Equation, keywords, taking
 from core.watch import Watch
 
 AT_LIMIT = 1e-13
-"""Of the limit of static friction: a step of a drive that is so little beyond it is at it."""
+"""Relative excess over the limit of static friction up to which a step of a drive is still at the
+limit, so that rounding does not decide."""
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,11 @@ from core.motion.waves import TURN, Wave
 from core.quantities.drive import AXES, DRIVE
 
 CLOSED = 1e-9
-"""Of the mean size of a step's acceleration: a mean no larger is rounding of what was written."""
+"""Mean acceleration over the mean size of its steps, below which it is rounding of the study's
+numbers and set to 0."""
 
 SHORTEST = 1e-12
-"""Of a period: a step that is shorter is none."""
+"""Shortest step of a drive, as a share of the period: shorter ones are left out."""
 
 SINE = ("amplitude", "peak_to_peak", "alpha", "beta")
 """Parameters of the plain sine."""

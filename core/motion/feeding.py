@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from core.dataset.table import Table
 
 RESOLVED = 1e-9
-"""Of the drive's speed: nearer to each other than this, two mean velocities are the same."""
+"""Difference of two mean velocities, over the drive's speed, below which they are the same."""
 
 SLOWEST = 1e-9
-"""A nanometre a second: a speed that nobody sees, where nothing tells the drive's [m s-1]."""
+"""Speed in m/s below which a part counts as at rest if the drive's speed is not known."""
 
 
 def occupancy(*, length: Array, part_gap: Array) -> Array:

@@ -120,7 +120,7 @@ class Contacts(NamedTuple):
 
 
 BLOCK_ON_FLOOR = Contacts()
-SOLID_CYLINDER = 2.0  # m r^2/I about its axis
+SOLID_CYLINDER = 2.0  # m r^2/I of a solid cylinder about its axis
 
 
 def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:

@@ -24,26 +24,29 @@ from core.scenes.graph import between
 from core.scenes.scene import Equation, keywords
 
 SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
-"""Those of the method by which the parts' motion is followed, whatever the study's own method."""
+"""Settings of the method `events`, by which the parts' motion is followed, whatever the study's own
+method."""
 STEP = 0.03
-"""Of the logarithm of the amplitude, between two of the table."""
+"""Step of the logarithm of the amplitude in the table."""
 WIDTH = 300.0
-"""The largest amplitude of the table over the smallest: what brakes more is no drive."""
+"""Largest amplitude of the table over the smallest: loads that brake more do not occur."""
 BEYOND = 1.1
-"""The largest amplitude of the table over that of any load which sticks or floats."""
+"""Largest amplitude of the table over that of any load that sticks or floats."""
 SHARES = np.linspace(-0.5, 1.5, 9)
 """Shares of the parts' mass that bound what the drive feels."""
 PIECE = 500
 """Cells whose tables are followed together: some 50 MB."""
 PASSES = 4
-"""Passes by which angle and load agree: a load turns the vibration by some 1e-2 of itself."""
+"""Iterations after which angle and load agree: a load turns the vibration by some 1e-2 of
+itself."""
 AGREES = 1e-6
-"""Of the amplitude: what is left between drive and parts is more where their motion jumps."""
+"""Relative difference of amplitudes: if more is left between drive and parts, their motion
+jumps."""
 THROWN, FELT = 2.0, 0.01
 """Throw number, and share of the moving mass, above which the parts' harmonics move the track by
 1e-3 of its amplitude and more: 1.7e-2 of a tenth of the mass thrown at 3 to 4."""
 SCATTERED = 4
-"""Steps of the table within which scattering means make several agreements of one."""
+"""Steps of the table within which several agreements may come from means that scatter."""
 
 
 def price_of_load(motion: float) -> float:

@@ -21,9 +21,9 @@ from core.plan.plan import Plan
 from core.scenes.graph import behind
 
 CELLS = 32
-"""Most cells of a study by whose numbers it is priced."""
+"""Most cells of a study from which its time is estimated."""
 
-LEAST, MOST = 1e-7, 1e9  # s of a cell
+LEAST, MOST = 1e-7, 1e9  # s: bounds of the estimated time of a cell
 REBOUNDS = 0.2, 0.5
 """Restitutions up to which hops mostly repeat, and from which on they mostly do not."""
 

@@ -98,7 +98,7 @@ ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral")
 """Statuses of cells that have a mean velocity."""
 
 SHARES = ("stick", "forward", "backward", "flight")
-"""The ways of moving; each has a share of the period, exactly 0 where it never came."""
+"""The modes of motion; each has a share of the period, exactly 0 where it never came."""
 
 COLUMNS = len(Motion._fields) - 1
 """Columns of a kernel's table, one a field of `Motion` in its order, without the status."""

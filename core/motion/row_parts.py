@@ -23,9 +23,9 @@ CHOOSING = ("friction_spread", "friction_seed", *STOP_GAPS)
 """Parameters without a number that a row has only where a study gives them."""
 
 MAX_DEVIATIONS = 3.0
-"""Standard deviations within which frictions are drawn."""
+"""Standard deviations at which sampled frictions are cut off."""
 DRAWN = 256
-"""Deviations of a seed: those of the longest row, and more than lie beyond."""
+"""Deviations sampled for a seed: enough for the longest row after the cut."""
 
 _NUMBERED = re.compile(rf"({'|'.join(NUMBERS)})_(\d+)")
 

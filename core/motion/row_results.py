@@ -232,8 +232,8 @@ HELD: dict[str, Condition] = {
     "track_stop_gap": Condition("indeterminate_force", is_blocked, ANY_RESULT),
     "fixed_stop_gap": Condition("blocked", is_blocked, ANY_RESULT),
 }
-"""What is said where a row touches its stop, by the parameter that gives one."""
+"""Conditions of a row that touches its stop, by the parameter that gives the stop."""
 
 
 TIPPING = Condition("tipping", tips, ANY_RESULT)
-"""Said of a study that gives the height of the parts."""
+"""Condition of a study that gives the height of the parts."""

@@ -10,13 +10,11 @@ from core.mechanics.arrays import Array
 from core.motion.waves import ALONG, ENDS, TURN, Wave, level, push, speed
 
 NEAR = 1e-8
-"""Of a step: where a jump of the push is nearer to the end of one, only one of the two is kept.
-
-In a step as short as that what rounding leaves of the velocities would look like no solution.
-"""
+"""Share of a step: if a jump of the push is nearer to the end of a step, both are moved apart. In a
+step so short the rounding of the velocities would look like no solution."""
 
 MAX_MOVES = 32
-"""Of the ends of steps, to get them apart; more than there are jumps."""
+"""Most moves of the ends of steps to get them apart; more than there are jumps."""
 
 
 def sines_at(steps: int, shift: float) -> Array:

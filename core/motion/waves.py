@@ -23,10 +23,10 @@ ALONG, ACROSS, NORMAL, ENDS = range(4)
 """Rows of `Wave.steps`; the first three are axes of both fields."""
 
 TINY = 1e-14
-"""Of the largest sine of a slope: no higher order, less than this, moves an extreme."""
+"""Share of the largest coefficient of a slope, below which a higher order moves no extreme."""
 
 AT_ONCE, NEAR = 4096, 0.01
-"""Cells whose extremes are looked for together, and how far a step of Newton may go."""
+"""Cells whose extremes are computed together, and the largest step of Newton's in rad."""
 
 
 class Wave(NamedTuple):
@@ -233,7 +233,8 @@ COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {
     "place back": (lambda *at: -position_at(*at), 2),
     "jerk size": (lambda wave, axis, at: np.abs(_harmonic(wave, axis, np.asarray(at), -1)), -1),
 }
-"""What has a largest value: a function of wave, axis and phase, and how often it integrates."""
+"""Quantities that have a largest value: a function of wave, axis and phase, and how often it
+integrates the push."""
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:

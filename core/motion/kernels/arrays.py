@@ -13,7 +13,7 @@ Flags = NDArray[np.int64]
 Stop = NDArray[np.int8]
 """One flag, which another thread raises where a cell is not to be gone on with."""
 NEVER: Stop = np.zeros(1, dtype=np.int8)
-"""A flag for Python to hand over that nobody raises."""
+"""A stop flag that nobody raises, for callers from Python."""
 
 
 @compiled

@@ -17,7 +17,7 @@ Cell = namedtuple(
 )
 """The numbers of `core.motion.groups.Groups`, in its order, and the settings of a method."""
 
-GROUPS = len(Cell._fields)
+GROUPS = len(Cell._fields)  # number of columns of a cell, before those of its wave
 
 
 @compiled

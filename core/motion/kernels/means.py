@@ -18,11 +18,12 @@ from core.motion.kernels.cells import Cell
 from core.motion.kernels.results import COLUMN, TALLY
 from core.motion.kernels.statuses import MODES, STATUS
 
-BATCHES = 16
+BATCHES = 16  # successive batches of periods whose means give the error of a mean
 SETTLING = 0.25
-"""Share of the periods that comes before the batches."""
+"""Share of the periods that is left out before the batches, while the motion settles."""
 STUDENT = 2.947
-"""Standard errors that hold the mean of 16 normal numbers at 99 % (Student, 15 degrees)."""
+"""Student's quantile for 99 % and 16 batches (15 degrees of freedom), in standard errors of the
+mean."""
 LEAST_RATIO = 0.684
 """Von Neumann's ratio of 16 independent normal numbers is below this one time in 1,000.
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-SETTLED_EXACTLY = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
-SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
+SETTLED_EXACTLY = 1e-13
+"""Rebound times remaining phase of all hops, in g/w, below which a run of hops ends."""
+SETTLED_TIME = 1e-3  # remaining phase of all hops over that to lift-off, below which a run may end
 
 SETTLED_SOFTLY = 3e-4
 """The same, rebound times remaining time, where restitution falls with the speed of impact.

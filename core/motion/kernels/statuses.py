@@ -18,4 +18,4 @@ Mode = namedtuple("Mode", "stick forward backward flight unknown")
 
 STATUS = Status(**{name: MOTION_STATUSES[name].value for name in Status._fields})
 MODE = Mode(**{name: MOTION_MODES[name].value for name in Mode._fields})
-MODES = 4  # in which time is spent: all but the unknown
+MODES = 4  # modes in which time is spent: all but the unknown

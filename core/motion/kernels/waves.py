@@ -17,14 +17,16 @@ from core.motion.kernels.arrays import Floats
 
 TURN = 2.0 * math.pi
 FINEST = 1e-11
-"""Of phase: two passages nearer to each other than this may be taken for none."""
+"""Phase in rad: two passages nearer to each other than this may be missed."""
 LAST_STEP = 3e-5
-"""Of Halley's iteration, over the piece: the next would be of the order of its cube."""
+"""Step over the piece that ends Halley's iteration: the next is of the order of its cube."""
 POINTS = 128
-"""Phases of a period at which sums are looked at first: four to each change of the highest."""
+"""Phases of a period at which sums are evaluated first: four to each change of the highest
+order."""
 SINES = np.sin(TURN * np.arange(POINTS + POINTS // 4) / POINTS)
+"""Sines at these phases, and a quarter turn more for the cosines."""
 MAX_ITERATIONS = 80
-"""Of Halley's iteration in a bracket: halving alone ends after 53."""
+"""Most steps of Halley's iteration in a bracket: halving alone ends after 53."""
 
 
 class WaveColumns(NamedTuple):

@@ -24,9 +24,11 @@ from core.scenes.scene import taking
 from core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
+"""Sign of the velocity by motion mode."""
 SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
+"""Of the method `events`, by which the block is followed once more."""
 ROUNDING = 1e-12
-"""Of the friction that there is: so little more is none."""
+"""Relative excess over the friction that counts as rounding."""
 
 
 def block_groups(contact: RollingContact) -> Groups:

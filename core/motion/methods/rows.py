@@ -35,13 +35,14 @@ SHOWN = 10
 """Periods from the start that a trajectory of steps shows: parts meet and part within some."""
 
 EVENT_SECONDS = 4e-7
-"""Of one event of one part on one core; a period has some two of each part, and collisions. Under
-2, 3 and 10 harmonics a row of 10 parts takes 1.9, 2.1 and 5.1 times as long as under a sine."""
+"""Seconds of one event of one part on one core; a period has some two of each part, and collisions.
+Under 2, 3 and 10 harmonics a row of 10 parts takes 1.9, 2.1 and 5.1 times as long as under a
+sine."""
 FOLLOWED = 0.5
-"""Of the periods that a study allows: most rows of unequal parts never repeat."""
+"""Share of the allowed periods that is likely needed: most rows of unequal parts never repeat."""
 
 STEP_SECONDS = 2.5e-8
-"""Of one time step of one part on one core."""
+"""Seconds of one time step of one part on one core."""
 
 
 class RowParts(NamedTuple):

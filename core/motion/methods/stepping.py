@@ -35,16 +35,16 @@ from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 MAX_STEPS = 100_000_000
-"""Steps of one path, and steps of one period times periods of one cell. More is refused: it is a
-slip of a digit, and would keep a processor busy for minutes."""
+"""Most steps of a path, and most steps of a period times periods of a cell. More is refused: it is
+probably a mistyped number, and would keep a processor busy for minutes."""
 
 
 ROOM = 1_000_000
-"""Numbers that the drives of one piece of cells may take, unless it is of one cell."""
+"""Most numbers in the drives of cells that are computed together, unless it is one cell."""
 
-SECONDS_A_STEP, SECONDS_A_SPATIAL_STEP = 1.5e-8, 4e-8
+SECONDS_A_STEP, SECONDS_A_SPATIAL_STEP = 1.5e-8, 4e-8  # on one core, in the plane and in space
 
-SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
+SLOW = 1e-9  # in g/w: normal velocity up to which a part counts as on the floor
 
 
 def stepped_motion(

@@ -45,17 +45,17 @@ from core.watch import Watch
 Law = Literal["pfeiffer_glocker", "moreau"]
 Way = Literal["events", "stepping"]
 
-STEPS_A_PERIOD = 64
-STEP_IN_FALLS = 0.02  # of sqrt(half diagonal/gravity)
+STEPS_A_PERIOD = 64  # fewest default steps a period of the drive
+STEP_IN_FALLS = 0.02  # largest default step, over sqrt(half diagonal/gravity)
 
 MAX_STEPS = 2e7
-"""Of a cell, as the kernels have it."""
+"""Most steps of a cell, as in the kernels."""
 _DERIVED = frozenset({
     "half_diagonal", "inertia_ratio", "corner_angle", "pull_along", "pull_normal", "drive_along",
     "drive_normal", "circular_frequency", "time_step",
 })  # fmt: skip
-"""Numbers of a cell that are computed of what is given."""
-SHAKEN = 0.35  # of the weight: a drive off the plane that seldom lets a part come to rest
+"""Numbers of a cell that are computed from the inputs."""
+SHAKEN = 0.35  # normal drive over the weight, above which a part seldom comes to rest
 
 
 class Throw(NamedTuple):

@@ -36,9 +36,9 @@ from core.motion.kernels.quadrature import NODES, WEIGHTS
 from core.motion.kernels.results import COLUMN, RESULTS, SPENT
 from core.motion.kernels.statuses import MODE, STATUS
 
-SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
+SHOWN_PERIODS = 4  # periods of an aperiodic motion that its path shows
 UNKNOWN = (STATUS.aperiodic, STATUS.sensitive, STATUS.limit_reached)
-"""Statuses of parts that are shown over the last stretch that was followed."""
+"""Statuses of motions that do not repeat, of which the last stretch is shown."""
 
 Sample = namedtuple("Sample", "position height velocity_along velocity_normal mode")
 """Columns of a path."""

@@ -38,21 +38,22 @@ from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
-SURE = 5.41  # standard errors that hold the mean of eight numbers at 99.9 % (Student, 7 degrees)
-QUARTERS = 4  # of a run: two are a batch, and they tell whether the velocity drifts
-SLOWING = 0.9  # at most, of a drift from one half of the runs to the next
-SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
-PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
-MORE_PATIENCE = 1024  # where others of its starts fell into one
-RECENT = 64  # hops since the part was at rest, from which on it may be nearing a cycle
-PERIODS_A_START = 32  # of those allowed; so many starts tell in which cycle a part ends
-MAX_STARTS = 256  # a share of them is then known to a sixteenth of its standard deviation
-HOPS_PER_PERIOD = 16  # of a run, on average; more end it
-SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
-JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
-GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice
+SURE = 5.41  # Student's quantile for 99.9 % and eight numbers (7 degrees), in standard errors
+QUARTERS = 4  # means of a run: two make a batch, and their differences show a drift
+SLOWING = 0.9  # largest ratio of a drift to that half a run before: slower decays are cut to it
+SEARCHES = 3  # of the runs, that many look for a cycle; if none finds one, the others do not look
+PATIENCE = 512  # hops without rest after which no cycle of hops is expected any more
+MORE_PATIENCE = 1024  # the same, if another run has fallen into a cycle
+RECENT = 64  # hops since the last rest, from which on a part may be nearing a cycle
+PERIODS_A_START = 32  # of `max_periods`, for each start of a motion that is `sensitive`
+MAX_STARTS = 256  # starts: a share of them is then known to 1/16 of its standard deviation
+HOPS_PER_PERIOD = 16  # largest mean number of hops a period of a run; more end it
+SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, for runs whose mean is known to 1e-3 at best
+JOLT = 1e-8
+"""Largest take-off speed of a lift-off from rest, in g/w; it grows as roundings do, or more."""
+GOLDEN = 0.6180339887498949  # golden ratio: its multiples modulo 1 never coincide
 COARSER = 1.0 / (KEPT_BITS * EPSILON)
-"""Times the error of a cycle, that of roundings of `EPSILON`: what the bits left out do."""
+"""Factor from the error by roundings of `EPSILON` to that by the bits that `kept` leaves out."""
 
 
 class FollowedRun(NamedTuple):

@@ -23,16 +23,16 @@ from core.motion.kernels.planar.stays import left_out_softly, rests
 from core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
 from core.motion.kernels.rebounds import SETTLED_EXACTLY
 
-SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
-SEARCH_PERIODS = 400
+SEARCH_HOPS = 512  # hops without a rest after which a motion counts as aperiodic
+SEARCH_PERIODS = 400  # periods of the drive that must have passed by then, too
 FIRST_LOOK = 32  # hops before the first search for a cycle; each later one waits half as long again
 MAX_TRIES = 3  # at cycles of different lengths, in one search; a later one tries again
 MAX_NEWTON = 40  # near a period doubling it closes in by two thirds a step: (2/3)^40 = 1e-7
 LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
-SAME_STATE = 1e-7  # distance of two states of a cycle that are one
-NEAR = 1e-2  # recurrence that a search for a cycle starts from
-FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
-SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
+SAME_STATE = 1e-7  # mean distance of phase and speed a hop, below which two cycles are the same
+NEAR = 1e-2  # distance of phase and speed at which a search for a cycle starts
+FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to count as that of the motion
+SAME_LIFT_OFF = 1e-9  # distance of phase in rad below which two lift-offs are the same
 
 
 @compiled

@@ -31,8 +31,8 @@ KINK = 1e-9
 some hundred times what rounding leaves of an event that depends on many before it."""
 
 FOLD = 1e-3
-"""Of a cycle that hardly closes: its state is known to some 1e-14 over its distance from a fold or
-a doubling, and its derivatives are to hold seven digits."""
+"""Weight of the distance of a cycle from a fold or doubling, against `KINK`: its state is known to
+some 1e-14 over that distance, and its derivatives are to hold seven digits."""
 
 WIDTH = len(DERIVED) * DERIVED_BY
 MARGIN = RESULTS + WIDTH

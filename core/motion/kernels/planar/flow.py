@@ -13,17 +13,19 @@ from core.motion.kernels.cells import Cell
 
 TURN = 2 * math.pi
 MAX_ITERATIONS = 200
-"""Of a bracketed search: halving alone ends after 53, and it may come between Newton's steps."""
+"""Most steps of a search in a bracket: halving alone ends after 53, and may come between Newton's
+steps."""
 MAX_PIECES = 20_000
-"""Of one flow, the stretches on which it bends one way: two a turn of a sine, so that a hop may
-last 10,000 periods, at a throw number of some 30,000."""
-LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
+"""Most stretches of a flight on which its height bends one way: two a turn of a sine, so that a hop
+may last 10,000 periods, at a throw number of some 30,000."""
+LAST_STEP = 1e-10
+"""Relative step that ends Newton's iteration: the next is of the order of its square."""
 SMOOTH = 1.5
-"""Of phase: a sine over so much is a polynomial of order ten but for rounding."""
-EPSILON = 2e-15  # rounding of the change over a cycle, per unit of the drive
+"""Phase in rad over which a sine is a polynomial of order ten up to rounding."""
+EPSILON = 2e-15  # rounding of the change of velocity over a cycle, over the drive
 KEPT_BITS = 2.0**32
-"""Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
-parameter tells a user nothing."""
+"""Cells whose numbers agree in 32 bits have the same runs: a result that depends on the last bit of
+a parameter is of no use."""
 
 
 class NoWaves(NamedTuple):

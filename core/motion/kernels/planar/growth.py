@@ -8,7 +8,7 @@ from core.compiled import compiled
 from core.motion.kernels.planar.drive import Drive, load, sizes
 from core.motion.kernels.planar.flow import TURN
 
-ROUNDED = 2.0**-52  # of a phase or a speed, relative
+ROUNDED = 2.0**-52  # relative rounding of a phase or a speed
 MAX_GROWTH = 1e11
 """Of a rounding, up to where a motion repeats: of 16 digits 5 are left then.
 
@@ -18,7 +18,7 @@ lose the rest, and rounding decides where they lead.
 """
 
 LAST_DIGIT = 1e15
-"""Of the same: up to where one digit of a way from rest to rest is left."""
+"""Growth of a rounding up to which one digit of a way from rest to rest is left."""
 
 Uncertainty = tuple[float, float, float]
 """Mean square of what roundings did to phase and rebound, and their mean product, in roundings."""

@@ -14,9 +14,9 @@ from collections import namedtuple
 from core.compiled import compiled
 from core.motion.kernels.cells import Cell
 
-STEPS = 8  # at most, of Newton's method: two more than twelve orders of magnitude need
-SMALL, TERMS = 0.5, 16  # below it exp(x) - 1 - x is summed as a series
-CONVERGED = 1e-15
+STEPS = 8  # most steps of Newton's method: two more than twelve orders of magnitude need
+SMALL, TERMS = 0.5, 16  # below this |x| exp(x) - 1 - x is summed as a series of so many terms
+CONVERGED = 1e-15  # relative step that ends Newton's method
 
 Restitution = namedtuple("Restitution", "constant damping")
 """The share of the speed that an impact leaves; with a damping b, by the law above instead."""

@@ -29,7 +29,7 @@ from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TI
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
-ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
+ROUNDING = 4e-14  # error of a mean velocity by rounding, over the drive and friction's impulses
 CLOSE = 1e-9
 """Largest error of the slip at which a cycle repeats, whatever the tolerance.
 

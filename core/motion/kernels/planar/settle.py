@@ -14,8 +14,8 @@ from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.tables import TIMES
 from core.motion.kernels.statuses import MODE, STATUS
 
-LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may repeat
-MAX_UNSURE = 1e-3  # of the drive: a state that rounding leaves less sure is no answer
+LONGEST_MULTIPLE = 16  # most cycles after which a motion under two friction coefficients may repeat
+MAX_UNSURE = 1e-3  # over the drive: a velocity that rounding leaves less sure gives no result
 
 Settled = tuple[float, float, int, int]
 """Velocity, estimate of its error, cycles after which it repeats (0: not found), status."""

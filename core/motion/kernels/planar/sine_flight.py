@@ -18,8 +18,8 @@ from core.motion.kernels.planar.flow import (
     velocity_after,
 )
 
-HEIGHT_PIECES = 8  # of a bound of the height: it is some per cent above the height then
-ROUNDINGS = 1e-12  # relative, that a bound of the height is above what rounding may add to one
+HEIGHT_PIECES = 8  # pieces on which a height is bounded: the bound is then some per cent above it
+ROUNDINGS = 1e-12  # relative margin of a bound of the height, more than rounding may add
 
 
 @compiled

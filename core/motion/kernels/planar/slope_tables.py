@@ -32,11 +32,11 @@ are distances.
 BY = Direction(*range(len(Direction._fields)))
 DERIVED = DerivedMeans(*range(len(DerivedMeans._fields)))
 ROW = Carried(*range(len(Carried._fields)))
-DERIVED_BY = 7  # the groups among the directions
+DERIVED_BY = 7  # number of parameters among the directions; the others are of the state
 DIRECTIONS = len(Direction._fields)
 SUMMED = (
     (DERIVED.velocity, ROW.distance), (DERIVED.stick, ROW.stick), (DERIVED.forward, ROW.forward),
     (DERIVED.backward, ROW.backward), (DERIVED.flight, ROW.flight),
     (DERIVED.friction, ROW.friction), (DERIVED.impact, ROW.impact),
 )  # fmt: skip
-"""Means, and the rows of what they are means of."""
+"""Means, and the rows of the scratch table with the sums over a cycle that they are made from."""

@@ -29,8 +29,8 @@ from core.motion.kernels.planar.tables import SEGMENT
 from core.motion.kernels.quadrature import NODES, WEIGHTS
 from core.motion.kernels.statuses import MODE
 
-SMOOTH = 1.5  # of phase: what an integral is taken over at a time
-SMALL_REBOUND = 1e-6  # speed below which the floor's load at a landing decides what follows
+SMOOTH = 1.5  # longest phase in rad over which Gauss's rule is used at once
+SMALL_REBOUND = 1e-6  # in g/w: below it the load at a landing decides if the part stays
 
 
 @borrowing

@@ -22,9 +22,9 @@ from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 
-UNDECIDED = -1  # no status: the cell needs its cycle
-UNREPEATED = -2  # no status either: no cycle was found, and `chaos` tells the means
-LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upright track
+UNDECIDED = -1  # no status of results: the cell needs its cycle
+UNREPEATED = -2  # no status of results: no cycle was found, and long runs give the means
+LEAST_GRAVITY = 1e-12  # onto the floor, in g: less is the rounding of an upright track
 
 
 @compiled

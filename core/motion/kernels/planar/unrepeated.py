@@ -28,9 +28,10 @@ from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 
 FELT_PERIODS = 256
-"""Of the drive, over which a motion that does not repeat is felt: its means scatter by some 3 %."""
+"""Periods of the drive over which energies of a motion that does not repeat are averaged; they
+scatter by some 3 %."""
 LED_IN = 8
-"""A share of one in so many of a motion's segments leads in, and is not counted."""
+"""One segment in so many at the start of a motion is not counted, while the motion settles."""
 
 
 @compiled

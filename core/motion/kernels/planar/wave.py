@@ -27,9 +27,10 @@ from core.motion.kernels.waves import (
 )
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
-"""Kinds of acceleration."""
+"""Kinds of acceleration: off the floor, along in the air, and of slips forward and backward at the
+kinetic and at the static coefficient."""
 
-KINDS = 6
+KINDS = 6  # number of kinds of acceleration
 WIDTH = 26
 """Columns of the table: orders from 1, steps from 0, or a count and passages from 1."""
 PULLS, ENDS, ROOTS = 2 * KINDS, 2 * KINDS + 1, 2 * KINDS + 2
@@ -37,14 +38,15 @@ PULLS, ENDS, ROOTS = 2 * KINDS, 2 * KINDS + 1, 2 * KINDS + 2
 kind, the phases at which its acceleration changes sign. A kind's rows are those of its sines and
 its cosines, or, of steps, of its pushes."""
 RISES = WIDTH - 1
-"""Column of a row of passages: whether the acceleration rises at the first of them."""
+"""Column of a row of passages: 1 if the acceleration rises at the first of them."""
 INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, WIDTH))])
+"""1/k, by which a term of order k is integrated."""
 NEAR = 0.7
-"""Of the phase of the highest order: a flow so short is computed from series."""
+"""Phase in rad times the highest order, below which a flow is computed from series."""
 LAST_STEP = 1e-5
-"""Of Halley's iteration, relative: the next would be of the order of its cube."""
+"""Relative step that ends Halley's iteration: the next is of the order of its cube."""
 SLACK = 1e-13
-"""Of a phase: what is so little behind counts as now."""
+"""Phase in rad: an event so little behind counts as now."""
 
 
 class WaveDrive(NamedTuple):
@@ -76,7 +78,7 @@ class WaveTable(NamedTuple):
     table: Floats
 
 
-TABLE = (ROOTS + KINDS, WIDTH)
+TABLE = (ROOTS + KINDS, WIDTH)  # shape of the table of a wave
 
 
 @compiled

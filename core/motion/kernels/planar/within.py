@@ -42,19 +42,19 @@ from core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, SUM
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
-LEAST_TOLERANCE = 1e-3  # a coarser one ends a motion that does not repeat early
+LEAST_TOLERANCE = 1e-3  # from this tolerance on motions that do not repeat end early
 APART = 1e6
 """Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
 
 Those of `chaos` agree up to there in eight digits, and take tens of periods to lose them: so early
 their scatter tells nothing of the error.
 """
-FIRST_STAGE = 2.0  # periods of a run up to the first mark; two marks on they are twice as many
+FIRST_STAGE = 2.0  # periods of a run up to the first mark; two marks later they are twice as many
 DROPPED = 4  # marks before the last, up to which nothing is counted: a quarter of a run
-FIRST_ASKED = 7  # mark: runs of 23 periods, of which 17 count, and no fewer tell an error
+FIRST_ASKED = 7  # mark of the first estimate: 23 periods, of which 17 count; fewer give no error
 SHARE = 0.8
-"""Of the error at 99 %: that at 95 %, and something for being asked again and again."""
-HOP_CAPACITY = MAX_SEGMENTS // PHASES  # of a run's hops since the part was at rest
+"""Factor from the error at 99 % to that at 95 %, with a margin for repeated looks."""
+HOP_CAPACITY = MAX_SEGMENTS // PHASES  # rows for a run's hops since the part was at rest
 
 Run = namedtuple("Run", "phase slip rebound time hops look jolt upheld impacts fastest highest")
 """Columns of a run on its way: what it goes on from, and what it has seen.

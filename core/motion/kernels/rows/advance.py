@@ -41,18 +41,18 @@ from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""
 
-NOTHING, LIFT, LANDING, STOP, START, RELEASE, HIT = range(7)
+NOTHING, LIFT, LANDING, STOP, START, RELEASE, HIT = range(7)  # kinds of events
 
-NO_EVENT = Event(0.0, NOTHING, 0)
+NO_EVENT = Event(0.0, NOTHING, 0)  # the event before a motion starts
 
 Air = namedtuple("Air", "landing impulse")
 """The phase until all parts land, inf on the floor, and the impulse per mass with which they do."""
 
-ON_FLOOR = Air(math.inf, 0.0)
+ON_FLOOR = Air(math.inf, 0.0)  # the flight of parts that are on the floor
 
 SHORTEST_BOUNCES = 1e-6
-"""Of phase: where parts that are pressed together bounce for no longer, they touch at once. What
-their gap would have swung by is of the order of its square."""
+"""Phase in rad: parts that are pressed together and would bounce for less touch at once. The swing
+of their gap, which is left out, is of the order of its square."""
 
 
 @borrowing

@@ -41,11 +41,12 @@ from core.motion.kernels.statuses import STATUS
 MULTIPLES = 12
 """Periods of the longest cycle that is looked for: 2 and 4 are common, longer ones rare."""
 AGREES = 1e-12
-"""Of the drive: states that are no farther apart are the same. Rounding leaves some 1e-15."""
+"""Difference of two states over the drive, below which they are the same; rounding leaves some
+1e-15."""
 BATCHES = 16
-"""Of the second half of a motion that does not repeat; their means give its error."""
+"""Batches of the second half of a motion that does not repeat; their means give its error."""
 MAX_EVENTS = 100_000
-"""Of a period: a row of 64 parts has some hundreds, so this is one that sticks in its rounding."""
+"""Most events of a period: a row of 64 parts has some hundreds, so that more come from rounding."""
 
 
 class Past(NamedTuple):
@@ -69,6 +70,7 @@ the phase in which parts slide on the track or are in the air.
 
 TALLIES = len(Tally._fields)
 FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""What a period with too many events reports."""
 
 
 @compiled

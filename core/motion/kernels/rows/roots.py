@@ -13,15 +13,15 @@ from core.compiled import borrowing
 from core.motion.kernels.planar.flow import TURN, flow, phase_to
 
 MAX_STEPS = 100
-"""Of a bracketed iteration of Newton: bisection alone needs 60 for a turn."""
+"""Most steps of Newton's iteration in a bracket: bisection alone needs 60 for a turn."""
 SAME = 1e-12
-"""Of phase: what is nearer to now is now."""
+"""Phase in rad: what is nearer to now is now."""
 LAST_BIT = 1e-16
-"""Of the terms of a sum: where it is smaller it is 0 but for rounding, and no zero is nearer."""
+"""Share of the terms of a sum, below which the sum is 0 up to rounding."""
 ROUNDING = 1e-13
-"""Of the terms of a bound: nearer to 0 than this it says nothing."""
+"""Share of the terms of a bound, below which the bound says nothing."""
 RESOLVED = 1e-13
-"""Of the weight: a push that is so little beyond the limit of static friction is at it."""
+"""In g: a push that is so little beyond the limit of static friction is at it."""
 
 
 class Pull(NamedTuple):

@@ -11,7 +11,7 @@ from core.motion.kernels.rows.roots import first_beyond, first_contact, first_st
 from core.motion.kernels.rows.tables import Drive, Row
 
 LONGEST_FLIGHT = 1000
-"""Turns of the drive: at throw numbers beyond some 3,000 no feeder works."""
+"""Longest flight in turns of the drive: at throw numbers beyond some 3,000 no feeder works."""
 
 Now = namedtuple("Now", "tau sine cosine")
 """A phase, its sine and its cosine."""

@@ -37,11 +37,12 @@ from core.motion.kernels.rows.tables import (
 from core.motion.kernels.statuses import STATUS
 
 SAFETY = 3.0
-"""Of the difference between two step lengths, which may be small by chance."""
+"""Factor of the difference between two step lengths, which may be small by chance."""
 TOUCHES = 1e-12
-"""Of g/w^2: parts that are no farther apart touch; rounding leaves some 1e-16."""
+"""In g/w^2: parts that are no farther apart touch; rounding leaves some 1e-16."""
 STEP_SHARE = 0.5
-"""Of what a step changes in a velocity: landings, stops and strokes fall anywhere within one."""
+"""Share of the change of velocity in a step that counts as error: landings, stops and strokes fall
+anywhere within a step."""
 
 
 class Pushes(NamedTuple):

@@ -50,7 +50,7 @@ from core.motion.kernels.rows.tables import AT, Row, columns_of
 from core.motion.kernels.waves import value_and_slope
 
 SLOPE = math.inf
-"""In the place of a pull: what is asked for is the derivative of the push."""
+"""A pull that stands for none: the derivative of the push is asked for."""
 
 
 class RowWave(NamedTuple):

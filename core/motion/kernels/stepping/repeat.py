@@ -14,11 +14,11 @@ from core.motion.kernels.stepping.tables import FLOOR, STATE, WALL
 
 MAX_MULTIPLE = 12
 """Periods of a cycle: it must come back within `WINDOW`, and show more than once there."""
-WINDOW = 16
-SHARP = 0.03
+WINDOW = 16  # periods over which a cycle must be seen again and again
+SHARP = 0.03  # share of the allowed change, within which early cycles must come back
 SLOWS = 0.8
-"""Largest share that is left of a drift after a third of a window, of a part that hops: landings
-fall on steps by chance, and a drift that goes on must not look as if it slowed down."""
+"""Largest ratio of a drift to that a third of a window before, of a part that hops: landings fall
+on steps by chance, and a drift that goes on must not look as if it slowed down."""
 APART = 3.0
 """States of a cycle that differ by less than so many times what one step changes are one state.
 

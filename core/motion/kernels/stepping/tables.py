@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import namedtuple
 
 PLANAR, FLOOR, WALL = 0, 1, 2
-"""Scenes."""
+"""Scenes: motion in the plane, in space on a floor, and on a floor with a wall."""
 
 
 Drive = namedtuple("Drive", "along across normal speed length share jump")

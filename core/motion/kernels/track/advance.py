@@ -29,13 +29,14 @@ from core.motion.kernels.track.tables import (
 )
 
 MAX_STEPS = 10_000
-"""Of one period, which smooth motion passes in five: more are events that pile up."""
+"""Most steps of a period, which smooth motion passes in five: more come from events that pile
+up."""
 MAX_AT_ONCE = 12
-"""Events at one phase, more than there are kinds: after them a slip is taken to stop, or a short
+"""Most events at one phase, more than there are kinds: then a slip is taken to stop, or a short
 step is taken."""
-SHORT = 1e-9
+SHORT = 1e-9  # phase in rad of that short step
 STEP_OVER = 1e-14
-"""Of phase: a step below it does not count as going on."""
+"""Phase in rad: a shorter step does not count as going on."""
 
 
 @borrowing

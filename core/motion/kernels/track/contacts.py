@@ -16,11 +16,12 @@ from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, FREE, HOLD, ROW
 MAX_SWEEPS = 500
 """Of two impacts at once: a sweep shrinks what is left by mu_k mu_w, at 0.93 to 1e-16 after
 these."""
-STEADY = 1e-16
+STEADY = 1e-16  # change of the impulses over the speeds of impact, below which sweeps end
 GONE = 2.0
-"""Tolerances: a slip no larger than so many is none; it is looked for at one."""
+"""In tolerances: a slip no larger than this is none; it is looked for at one tolerance."""
 NEAR_STOP = 3.0
-"""The square of what is left of a slip, over its least rate of closing, in tolerances."""
+"""In tolerances: the square of what is left of a slip over its least rate of closing, below which
+it ends on a straight line."""
 
 
 @borrowing

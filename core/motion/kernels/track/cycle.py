@@ -28,24 +28,25 @@ from core.motion.kernels.track.tables import HOLD, STATE, Work, at_rest
 MAX_MULTIPLE = 32
 """Periods of a cycle, as many as `reference` and the hops of the plane look for."""
 APART, APART_AT_MOST = 1e4, 1e-5
-"""Tolerances, and of the drive's speed: states of a cycle that are nearer come closer slowly."""
+"""In tolerances, and in the drive's speed: states of a cycle that are nearer come closer slowly."""
 NEAR = 0.02
-"""Of the drive's speed: the change over a period below which mixing starts."""
+"""In the drive's speed: the change over a period below which mixing starts."""
 SHRINKS = 0.97
-"""The change over a period must fall by this much between two plain ones before a jump."""
+"""Ratio by which the change over a period must fall between two plain periods before a jump."""
 LONG = 32
-"""Periods without an end: then slower falls count, and now and then what is near."""
-SHRINKS_AT_ALL = 0.9999
+"""Periods after which slower falls count, and now and then nearly equal states."""
+SHRINKS_AT_ALL = 0.9999  # the same ratio after `LONG` periods without an end
 NOISE = 20.0
-"""Tolerances of a term: two states so near may differ by where the steps fell."""
+"""In tolerances of a term: two equal states may differ by so much, as their steps fall
+differently."""
 MAX_JUMPS = 16
-"""Of a run; most motions that repeat take three, one in 1,000 takes ten."""
+"""Most jumps of a run; most motions that repeat take three, one in 1,000 takes ten."""
 FADES = 0.1
 """A cycle is being neared whose changes fall to this share over the last quarter of all periods."""
-DEPTH = 3
-LARGEST_WEIGHT = 200.0
-INDEPENDENT = 1e-6
-NO_PHASES = np.zeros(0)
+DEPTH = 3  # most differences of periods in Anderson's mixing
+LARGEST_WEIGHT = 200.0  # of a difference in the mixing: larger ones predict nothing
+INDEPENDENT = 1e-6  # relative size of what a difference adds to those before; less is rounding
+NO_PHASES = np.zeros(0)  # phases of samples, where none are asked for
 
 
 class History(NamedTuple):

@@ -16,7 +16,7 @@ from core.motion.kernels.track.tables import INVERSE, MAX_ORDER, ROW, TURN, Work
 from core.motion.kernels.waves import SineSum, passages, value_and_slope, wave_columns
 
 LATE = 1e-13
-"""Of a phase: a lift-off so little behind a part that is on the floor is due now."""
+"""Phase in rad: a lift-off so little behind a part that is on the floor is due now."""
 
 ORDERS, STEPS, SIZE = range(3)
 """Columns of `ROW.wave`: harmonics and steps of the wave, and the speed of the track."""

@@ -39,10 +39,10 @@ from core.motion.kernels.track.tables import (
 )
 
 LONGEST = 1.5
-"""Of a step: a quarter of the drive's period, beyond which its series needs more terms."""
+"""Longest step in rad, a quarter of the drive's period: beyond it a series needs more terms."""
 
 REACH = 0.02
-"""Of a slip: its part along its first direction falls no lower within a step."""
+"""Share of a slip to which its component along its first direction may fall within a step."""
 
 
 class StepSettings(NamedTuple):

@@ -11,11 +11,11 @@ from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 
 MAX_PASSES = 200
-"""Of a search: halving alone ends after 53, and a step that gains less is at a root but for
-rounding."""
-NEVER = -1.0
+"""Most passes of a search: halving alone ends after 53, and a step that gains less is at a root up
+to rounding."""
+NEVER = -1.0  # in the place of a root: there is none
 SHARP = 1e-15
-"""Of the span: a root is known no better."""
+"""Share of the span to which a root is known."""
 
 
 @borrowing

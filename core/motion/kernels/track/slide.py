@@ -19,7 +19,7 @@ from core.compiled import borrowing
 from core.motion.kernels.track.tables import INVERSE, ROW, Work
 
 NOTHING = 1e-15
-"""Of two forces that cancel: what is left is rounding."""
+"""Share of two forces that cancel, below which what is left is rounding."""
 
 
 class Contact(NamedTuple):

@@ -26,17 +26,17 @@ from core.motion.kernels.track.cycle import (
 from core.motion.kernels.track.tables import STATE, TURN, Work, at_rest, new_work
 
 FINE = Series(16, 1e-11)
-"""Of the results."""
+"""Order and tolerance of the series of the results."""
 COARSE = Series(12, 1e-9)
-"""Of the run that tells the error."""
+"""Order and tolerance of the run from which the error is estimated."""
 LEAST_ERROR = 2e-10
-"""Of the drive's speed: the error told of a motion that repeats is no smaller."""
+"""In the drive's speed: smallest stated error of a motion that repeats."""
 SLOWLY = 1e-8
-"""Of the drive's speed: what is more than that far away has to be followed to its end."""
+"""In the drive's speed: a run that differs by more is followed until it repeats."""
 SURELY = 1e-4
-"""Of the drive's speed: a motion whose mean is known less well is not known to repeat."""
+"""In the drive's speed: a motion whose mean is known less well does not count as repeating."""
 STRAYED = 0.1
-"""Of the drive's speed: two runs that were so far apart have forgotten where they came from."""
+"""In the drive's speed: two runs that were so far apart no longer depend on their common start."""
 HAIR = 1e-12
 """Of the restitution: what other runs lose more at each impact than the first.
 
@@ -44,9 +44,9 @@ Series of all orders are alike under steps, and only this parts such runs. It co
 where changes grow by 1e11 on the way, from where on digits decide in the plane, too.
 """
 UNDECIDED = -1
-"""No status: the cell needs its motion."""
+"""No status of results: the cell needs its motion."""
 OTHERS = 3
-"""Runs more of a part whose motion digits decide."""
+"""Further runs of a part whose motion is decided by the last digits."""
 RESTITUTION, WALL_RESTITUTION = (
     Cell._fields.index(name) for name in ("restitution", "wall_restitution")
 )

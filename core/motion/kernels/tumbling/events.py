@@ -29,11 +29,12 @@ from core.motion.kernels.tumbling.run import (
 from core.motion.kernels.tumbling.support import choose, holds, rests_for_ever
 from core.motion.kernels.tumbling.tables import FLAT, FREE, OVERLAP, PARADOX, STATE, Cell
 
-EVENTS, EVENTS_A_STEP = 20_000, 20  # at most: so many, and so many more a step
-STEPS_MORE = 50  # times as many steps at most where the part turns fast
-HALVINGS = 60
+EVENTS, EVENTS_A_STEP = 20_000, 20  # most events of a run: so many, and so many more a step
+STEPS_MORE = 50
+"""Factor of the largest number of steps, which are shorter where the part turns fast."""
+HALVINGS = 60  # most steps of the search for the end of a support
 TOP_HALVINGS = 40  # of the time of a hop's top: its height is then off by a rounding
-LARGEST_TURN = 0.1  # rad a step: a corner that swings down and up again is not stepped over
+LARGEST_TURN = 0.1  # rad a step, so that no corner swings down and up again unseen
 
 
 @compiled

@@ -32,7 +32,7 @@ from core.motion.kernels.tumbling.run import (
 from core.motion.kernels.tumbling.support import rests_for_ever
 from core.motion.kernels.tumbling.tables import FLAT, FREE, SLOW, STATE, Cell
 
-MAX_SWEEPS = 500  # over corners that touch at once; what they still change is a rounding
+MAX_SWEEPS = 500  # over corners that touch at once; what they still change is rounding
 
 
 @compiled

@@ -9,17 +9,18 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 
-PFEIFFER_GLOCKER, MOREAU = 0, 1
+PFEIFFER_GLOCKER, MOREAU = 0, 1  # laws of impact
 
 FREE, FLAT, PARADOX = -1, -2, -3
-"""What carries the part, if it is not the corner of that number."""
+"""What carries the part, if not the corner with that number: nothing, a side, and contact laws
+without one solution."""
 
 OVERLAP = 4e-15
-"""Overlap that counts as an impact, of the half diagonal: some roundings of a height."""
+"""Overlap over the half diagonal that counts as an impact: some roundings of a height."""
 TOUCH = 1e-13
-"""Gap that counts as touching, of the half diagonal."""
+"""Gap over the half diagonal that counts as touching."""
 DEEP = 1e-12
-"""Overlap that is more than a rounding, of the half diagonal."""
+"""Overlap over the half diagonal that is more than rounding."""
 SLOW = 1e-6
 """Velocity that counts as none, of sqrt(acceleration times half diagonal).
 

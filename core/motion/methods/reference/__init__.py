@@ -30,7 +30,7 @@ from core.scenes import Constraint
 from core.watch import Watch
 
 LARGEST = 1e140
-"""Of a number of a part: it is squared, and times phases."""
+"""Largest number of a part: it is squared, and multiplied by phases."""
 
 
 def reference_path(

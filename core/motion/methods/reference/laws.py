@@ -24,9 +24,9 @@ from core.motion.pieces import Piece, Sine, pieces
 from core.motion.waves import TURN
 
 SOON = 1e-6
-"""Of phase: after it a push that passes through zero has a direction."""
+"""Phase in rad after which a push that passes through zero has a direction."""
 
-X, Y, Z, UX, UY, UZ, SPIN = range(7)
+X, Y, Z, UX, UY, UZ, SPIN = range(7)  # places in a state: position, velocity, spin
 
 
 class Mode(NamedTuple):

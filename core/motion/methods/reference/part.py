@@ -35,18 +35,18 @@ PRESSED = 1e-12
 """In g: a part that friction of the floor holds at the wall presses on it above this."""
 
 RESOLVED = 1e-16
-"""Of the last coefficients of a slip's change, in g/w: smaller ones are rounding."""
+"""In g/w: smaller last coefficients of a slip's change are rounding."""
 
 SOFT_HOP = 1e-4
 """As `Care.hop`, where restitution falls with the speed of impact."""
 
 MAX_CUTS = 100
-"""Of a stretch that the nodes do not resolve: each leaves 0.9 of it at most, so that 1e-5 is
-left."""
+"""Most cuts of a stretch that the nodes do not resolve: each leaves at most 0.9 of it, so that 1e-5
+is left."""
 
 MAX_EVENTS = 20_000
-"""Events and stretches of one period: hops at restitution 0.999 are 16,000 until they have shrunk
-to 1e-7. More is a failure."""
+"""Most events and stretches of one period: hops at restitution 0.999 are 16,000 until they have
+shrunk to 1e-7. More is a failure."""
 
 
 @dataclass(frozen=True)

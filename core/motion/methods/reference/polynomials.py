@@ -14,16 +14,16 @@ from numpy.polynomial import chebyshev, legendre
 from core.mechanics.arrays import Array
 
 NODES = 16
-"""Of a stretch: Gauss's, at which an equation of motion is fulfilled."""
+"""Gauss's nodes of a stretch, at which the equation of motion is fulfilled."""
 
 TERMS = NODES + 2
-"""Coefficients of what is integrated twice."""
+"""Chebyshev coefficients of what is integrated twice."""
 
 NOISE = 1e-15
 """A polynomial below this, all along a stretch, has no sign there: it is 0 up to rounding."""
 
 NARROWEST = 2.0**-44
-"""Of a stretch: no narrower part of it is cut into halves."""
+"""Width of a stretch, of 1, below which it is not cut into halves."""
 
 
 def _columns(terms: int, function: object, length: int = TERMS) -> Array:
@@ -58,6 +58,7 @@ NODES_INTEGRAL = AT_NODES @ INTEGRAL @ FROM_NODES
 """Values at the nodes to the integrals from 0 to each node."""
 
 NODES_SLOPE = np.linalg.inv(NODES_INTEGRAL)
+"""Integrals from 0 to each node to the values at the nodes."""
 
 _DEGREES = np.arange(TERMS)
 _POINTS = np.cos(np.pi * (np.arange(TERMS) + 0.5) / TERMS)

@@ -24,22 +24,23 @@ MAX_MULTIPLE = 32
 """Periods of a cycle, as many as the kernels look for."""
 
 SAME = 1e-13
-"""Of the drive's size: states nearer to each other than this are the same."""
+"""Distance over the drive's size, below which two states are the same."""
 
 NOISE = 1e-10
-"""As `SAME`, where the distance of states does not shrink any more."""
+"""As `SAME`, if the distance of states does not shrink any more."""
 
 DISTINCT = 1e-7
-"""As `SAME`: states nearer than this after a divisor of a cycle do not tell which it is yet."""
+"""As `SAME`: a state that comes back this nearly after a part of a cycle does not tell yet how long
+the cycle is."""
 
 SLOWEST = 0.999
-"""Of a distance that shrinks: what is left of it after a cycle."""
+"""Largest ratio of a distance to that a cycle before that counts as shrinking."""
 
 NEAR = 0.02
-"""As `SAME`: from this distance on the cycle is looked for by Newton's iteration."""
+"""As `SAME`: below this distance the cycle is looked for by Newton's iteration."""
 
 CHANGE = 1e-8
-"""As `SAME`: of the states that tell how a change grows over a cycle."""
+"""As `SAME`: size of the changes by which the growth over a cycle is measured."""
 
 LOOKS = 20
 """Periods that looking for a cycle may take beyond as many as were followed."""
@@ -48,13 +49,13 @@ ATTRACTS = 1.0 - 1e-5
 """Largest share of a change that a cycle leaves; nearer to 1 nobody could tell it from 1."""
 
 ROUNDING = 4.0 * 2.0**-52
-"""Of a state after one event, as a share of the drive's size."""
+"""Rounding of a state after one event, over the drive's size."""
 
 FEWEST_CYCLES = 6
-"""In the last quarter of the periods, which tell whether a motion is on its way."""
+"""Fewest cycles in the last quarter of the periods, to tell if a motion is on its way."""
 
 SAFE = 3.0
-"""Times the estimated error is stated."""
+"""Factor from the estimated error to the stated one."""
 
 
 @dataclass

@@ -34,14 +34,15 @@ STRAIGHT = 1e-14
 """A slip that is turned by no more than this, in g, does not turn."""
 
 SMALL = 1e-7
-"""Of the differences that give the slopes of Newton's iteration; enough for its last step."""
+"""Step of the differences that give the slopes of Newton's iteration; enough for its last step."""
 
 
 ROOT_TOLERANCE = 1e-10
 """A last step of Newton's iteration below this, in g/w, leaves nothing but rounding."""
 
 MAX_STEPS = 15
-"""Of Newton's iteration, which squares the error: where it takes more the stretch is cut."""
+"""Most steps of Newton's iteration, which squares the error: if it takes more the stretch is
+cut."""
 
 LAST = FROM_NODES[NODES - 2 : NODES]
 UNIT = np.eye(NODES)

@@ -36,9 +36,10 @@ SOLVERS = ("Radau", "BDF", "LSODA")
 MAX_EVALUATIONS = 1_000_000
 """Evaluations of the right-hand side after which a cell is given up: about ten seconds."""
 
-SPENT = 60.0  # s: of a cell whose four runs spend all their evaluations
+SPENT = 60.0  # s: time of a cell whose four runs use all their evaluations
 
-TOLERANCE, SLIP_SPEED = 1e-7, 1e-4  # by default
+TOLERANCE, SLIP_SPEED = 1e-7, 1e-4
+"""Default settings: relative error of a step, and slip speed in g/w."""
 
 COARSER, SOFTER = 4.0, 16.0
 """Factors of the slip speed and of the stiffness for the estimate of the error.
