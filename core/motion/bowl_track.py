@@ -79,7 +79,7 @@ class Track:
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
     """Return the track that a study's parameter names define (None if none), and their problems.
 
-    `of_bowl` tells if the study has a bowl drive unit, without which stretches are a problem.
+    `of_bowl` is True if the study has a bowl drive unit, without which stretches are a problem.
     """
     parameters = tuple(names)
     matches = [match for match in map(_NUMBERED.fullmatch, parameters) if match]

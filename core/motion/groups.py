@@ -161,7 +161,7 @@ def groups_of(
 ) -> tuple[Groups, NDArray[np.float64]]:
     """Return the groups in a kernel's rows, and the columns of `more` further fields.
 
-    `waved` tells if the columns of a wave come last; the inverse of `cells_of`.
+    `waved` is True if the columns of a wave come last; the inverse of `cells_of`.
     """
     numbers = len(Groups._fields) - 1
     columns = rows.T
@@ -180,7 +180,7 @@ def one_of(
 ) -> tuple[Groups, NDArray[np.float64]]:
     """Return the groups in one row of a kernel as plain numbers, and `more` further fields.
 
-    `waved` tells if the columns of a wave come last.
+    `waved` is True if the columns of a wave come last.
     """
     numbers = len(Groups._fields) - 1
     wave = of_row(row[numbers + more :]) if waved else None

@@ -171,7 +171,7 @@ def ended(
 ) -> tuple[int, Floats]:
     """Return the status of a motion that did not repeat, and the batch means of its velocity.
 
-    The status is `runaway`, `aperiodic` or `limit_reached` (the batches drift). `wall` tells if
+    The status is `runaway`, `aperiodic` or `limit_reached` (the batches drift). `wall` is True if
     there is a wall; `pull` is gravity along the track, sin(gamma) in g, which wins if friction,
     mu_k n + mu_w max(0, n_y) with the loads n, n_y on floor and wall in g, cannot hold the part;
     `travel` holds the distance of each period, `period` the duration of one; batch means within

@@ -232,7 +232,7 @@ def stick(
 
     The part sticks from phase `at` to where friction lets go (`release`) or to `end`, whose
     derivatives are in row `end` of `d`; the time of sticking changes by tau1. - tau0. The direction
-    is True for forward. `fresh` tells that the part came to this phase by itself: `nearest[0]` then
+    is True for forward. `fresh` is True if the part came to this phase by itself: `nearest[0]` then
     notes its distances from letting go at once, |sin(tau) - S|, and from `end`. `size` directions
     are in use.
     """

@@ -103,7 +103,7 @@ def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, releas
     A stop of the track holds in flight while `push`, the acceleration along in g, is forward, and
     on the floor whatever is at rest. A stop in space has u' = D + gs, so that a block presses with
     -gs - mode mu n > 0 per mass, n = `load`. The block that presses least is let go in any case if
-    `released`: its limit has just been reached. `flying` tells that parts are in the air.
+    `released`: its limit has just been reached. `flying` is True if parts are in the air.
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:
@@ -199,7 +199,7 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
 def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
     """Set the parts of the resting chain `first` to before `end` in motion that the drive can move.
 
-    `push` and `load` are the accelerations along and onto the floor in g; `is_forced` tells that
+    `push` and `load` are the accelerations along and onto the floor in g; `is_forced` is True if
     one block has just reached its limit, and starts in any case.
     """
     way = 1 if push > 0.0 else -1

@@ -30,8 +30,8 @@ def count(
 
     Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight if the floor gives no
     impulse `normal`. A landing faster than `fall`, what gravity gives in a step, counts as an
-    impact. `pressed` tells if the floor carried the part before, `uz` is the normal velocity before
-    the step, `z` the height after it; in g/w and g/w^2.
+    impact. `pressed` is True if the floor carried the part before, `uz` is the normal velocity
+    before the step, `z` the height after it; in g/w and g/w^2.
     """
     if normal > 0.0:
         if vx > still:
@@ -89,7 +89,7 @@ def spatial_period(
     """Advance a `state` in space by one period of the drive and tally it.
 
     `state` and `tally` have the columns of `STATE` and `TALLY`, `drive` the rows of `DRIVE` and a
-    column a step; `usual` is the length of most steps in rad. `wall` tells if there is a wall,
+    column a step; `usual` is the length of most steps in rad. `wall` is True if there is a wall,
     `absolute` if the curve acts by the speed in space. The distance across is 0 for a cylinder
     (`rolling` = m r^2/I > 0), which rolls.
     """

@@ -257,8 +257,8 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
     """Fill `row` with position (3), velocity (3) and mode at the phase `since` within a step.
 
-    From the step's series in `work`, up to power `order`; `contacts` and `slips` tell what carries
-    the part and if it slips.
+    From the step's series in `work`, up to power `order`; `contacts` is the contact that carries
+    the part, `slips` is True if it slips.
     """
     for axis in range(3):
         row[axis] = value(work, ROW.place + axis, order, since)

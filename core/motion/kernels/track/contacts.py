@@ -260,7 +260,8 @@ def closing(
 def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
     """Set the slip in `state` to exactly 0; a cylinder keeps rolling, u_y - slip_2/(1 + m r^2/I).
 
-    `contacts` tells what carries the part, `slip_2` is the second component of the slip in g/w.
+    `contacts` is what carries the part (a bit each for floor and wall), `slip_2` is the second
+    component of the slip in g/w.
     """
     state[STATE.ux] = 0.0
     if contacts == WALL:

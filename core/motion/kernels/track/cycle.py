@@ -108,7 +108,7 @@ def apart(wall: bool, rolling: float, history: History, later: int, earlier: int
 
     The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and |dy|, in units of g and w. The position
     along does not matter, nor does that across without a wall; |dy| is left out for a part that did
-    not touch the wall between and does not come nearer (`wall_gap`). `wall` tells if there is a
+    not touch the wall between and does not come nearer (`wall_gap`). `wall` is True if there is a
     wall; `rolling` is not 0 for a cylinder, whose slip matters but not the speed at which it rolls.
     """
     new, old = history.ends[later], history.starts[earlier]
@@ -179,7 +179,7 @@ def follow_period(
     """Follow a cell for one more period and record it in `history`; False if that fails.
 
     It fails if the period has too many events. `state` and `hold` (columns of `STATE` and `HOLD`)
-    change to those at the end; the position along starts from 0. `wall` tells if there is a wall,
+    change to those at the end; the position along starts from 0. `wall` is True if there is a wall,
     `rolling` is m r^2/I of a cylinder or 0.
     """
     state[STATE.x] = 0.0

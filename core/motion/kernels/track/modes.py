@@ -135,7 +135,7 @@ def to_zero(
 ) -> tuple[float, int]:
     """Return the span to where a force falls to 0 and event `name`, or what is known.
 
-    The force is `sign` times the series in row `row`. `began` tells that the step began with this
+    The force is `sign` times the series in row `row`. `began` is True if the step began with this
     force at 0, whatever its rounded value. If it does not fall within `span` rad, the result is
     `span` and the event `known`.
     """
@@ -250,8 +250,8 @@ def to_slip(
 
     (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L, the acceleration D without contacts and r = 1 +
     m r^2/I; in the corner mu_s N + mu_w S = |D_x| with the loads N, S of floor and wall. `contacts`
-    tells what carries the part. If it holds within `span`, the result is `span` and the event
-    `name` (theory 4.4).
+    is what carries the part (a bit each for floor and wall). If it holds within `span`, the result
+    is `span` and the event `name` (theory 4.4).
     """
     along, across, normal, event = ROW.free, ROW.free + 1, ROW.free + 2, ROW.event
     top, response = step.order - 1, 1.0 + step.rolling

@@ -98,7 +98,7 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
 
     `limit_reached` if a number is not finite or nothing presses the part onto the floor; `runaway`
     if gravity along exceeds friction. It rubs if floor or wall have friction. `row` holds the
-    cell's numbers, `wall` tells if there is a wall.
+    cell's numbers, `wall` is True if there is a wall.
     """
     total = 0.0
     for value in row:
@@ -260,8 +260,8 @@ def solve_cells(
     """Fill table and statuses of cells with the means of their motion.
 
     `groups` has a row with the fields of `Cell` for each cell (and its wave), `table` has the
-    columns of `COLUMN`, `status` one value a cell; `wall` tells if there is a wall, `rolling` is m
-    r^2/I of a cylinder or 0, `stop` is a flag that ends the work.
+    columns of `COLUMN`, `status` one value a cell; `wall` is True if there is a wall, `rolling` is
+    m r^2/I of a cylinder or 0, `stop` is a flag that ends the work.
     """
     if groups.shape[0] == 0:
         return

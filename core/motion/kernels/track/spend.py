@@ -42,8 +42,8 @@ def spend(
 
     Per mass, from phase `tau` over `span` rad: the integrals of b.u (drive), of b'.u (swing, NaN of
     a wave) and of friction, with the push b, its derivative b' by the phase and the velocity u,
-    from the series in `work` up to power `order`. `contacts` and `slips` tell what carries the part
-    and if it slips. Nothing is done if `spent` has no columns (theory 13.15).
+    from the series in `work` up to power `order`. `contacts` is the contact that carries the part,
+    `slips` is True if it slips. Nothing is done if `spent` has no columns (theory 13.15).
     """
     if spent.size == 0:
         return

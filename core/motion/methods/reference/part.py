@@ -192,7 +192,7 @@ class Part:
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
         """Return the first event of a stretch: a point from 0 to 1, and its name; 1, "" if none.
 
-        `begins` tells that a slip starts from rest there.
+        `begins` is True if a slip starts from rest there.
         """
         events = [(1.0, "")]
 
@@ -334,7 +334,7 @@ class Part:
     def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
         """Return a solved stretch of motion, up to phase `end`, that the nodes resolve.
 
-        `begins` tells that a slip starts from rest. A slip turns the faster the smaller it is: the
+        `begins` is True if a slip starts from rest. A slip turns the faster the smaller it is: the
         length of the next stretch goes with its size.
         """
         length = min(self.care.longest / max(1, self.laws.drive.order), end - self.phase)
