@@ -95,7 +95,7 @@ class TrajectoryRequest(NamedTuple):
     ) -> TrajectoryValues:
         """Return the trajectory in SI units from positions and velocities in scales of the drive.
 
-        `position` and `velocity`, shape (n, 3), are in g/w^2 and g/w; `modes` has one
+        `position` and `velocity`, shape (n, 3), are in g/w^2 (w = 2 pi f) and g/w; `modes` has one
         `MOTION_MODES` value a time. Positions along are measured from `start`; the distance from
         the wall is given if there is a `wall`.
         """

@@ -80,7 +80,10 @@ class Piece:
         return along, across, normal
 
     def speed(self, phase: Numbers) -> Numbers:
-        """Return the velocity of the track along itself at a phase in rad, in g/w."""
+        """Return the velocity of the track along itself at a phase in rad, in g/w.
+
+        Here w = 2 pi f, f being the frequency of the drive.
+        """
         turned = np.multiply.outer(self.orders, phase)
         sine, cosine = self.harmonics[ALONG] / self.orders
         waves = np.tensordot(sine, np.cos(turned), 1) - np.tensordot(cosine, np.sin(turned), 1)

@@ -48,8 +48,8 @@ def _work(kind: str) -> Callable[..., Array]:
 def _a_metre(energy: Array, motion: Motion) -> Array:
     """Return an energy per distance travelled; infinite or NaN without travel.
 
-    `energy` is a mean power per mass in g^2/w, divided by the mean velocity in g/w: the result is
-    in g. Infinite if it is above 0 without travel, NaN if both are 0.
+    `energy` is a mean power per mass in g^2/w (w = 2 pi f), divided by the mean velocity in g/w:
+    the result is in g. Infinite if it is above 0 without travel, NaN if both are 0.
     """
     beyond = np.where(energy > 0, np.inf, np.nan)
     with np.errstate(over="ignore"):

@@ -108,7 +108,7 @@ def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the velocity of the track along an axis at a phase, in g/w, without its mean.
 
-    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad. Here w = 2 pi f.
     """
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 1)
@@ -120,7 +120,7 @@ def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the displacement of the track along an axis at a phase, in g/w^2, without its mean.
 
-    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad. Here w = 2 pi f.
     """
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 2)
@@ -160,7 +160,7 @@ def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.i
 def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
     """Return velocity and displacement of a track that moves in steps, both without mean.
 
-    Along an axis at phases `tau`, in g/w and g/w^2.
+    Along an axis at phases `tau`, in g/w (w = 2 pi f) and g/w^2.
     """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
@@ -178,7 +178,7 @@ def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
 def step_speeds(wave: Wave, axis: int) -> Array:
     """Return the velocity of the track along an axis at the start of each step, in g/w.
 
-    Shape (steps, ...), without its mean over the period.
+    Shape (steps, ...), without its mean over the period. Here w = 2 pi f.
     """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     last = np.diff(ends, axis=0, prepend=0.0)
@@ -300,7 +300,7 @@ def bound(wave: Wave, axis: int) -> Array:
 def size(wave: Wave) -> Array:
     """Return an upper bound of the track's speed in g/w.
 
-    The root of the sum of squares of its bounds on the three axes.
+    The root of the sum of squares of its bounds on the three axes. Here w = 2 pi f.
     """
     squares = np.zeros(wave.cells)
     orders = np.arange(1, wave.harmonics.shape[2] + 1).reshape(

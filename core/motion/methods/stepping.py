@@ -292,8 +292,8 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDArray[np.int8]:
     """Return the motion mode of a part at each of n points of its path, shape (n,).
 
-    `position` and `velocity`, shape (n, 3), in g/w^2 and g/w; `steps` is the number of steps a
-    period. `unknown` where the position is NaN.
+    `position` and `velocity`, shape (n, 3), in g/w^2 (w = 2 pi f) and g/w; `steps` is the number of
+    steps a period. `unknown` where the position is NaN.
     """
     # On the floor the normal velocity is 0; gaps below what the drive covers in a step are the
     # method's own.

@@ -88,7 +88,7 @@ def pieces_of(
     rows, count
         The segments of the cycle normal to the floor (columns of `SEGMENT`), and how many.
     u
-        Slip velocity at the start of the cycle in g/w.
+        Slip velocity at the start of the cycle in g/w (w = 2 pi f).
     sums, log
         Work arrays for the sums of `follow_cycle` and for the pieces.
     """
@@ -117,9 +117,9 @@ def sample(
 ) -> Floats:
     """Return position, height, velocities and mode of a part at given phases of the drive.
 
-    Phases count from the start of the study's own period. Lengths in g/w^2, velocities in g/w. The
-    columns of the result, shape (n, 5), are those of `SAMPLE`; the first position is 0. NaN and
-    mode `unknown` without a cycle, and beyond the last piece if the motion does not repeat.
+    Phases count from the start of the study's own period. Lengths in g/w^2 (w = 2 pi f), velocities
+    in g/w. The columns of the result, shape (n, 5), are those of `SAMPLE`; the first position is 0.
+    NaN and mode `unknown` without a cycle, and beyond the last piece if the motion does not repeat.
 
     Parameters
     ----------
@@ -167,8 +167,8 @@ def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, f
     """Return position, height, velocity along and velocity normal at a phase within a motion piece.
 
     `piece` is a row with the columns of `PIECE`, `since` the phase after its start in rad. Lengths
-    in g/w^2, velocities in g/w. By `fly` and `rise` in flight, `slide` on the floor; a part that
-    sticks keeps its position.
+    in g/w^2 (w = 2 pi f), velocities in g/w. By `fly` and `rise` in flight, `slide` on the floor; a
+    part that sticks keeps its position.
     """
     tau, mode, x = piece[PIECE.phase], piece[PIECE.mode], piece[PIECE.position]
     u, w = piece[PIECE.along], piece[PIECE.normal]
@@ -192,7 +192,7 @@ def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
     `piece` is a row with the columns of `PIECE`, `spent` has the columns of `SPENT`. The integrals
     over the phase of b.u (drive), of b'.u (swing: it gives the mass that the drive feels) and,
     while the part slips, of mu_k N |u| (friction), with the push b and its derivative b' by the
-    phase, the velocity u and the load N = n - b_z; by Gauss's rule (theory 13.15).
+    phase, the velocity u and the load N = n - b_z; by Gauss's rule (theory 13.15). Here w = 2 pi f.
     """
     tau, span, flies = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode] == MODE.flight
     if piece[PIECE.mode] == MODE.stick:
@@ -221,16 +221,16 @@ def spend_over_cycle(
 ) -> None:  # fmt: skip
     """Fill `spent` (columns of `SPENT`) with mean powers per mass over a chain of segments.
 
-    In g^2/w. The chain is followed as often as fits into `periods` periods of the drive. An impact
-    takes the kinetic energy by which the next piece starts with less, (u-^2 - u+^2 + w-^2 - w+^2)/2
-    of the velocities along and normal before and after it. NaN if the log is too short.
+    In g^2/(2 pi f). The chain is followed as often as fits into `periods` periods of the drive. An
+    impact takes the kinetic energy by which the next piece starts with less, (u-^2 - u+^2 + w-^2 -
+    w+^2)/2 of the velocities along and normal before and after it. NaN if the log is too short.
 
     Parameters
     ----------
     rows, count
         Segments of the motion normal to the floor (columns of `SEGMENT`), and how many.
     u
-        Slip velocity at their start in g/w.
+        Slip velocity at their start in g/(2 pi f).
     sums, log
         Work arrays for the sums of `follow_cycle` and the motion pieces.
     """
@@ -259,8 +259,9 @@ def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, s
     """Fill energy table and statuses of all cells: what drive, friction and impacts take.
 
     `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
-    columns of `SPENT`, mean powers per mass in g^2/w; `status` one value a cell; `stop` is a flag
-    that ends the work. NaN for cells without a cycle, 0 for parts at rest (theory 13.15).
+    columns of `SPENT`, mean powers per mass in g^2/w (w = 2 pi f); `status` one value a cell;
+    `stop` is a flag that ends the work. NaN for cells without a cycle, 0 for parts at rest (theory
+    13.15).
     """
     rows, sums, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))

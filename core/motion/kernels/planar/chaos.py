@@ -82,8 +82,9 @@ class FollowedRun(NamedTuple):
 def jolted(number: int, gn: float) -> float:
     """Return a tiny take-off speed for the `number`-th lift-off from rest, different for every one.
 
-    1e-8 n (0.618 k mod 1), with the load number n = `gn` and k = `number`, in g/w. Multiples of the
-    golden ratio modulo 1 never coincide, so that no two ways from rest are alike to the last bit.
+    1e-8 n (0.618 k mod 1), with the load number n = `gn` and k = `number`, in g/w (w = 2 pi f).
+    Multiples of the golden ratio modulo 1 never coincide, so that no two ways from rest are alike
+    to the last bit.
     """
     return JOLT * gn * ((GOLDEN * number) % 1.0)
 
@@ -109,7 +110,7 @@ def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
     """Return the slip velocity after a landing, where friction takes mu_k (v + w) off its size.
 
     `u` is the slip velocity before, v = `speed` the landing speed and `w` the rebound speed, all in
-    g/w. 0 if friction would take more than |u|.
+    g/(2 pi f). 0 if friction would take more than |u|.
     """
     friction = mu_k * (speed + w)
     return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
@@ -121,10 +122,10 @@ def flight(
 ) -> tuple[float, float, float, float, bool]:
     """Return landing speed, rebound, slip and distance of a flight, and True if the part stays.
 
-    Speeds in g/w, distance in g/w^2. `u` and `w` are the velocities along and off the floor at
-    take-off at phase `tau`, `span` is the flight time in rad. The slip velocity is that after the
-    friction of the landing. The part stays on the floor if its further hops shrink to nothing
-    (`rests`).
+    Speeds in g/(2 pi f), distance in g/(2 pi f)^2. `u` and `w` are the velocities along and off the
+    floor at take-off at phase `tau`, `span` is the flight time in rad. The slip velocity is that
+    after the friction of the landing. The part stays on the floor if its further hops shrink to
+    nothing (`rests`).
     """
     speed = max(0.0, -rise(drive, w, tau, span)[0])
     up = rebound(e, speed)[0]
@@ -157,8 +158,8 @@ def stay(
 ) -> tuple[float, float, float]:
     """Return slip velocity and phase at lift-off of a part on the floor, and the contact time.
 
-    The part touches the floor at phase `tau` with slip velocity `u` in g/w; phases and times are in
-    rad; `sums` gets the distance and the times in each mode; `no_log` is an empty log.
+    The part touches the floor at phase `tau` with slip velocity `u` in g/w (w = 2 pi f); phases and
+    times are in rad; `sums` gets the distance and the times in each mode; `no_log` is an empty log.
     """
     span = to_lift_off(drive, tau)
     u, _, _ = contact(tau, span, u, drive, sums, no_log, 0)
@@ -330,7 +331,7 @@ def sure_change(later: Floats, before: Floats) -> float:
 def batch_error(quarters: Floats) -> float:
     """Return the statistical error of the mean velocity of runs, from means of their quarters.
 
-    `quarters` has shape (runs, 4), in g/w. The error is that of the means of half runs
+    `quarters` has shape (runs, 4), in g/w (w = 2 pi f). The error is that of the means of half runs
     (`mean_error`) plus the drift |d| by which second halves surely differ from first ones, since
     the runs then still know how they began. Where the last quarters surely drift on in that way, by
     a factor q from half to half, the drift counts (1 + q)/(2 (1 - q)) times if that is more (theory

@@ -43,8 +43,8 @@ def write_segment(
 
     `rows` has the columns of `SEGMENT`; `tau` is the phase at the start and `span` the duration in
     rad, `w` the velocity off the floor at the start (-1 for contact), `speed` the landing speed and
-    `impulse` what the landing takes from the floor, in g/w; of a contact the rebound of the hops
-    that it stands for.
+    `impulse` what the landing takes from the floor, in g/(2 pi f); of a contact the rebound of the
+    hops that it stands for.
     """
     rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
     rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
@@ -56,9 +56,10 @@ def one_hop(
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, landing phase and rebound of a hop, and four derivatives.
 
-    A part takes off at phase `tau` in rad with velocity `w` in g/w. With the loads n0 at take-off
-    and n1 at the landing, span D, landing speed v and rebound R(v) (eps v, or by `rebound`), the
-    derivatives of landing phase and rebound by those at take-off are, in this order (theory 13.16),
+    A part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f). With the loads n0 at
+    take-off and n1 at the landing, span D, landing speed v and rebound R(v) (eps v, or by
+    `rebound`), the derivatives of landing phase and rebound by those at take-off are, in this order
+    (theory 13.16),
 
         d(phase)/d(tau)   = (n0 D - w)/v                 d(phase)/d(w)   = D/v
         d(rebound)/d(tau) = -R' (n0 - n1 d(phase)/d(tau))
@@ -85,9 +86,9 @@ def run_cycle(
 ) -> tuple[float, float, float, float, float, float]:
     """Return phase and rebound after `hops` hops, and their derivatives by those at the start.
 
-    The part takes off at phase `tau` in rad with velocity `w` in g/w. The four derivatives are the
-    product of the matrices of `one_hop`, in its order. The hops are written into `rows` (columns of
-    `SEGMENT`). The phase is NaN if a hop ends in a stay on the floor, or never ends.
+    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f). The four derivatives
+    are the product of the matrices of `one_hop`, in its order. The hops are written into `rows`
+    (columns of `SEGMENT`). The phase is NaN if a hop ends in a stay on the floor, or never ends.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
@@ -107,8 +108,8 @@ def fixed_point(
     """Return take-off phase and speed of a cycle of `hops` hops, and True if it attracts.
 
     The cycle takes `periods` periods and is sought near the take-off phase `at` in rad with speed
-    `up` in g/w, by Newton's iteration (M - 1) dy = -(y1 - y0) with the derivatives M of
-    `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1 (Jury). False also if none is
+    `up` in g/w (w = 2 pi f), by Newton's iteration (M - 1) dy = -(y1 - y0) with the derivatives M
+    of `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1 (Jury). False also if none is
     found. The hops are written into `rows`.
     """
     for _ in range(MAX_NEWTON):

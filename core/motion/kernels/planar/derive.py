@@ -85,7 +85,7 @@ def carry(
     rows, count
         Segments of the cycle (columns of `SEGMENT`), and how many.
     u
-        Slip velocity at the start in g/w.
+        Slip velocity at the start in g/w (w = 2 pi f).
     energy
         If the work of friction is derived, too.
     d

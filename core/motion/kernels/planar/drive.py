@@ -62,7 +62,8 @@ def sizes(drive: Drive) -> tuple[float, float]:
 def track_speed(drive: Drive, tau: float) -> float:
     """Return the velocity of the track along itself at the phase `tau`, in g/w.
 
-    Minus the integral of the drive acceleration b_x over the phase, without its mean.
+    Minus the integral of the drive acceleration b_x over the phase, without its mean. Here w = 2 pi
+    f.
     """
     raise NotImplementedError
 
@@ -150,8 +151,9 @@ def to_lift_off(drive: Drive, tau: float) -> float:
 def landing(drive: Drive, w: float, tau: float) -> float:
     """Return the flight time in rad of a part that takes off at phase `tau`; -1 if not found.
 
-    `w` >= 0 is the velocity off the floor at take-off in g/w. The first phase D > 0 at which the
-    height comes down to 0 (theory 13.3). The drive must be one that lifts the part off (`lifts`).
+    `w` >= 0 is the velocity off the floor at take-off in g/(2 pi f). The first phase D > 0 at which
+    the height comes down to 0 (theory 13.3). The drive must be one that lifts the part off
+    (`lifts`).
     """
     raise NotImplementedError
 
@@ -160,20 +162,20 @@ def landing(drive: Drive, w: float, tau: float) -> float:
 def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
-    In g/w and g/w^2, `w` being the velocity at take-off: w1 = w + integral of (b_z - n), and the
-    height is the integral of w1, with the drive acceleration b_z normal to the floor and gravity n
-    (theory 13.2).
+    In g/(2 pi f) and g/(2 pi f)^2, `w` being the velocity at take-off: w1 = w + integral of (b_z -
+    n), and the height is the integral of w1, with the drive acceleration b_z normal to the floor
+    and gravity n (theory 13.2).
     """
     raise NotImplementedError
 
 
 @_by_drive(sine_flight.hop_height, wave_flight.hop_height)
 def hop_height(drive: Drive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
+    """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
 
-    The part takes off at phase `tau` with velocity `w` in g/w and flies for `span` rad. `known` is
-    the largest height of earlier flights; most flights are then recognised as lower without a
-    search.
+    The part takes off at phase `tau` with velocity `w` in g/(2 pi f) and flies for `span` rad.
+    `known` is the largest height of earlier flights; most flights are then recognised as lower
+    without a search.
     """
     raise NotImplementedError
 
@@ -182,8 +184,9 @@ def hop_height(drive: Drive, w: float, tau: float, span: float, known: float) ->
 def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track at the phase `d` of a flight.
 
-    In g/w and g/w^2; `u` is the velocity along at take-off at phase `tau`: u1 = u + integral of
-    (b_x - sin(gamma)), distance = integral of u1, with the drive acceleration b_x (theory 13.2).
+    In g/w (w = 2 pi f) and g/w^2; `u` is the velocity along at take-off at phase `tau`: u1 = u +
+    integral of (b_x - sin(gamma)), distance = integral of u1, with the drive acceleration b_x
+    (theory 13.2).
     """
     raise NotImplementedError
 
@@ -234,8 +237,8 @@ def first_slip(drive: Drive, tau: float) -> float:
 def stop_after(drive: Drive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase in rad until a slip stops; -1 if it does not stop within `span`.
 
-    The part slips in direction `sign` (1 forward, -1 backward) with velocity `u` in g/w at the
-    phase `at`. From u = 0 it starts to slip, and stops later.
+    The part slips in direction `sign` (1 forward, -1 backward) with velocity `u` in g/w (w = 2 pi
+    f) at the phase `at`. From u = 0 it starts to slip, and stops later.
     """
     raise NotImplementedError
 
@@ -246,7 +249,7 @@ def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[flo
 
     The part slips in direction `sign` (1 forward, -1 backward) from the phase `at` on: u' = b_x -
     sin(gamma) -+ mu_k n(tau), with the drive acceleration b_x and the load n on the floor (theory
-    13.2).
+    13.2). Here w = 2 pi f.
     """
     raise NotImplementedError
 
@@ -265,7 +268,8 @@ def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
 def two_sided(drive: Drive) -> tuple[float, float]:
     """Return mean velocity in g/w and forward share of a slide to and fro that never sticks.
 
-    A closed form for a sine drive; 0, 0 if it does not hold, and for waves (theory 13.8).
+    A closed form for a sine drive; 0, 0 if it does not hold, and for waves (theory 13.8). Here w =
+    2 pi f.
     """
     raise NotImplementedError
 
@@ -275,6 +279,7 @@ def slip_uncertainty(drive: Drive) -> float:
     """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
     Friction falls there by (mu_s - mu_k) n, with the load n, so that the velocity changes by that
-    times the error of the phase, which is larger the slower the push passes the threshold.
+    times the error of the phase, which is larger the slower the push passes the threshold. Here w =
+    2 pi f.
     """
     raise NotImplementedError

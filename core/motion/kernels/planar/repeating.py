@@ -49,7 +49,7 @@ def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, coun
     `rows` hold the `count` segments of the motion normal to the floor, the cycle from index `first`
     on; the part is followed up to there. If it never lifts off the cycle may start anywhere: its
     first phase in `rows` is moved to where slip begins. Without friction on the level, slip
-    velocity plus track velocity stays the same.
+    velocity plus track velocity stays the same. Here w = 2 pi f.
     """
     if drive.mu_s == 0 and drive.gs == 0:  # nothing acts along the track but the drive
         return track_speed(drive, phase) - track_speed(drive, rows[first, SEGMENT.phase])
@@ -119,9 +119,9 @@ def repeating(
 ) -> tuple[int, float]:  # fmt: skip
     """Fill `result` with the mean values of a motion that repeats; return status and velocity.
 
-    The velocity in g/w is the slip at the start of the cycle once it repeats (`settle`); v = x/T
-    and shares t_mode/T of the sums over the cycles after which it repeats. If no motion along the
-    track is found that repeats, `result` is left as it was (theory 13.8).
+    The velocity in g/w (w = 2 pi f) is the slip at the start of the cycle once it repeats
+    (`settle`); v = x/T and shares t_mode/T of the sums over the cycles after which it repeats. If
+    no motion along the track is found that repeats, `result` is left as it was (theory 13.8).
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def settle(
     rows, count
         Segments of the cycle normal to the floor (columns of `SEGMENT`), and how many.
     u
-        Slip velocity in g/w with which the cycle is first entered.
+        Slip velocity in g/w (w = 2 pi f) with which the cycle is first entered.
     tolerance
         Error of the velocity that is allowed, over the drive.
     sums, log

@@ -32,7 +32,7 @@ def sizes(drive: SineDrive) -> tuple[float, float]:
 def track_speed(drive: SineDrive, tau: float) -> float:
     """Return the velocity of the track along itself at phase `tau`, c cos(tau), in g/w.
 
-    Minus the integral of the drive acceleration c sin(tau), c its amplitude in g.
+    Minus the integral of the drive acceleration c sin(tau), c its amplitude in g. Here w = 2 pi f.
     """
     return drive.c * math.cos(tau)
 
@@ -88,7 +88,7 @@ def lift_off(drive: SineDrive, tau: float) -> float:
 def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
-    In g/w and g/w^2, `w` the velocity at take-off: the flow of w' = s sin(tau) - n.
+    In g/(2 pi f) and g/(2 pi f)^2, `w` the velocity at take-off: the flow of w' = s sin(tau) - n.
     """
     return flow(w, drive.s, drive.gn, math.sin(tau), math.cos(tau), d)
 
@@ -97,8 +97,8 @@ def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float
 def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track at the phase `d` of a flight.
 
-    In g/w and g/w^2, `u` the velocity along at take-off at phase `tau`: the flow of u' = c sin(tau)
-    - sin(gamma).
+    In g/w (w = 2 pi f) and g/w^2, `u` the velocity along at take-off at phase `tau`: the flow of u'
+    = c sin(tau) - sin(gamma).
     """
     return flow(u, drive.c, drive.gs, math.sin(tau), math.cos(tau), d)
 
@@ -155,10 +155,10 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 def landing(drive: SineDrive, w: float, tau: float) -> float:
     """Return the flight time in rad after take-off at phase `tau`, if s > n; -1 if not found.
 
-    `w` >= 0 is the velocity at take-off in g/w. The height bends down where s sin(tau) < n, and up
-    elsewhere. A piece that bends down and ends above the floor was above it all the way; on a piece
-    that bends up the least height is found first (theory 13.3). As sin <= 1, the height is above
-    the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2: whole turns in which that is
+    `w` >= 0 is the velocity at take-off in g/(2 pi f). The height bends down where s sin(tau) < n,
+    and up elsewhere. A piece that bends down and ends above the floor was above it all the way; on
+    a piece that bends up the least height is found first (theory 13.3). As sin <= 1, the height is
+    above the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2: whole turns in which that is
     positive are skipped.
     """
     s, gn, up_at = drive.s, drive.gn, drive.up_at
@@ -205,7 +205,7 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 
 @compiled
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
+    """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
 
     The part takes off at phase `tau` with velocity `w` and flies for `span` rad. The top is looked
     for only if two bounds are above `known`: (n + s) span^2/8, since z'' >= -(n + s) and both ends

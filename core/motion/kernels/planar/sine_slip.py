@@ -165,8 +165,8 @@ def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) 
 def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
     """Return slip velocity and distance at the phase `d` after slip velocity `u` at phase `at`.
 
-    In g/w and g/w^2; `sign` is 1 forward, -1 backward. The flow of u' = C sin(tau) - k with C = c +
-    sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
+    In g/w (w = 2 pi f) and g/w^2; `sign` is 1 forward, -1 backward. The flow of u' = C sin(tau) - k
+    with C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
     """
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return flow(u, C, k, math.sin(at), math.cos(at), d)
@@ -187,7 +187,8 @@ def slip_uncertainty(drive: SineDrive) -> float:
     """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
     (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S of sin(tau) moves the
-    phase asin(S) by dS/sqrt(1 - S^2): the phase is known the less, the nearer |S| is to 1.
+    phase asin(S) by dS/sqrt(1 - S^2): the phase is known the less, the nearer |S| is to 1. Here w =
+    2 pi f.
     """
     jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
     uncertainty = 0.0
@@ -202,7 +203,8 @@ def two_sided(drive: SineDrive) -> tuple[float, float]:
     """Return mean velocity in g/w and forward share of a slide to and fro that never sticks.
 
     Slips forward and backward close, with c1 = mu s, k1 = mu n, H = c k1 - c1 sin(gamma) and E = pi
-    (c1 k1 - c sin(gamma))/H, the forward one over the phase pi + E about pi - asin(S), where
+    (c1 k1 - c sin(gamma))/H, the forward one over the phase pi + E about pi - asin(S), where Here w
+    = 2 pi f.
 
         S = pi (k1^2 - sin(gamma)^2)/(2 H cos(E/2))
         v = sqrt(1 - S^2) (2 c1 cos(E/2) + (pi c + c1 E) sin(E/2))/pi

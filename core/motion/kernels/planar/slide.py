@@ -32,8 +32,8 @@ def write_piece(
     """Write one motion piece into the log if it has room; return the number of rows in use.
 
     A piece is a stretch in one mode (columns of `PIECE`): start phase `at` and duration `span` in
-    rad, `mode`, velocities `u` along and `w` normal in g/w, and position `x` in g/w^2 at its start.
-    `used` rows were in use before; a log without rows keeps nothing.
+    rad, `mode`, velocities `u` along and `w` normal in g/(2 pi f), and position `x` in g/(2 pi f)^2
+    at its start. `used` rows were in use before; a log without rows keeps nothing.
     """
     if used < log.shape[0]:
         log[used, PIECE.phase], log[used, PIECE.span], log[used, PIECE.mode] = at, span, mode
@@ -48,11 +48,11 @@ def contact(
 ) -> tuple[float, float, int]:
     """Return slip velocity after a contact, its derivative by that before, and log rows in use.
 
-    The part touches the floor from phase `tau` for `span` rad, with slip `u` in g/w at first. It
-    sticks until `hold` ends, slips until `stop_after`, and so on (theory 13.4). The derivative is 1
-    while sliding, u'(after)/u'(before) times that at a turn, 0 after a stick (13.8). Distance and
-    times in the modes are added to `sums`, pieces to `log` from row `used` on. The last value is -1
-    if the contact held too many stops.
+    The part touches the floor from phase `tau` for `span` rad, with slip `u` in g/w (w = 2 pi f) at
+    first. It sticks until `hold` ends, slips until `stop_after`, and so on (theory 13.4). The
+    derivative is 1 while sliding, u'(after)/u'(before) times that at a turn, 0 after a stick
+    (13.8). Distance and times in the modes are added to `sums`, pieces to `log` from row `used` on.
+    The last value is -1 if the contact held too many stops.
     """
     at, end, slope = tau, tau + span, 1.0
     for _ in range(MAX_MODES):
@@ -104,12 +104,12 @@ def skids(drive: Drive, tau: float) -> float:
 
 @borrowing
 def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
-    """Return the slip velocity in g/w at the start of a contact that stands for many small hops.
+    """Return the slip velocity at the start of a contact that stands for many small hops.
 
-    `u` is the slip after the last landing, at phase `tau`, `w` the rebound of the hops left out.
-    The result is u if |u| > mu_k w, else 0, or +-mu_k w of a part that tiny hops drive on
-    (`skids`): the landing had no slip to take, and the hops after it rub by w less than the floor
-    in their time (theory 13.5).
+    In g/(2 pi f). `u` is the slip after the last landing, at phase `tau`, `w` the rebound of the
+    hops left out. The result is u if |u| > mu_k w, else 0, or +-mu_k w of a part that tiny hops
+    drive on (`skids`): the landing had no slip to take, and the hops after it rub by w less than
+    the floor in their time (theory 13.5).
     """
     if w == 0.0 or abs(u) > drive.mu_k * w:
         return u

@@ -78,7 +78,7 @@ def along(
     sign, mode
         Slip direction 1 or -1, 0 for a flight; and the mode whose time is counted.
     u, after
-        Velocities along at the start and end, in g/w.
+        Velocities along at the start and end, in g/w (w = 2 pi f).
     at, span
         Phase at the start and duration, in rad.
     stops
@@ -271,7 +271,7 @@ def on_floor(
     tau, span
         Phase at the start and duration, in rad.
     u
-        Slip velocity at the start in g/w.
+        Slip velocity at the start in g/w (w = 2 pi f).
     fresh
         If the part came to this phase by itself, not to one at which friction lets go.
     energy
@@ -377,7 +377,7 @@ def in_air(
     rests
         If the part then stays on the floor.
     u
-        Velocity along at take-off in g/w.
+        Velocity along at take-off in g/w (w = 2 pi f).
     size
         Number of directions, the columns of `d` in use.
     d
@@ -424,8 +424,8 @@ def in_air(
 def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
     """Fill the derivatives of the largest landing speed, if this landing has it.
 
-    `speed` is its speed in g/w, `nearest[1]` the largest so far; `nearest[2]` notes the relative
-    distance of the two fastest, since the largest of equals has no derivative.
+    `speed` is its speed in g/w (w = 2 pi f), `nearest[1]` the largest so far; `nearest[2]` notes
+    the relative distance of the two fastest, since the largest of equals has no derivative.
     """
     if speed > nearest[1]:
         nearest[2] = (speed - nearest[1]) / speed

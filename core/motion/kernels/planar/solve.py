@@ -94,9 +94,10 @@ def solve(
     """Solve one cell: fill `result`, and return status, first segment, end of segments, velocity.
 
     The part starts at rest at `phase` in rad. `rows` then hold the cycle (columns of `SEGMENT`)
-    from the first of these segments to before the end, which starts with this slip velocity in g/w;
-    `sums` and `log` hold distance, times and motion pieces of its last pass. If no cycle is found,
-    `result` (columns of `COLUMN`) is left as it was, and the status is `UNREPEATED`.
+    from the first of these segments to before the end, which starts with this slip velocity in g/w
+    (w = 2 pi f); `sums` and `log` hold distance, times and motion pieces of its last pass. If no
+    cycle is found, `result` (columns of `COLUMN`) is left as it was, and the status is
+    `UNREPEATED`.
     """
     e, max_periods = restitution_of(cell), int(cell.max_periods)
     first, count, periods = normal_cycle(drive, phase, e, max_periods, MAX_GROWTH, rows)
@@ -122,10 +123,10 @@ def solve_cell(
 ) -> tuple[int, int, int, float]:  # fmt: skip
     """Solve one cell from its row of numbers; return status, first segment, end, slip velocity.
 
-    Results are in the row's own direction, segments and velocity (g/w) as mirrored by `upright`.
-    `waves` is the room for the drive; `closed` allows the closed form of a motion without stick,
-    which leaves no segments; `rows`, `sums` and `log` are filled as in `solve`; `result` has the
-    columns of `COLUMN`.
+    Results are in the row's own direction, segments and velocity, in g/(2 pi f), as mirrored by
+    `upright`. `waves` is the room for the drive; `closed` allows the closed form of a motion
+    without stick, which leaves no segments; `rows`, `sums` and `log` are filled as in `solve`;
+    `result` has the columns of `COLUMN`.
     """
     drive, phase, way = drive_of(cell, row, waves)
     result[:] = math.nan

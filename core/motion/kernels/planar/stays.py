@@ -79,10 +79,10 @@ def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: 
 def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> tuple[float, float]:
     """Return the effect of small hops taken as contact: position over mu_k, rebound speed left.
 
-    Of a cycle of `count` segments in `rows` (columns of `SEGMENT`). The first, in g/w^2, is the sum
-    of w T: hops of rebound speed w carry a part that friction would hold on by less than mu_k w per
-    unit of phase, during the phase T of `soft_time`. The second, in g/w, is the largest speed of
-    `left_at_lift_off`. Both are 0 for a constant restitution.
+    Of a cycle of `count` segments in `rows` (columns of `SEGMENT`). The first, in g/(2 pi f)^2, is
+    the sum of w T: hops of rebound speed w carry a part that friction would hold on by less than
+    mu_k w per unit of phase, during the phase T of `soft_time`. The second, in g/(2 pi f), is the
+    largest speed of `left_at_lift_off`. Both are 0 for a constant restitution.
     """
     position, speed = 0.0, 0.0
     for row in range(count if e.damping > 0 else 0):

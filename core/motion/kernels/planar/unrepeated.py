@@ -98,8 +98,9 @@ def average_spent(
     """Fill the energy table of cells whose motion does not repeat, from long runs.
 
     `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
-    columns of `SPENT`, mean powers per mass in g^2/w over 256 periods; `stop` is a flag that ends
-    the work. Cells that hop too few times stay NaN, the others get the status `aperiodic`.
+    columns of `SPENT`, mean powers per mass in g^2/w (w = 2 pi f) over 256 periods; `stop` is a
+    flag that ends the work. Cells that hop too few times stay NaN, the others get the status
+    `aperiodic`.
     """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))

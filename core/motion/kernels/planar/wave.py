@@ -295,7 +295,7 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 
     Under the acceleration p - k of a kind: u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 +
     P2(tau + D) - P2(tau) - P1(tau) D, with the first and second integral P1, P2 of the push p
-    (theory 13.14); short ones by `near_flow`. In g/w and g/w^2.
+    (theory 13.14); short ones by `near_flow`. In g/w (w = 2 pi f) and g/w^2.
     """
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
@@ -337,7 +337,7 @@ def stepped_flow(
     """Return velocity and distance at the phase `d` under an acceleration constant in each step.
 
     From velocity `v` at phase `tau`: over a step of D rad with acceleration a, x -> x + (v + a D/2)
-    D and v -> v + a D. In g/w and g/w^2 (theory 13.14).
+    D and v -> v + a D. In g/w (w = 2 pi f) and g/w^2 (theory 13.14).
     """
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0

@@ -39,7 +39,7 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
     """Return the track's velocity along itself at phase `tau`, in g/w, without its mean.
 
     Minus the integral of the push: sum of (s_k cos(k tau) - c_k sin(k tau))/k; of steps v -> v - p
-    D over each, with level p and duration D, less the mean of that (theory 13.14).
+    D over each, with level p and duration D, less the mean of that (theory 13.14). Here w = 2 pi f.
     """
     if drive.steps == 0:
         velocity = 0.0
@@ -106,7 +106,7 @@ def lift_off(drive: WaveDrive, tau: float) -> float:
 def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
-    In g/w and g/w^2, `w` the velocity at take-off, under the acceleration p_z - n.
+    In g/(2 pi f) and g/(2 pi f)^2, `w` the velocity at take-off, under the acceleration p_z - n.
     """
     return flow(drive, NORMAL, w, tau, d)
 
@@ -115,7 +115,8 @@ def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float
 def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track at the phase `d` of a flight from phase `tau`.
 
-    In g/w and g/w^2, `u` the velocity along at take-off, under the acceleration p_x - sin(gamma).
+    In g/w (w = 2 pi f) and g/w^2, `u` the velocity along at take-off, under the acceleration p_x -
+    sin(gamma).
     """
     return flow(drive, AIR, u, tau, d)
 
@@ -124,7 +125,7 @@ def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]
 def landing(drive: WaveDrive, w: float, tau: float) -> float:
     """Return the flight time in rad after take-off at phase `tau`; -1 if not found.
 
-    `w` >= 0 is the velocity at take-off in g/w. Between two changes of sign of the normal
+    `w` >= 0 is the velocity at take-off in g/(2 pi f). Between two changes of sign of the normal
     acceleration the height bends one way: a piece that bends down and ends above the floor was
     above it all the way; on a piece that bends up the least height is found first (theory 13.14).
     """
@@ -197,7 +198,7 @@ def landing_root(
 
 @borrowing
 def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
+    """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
 
     The part takes off at phase `tau` with velocity `w` and flies for `span` rad; tops are where w
     falls through 0. They are looked for only if the bound (n + max |p_z|) span^2/8 is above

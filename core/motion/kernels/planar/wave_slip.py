@@ -105,8 +105,8 @@ def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) 
 def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
     """Return slip velocity and distance at the phase `d` after slip velocity `u` at phase `at`.
 
-    In g/w and g/w^2; `sign` is 1 forward, -1 backward. Under the acceleration p_x + sign mu_k p_z -
-    (sin(gamma) + sign mu_k n), with the push p and gravity n onto the floor.
+    In g/w (w = 2 pi f) and g/w^2; `sign` is 1 forward, -1 backward. Under the acceleration p_x +
+    sign mu_k p_z - (sin(gamma) + sign mu_k n), with the push p and gravity n onto the floor.
     """
     return flow(drive, kind_of(sign), u, at, d)
 
@@ -126,6 +126,7 @@ def slip_uncertainty(drive: WaveDrive) -> float:
 
     (mu_s - mu_k) max |n(tau)| times the rounding of the push over its slope: the slower a sum of
     sines passes a threshold, the less is the phase known; one at which the push jumps is exact.
+    Here w = 2 pi f.
     """
     if drive.steps > 0:
         return 0.0

@@ -99,7 +99,7 @@ def follow_on(
     searches
         If a cycle of hops is looked for, in the hops since the last rest.
     travel
-        Filled with the distance of each period in g/w^2.
+        Filled with the distance of each period in g/w^2 (w = 2 pi f).
     rows, sums
         Work arrays for these hops (columns of `SEGMENT`), and distance and times in modes.
     """
@@ -165,8 +165,9 @@ def end_of(mark: int, most: int) -> int:
 def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
     """Return the error of mean velocities because runs end anywhere within a near repetition.
 
-    The mean over the runs of max |x_p - v T|/((end - begin) T), in g/w, with the distance x_p =
-    `travel[run, p]` of period p from `begin` to before `end`, v = `velocity` and T = 2 pi.
+    The mean over the runs of max |x_p - v T|/((end - begin) T), in g/w (w = 2 pi f), with the
+    distance x_p = `travel[run, p]` of period p from `begin` to before `end`, v = `velocity` and T =
+    2 pi.
     """
     total = 0.0
     for number in range(travel.shape[0]):
@@ -248,7 +249,7 @@ def fill(
     marks
         A row a run: the sums at its mark, then time, impacts and slip.
     quarters
-        Mean velocities of the four quarters of each run in g/w, shape (8, 4).
+        Mean velocities of the four quarters of each run in g/w (w = 2 pi f), shape (8, 4).
     error
         Error of the mean velocity in g/w.
     """

@@ -190,7 +190,10 @@ def move(row: Row, drive: Driven, tau: float, span: float) -> None:
 
 @borrowing
 def lifted(drive: Driven, tau: float) -> Air:
-    """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w."""
+    """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w.
+
+    Here w = 2 pi f, f being the frequency of the drive.
+    """
     span, impulse = flight(drive, tau)
     return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
 

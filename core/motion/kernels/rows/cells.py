@@ -346,8 +346,8 @@ def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) 
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Write positions and gaps of a row's parts at ascending phases, under a sine or steps.
 
-    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2. The gap to a stop, if there
-    is one, is the last. NaN after a period with more than `MAX_EVENTS` events.
+    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2 (w = 2 pi f). The gap to a
+    stop, if there is one, is the last. NaN after a period with more than `MAX_EVENTS` events.
     """
     path_under(drive_of(cell), cell, phases, places, gaps)
 

@@ -250,7 +250,7 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
     `contact` is the index of the rear part. Touching parts whose contact was open take part: pair
     by pair they would strike without end. u+ = (1 + e) y - e u, with `restitution` e and the
     velocities u pooled to y, no larger than that of a stop that takes part: momentum is kept, and
-    sum m (u - y)^2 (1 - e^2)/2 is lost, in the unit of mass times (g/w)^2.
+    sum m (u - y)^2 (1 - e^2)/2 is lost, in the unit of mass times (g/w)^2 (w = 2 pi f).
     """
     parts = row.mass.size
     first, end = contact, min(contact + 2, parts)

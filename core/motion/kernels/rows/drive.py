@@ -53,7 +53,7 @@ def is_lifted(drive: Driven, tau: float) -> bool:
 def flight(drive: Driven, tau: float) -> tuple[float, float]:
     """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
 
-    Infinite and 0 if no landing is found.
+    Infinite and 0 if no landing is found. Here w = 2 pi f.
     """
     raise NotImplementedError
 
@@ -62,7 +62,7 @@ def flight(drive: Driven, tau: float) -> tuple[float, float]:
 def backward_speed(drive: Driven) -> float:
     """Return the velocity relative to the track, at phase 0, of a body at rest in space, in g/w.
 
-    A stop at rest in space starts with it.
+    A stop at rest in space starts with it. Here w = 2 pi f.
     """
     raise NotImplementedError
 
@@ -139,7 +139,7 @@ def swung(drive: Driven, tau: float, span: float) -> Any:
 def carried(row: Row, drive: Driven, body: int, by: Any, span: float) -> tuple[float, float]:
     """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
 
-    `body` is the index of a part or of the stop, `by` the result of `swung`.
+    `body` is the index of a part or of the stop, `by` the result of `swung`. Here w = 2 pi f.
     """
     raise NotImplementedError
 

@@ -42,7 +42,7 @@ def is_lifted(drive: Drive, tau: float) -> bool:
 def flight(drive: Drive, tau: float) -> tuple[float, float]:
     """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
 
-    z'' = s sin(tau) - gn from z = z' = 0. Infinite and 0 beyond 1,000 turns.
+    z'' = s sin(tau) - gn from z = z' = 0. Infinite and 0 beyond 1,000 turns. Here w = 2 pi f.
     """
     span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
     if span == math.inf:
@@ -123,6 +123,7 @@ def carried(
     """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
 
     `body` is the index of a part or of the stop, `by` the velocity and distance that sin(tau) adds.
+    Here w = 2 pi f.
     """
     return (
         row.gain[body] * by[0] - row.drag[body] * span,

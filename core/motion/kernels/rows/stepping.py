@@ -89,8 +89,8 @@ def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float)
     """Set a chain's speeds after an impulse of the floor: v - mu I or v + mu I pooled, or 0.
 
     Parts `first` to before `end`, with velocities `v` without friction and coefficients `mu`;
-    `impulse` is I per mass, in g/w. Forward speeds are those of v - mu I above 0, backward ones
-    those of v + mu I below 0.
+    `impulse` is I per mass, in g/w (w = 2 pi f). Forward speeds are those of v - mu I above 0,
+    backward ones those of v + mu I below 0.
     """
     for i in range(first, end):
         row.value[i] = v[i] - mu[i] * impulse
@@ -110,8 +110,8 @@ def stepped_chain(
     """Set the speeds of touching parts after a time step; return the impulse on the stop.
 
     Parts `first` to before `end`; `push` is the change of velocity without friction, `impulse` that
-    of the floor per mass, in g/w; `held` if they touch the stop; `v` and `mu` are work arrays.
-    Parts at rest have their static friction until they move.
+    of the floor per mass, in g/w (w = 2 pi f); `held` if they touch the stop; `v` and `mu` are work
+    arrays. Parts at rest have their static friction until they move.
     """
     for i in range(first, end):
         v[i] = row.speed[i] + push
@@ -183,7 +183,7 @@ def stepped_period(
     pushes
         Drive in the middles of the steps.
     height, rate
-        Height in g/w^2 and normal velocity in g/w, the same for all parts.
+        Height in g/w^2 (w = 2 pi f) and normal velocity in g/w, the same for all parts.
     tally
         Filled in the order of `Tally`.
     swept

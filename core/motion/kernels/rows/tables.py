@@ -155,9 +155,9 @@ def row_at(cell: Floats, backward: float) -> Row:
 
 @compiled
 def backward_speed(drive: Drive) -> float:
-    """Return the velocity relative to the track, at phase 0, of a body at rest in space, in g/w.
+    """Return the velocity relative to the track, at phase 0, of a body at rest in space.
 
-    It is w with w' = c sin(tau) + level, without mean over a period.
+    In g/(2 pi f). It is w with w' = c sin(tau) + level, without mean over a period.
     """
     start, since, mean = 0.0, 0.0, 0.0
     for step in range(drive.ends.size):

@@ -207,7 +207,7 @@ def is_lifted(drive: RowWave, tau: float) -> bool:
 def flight(drive: RowWave, tau: float) -> tuple[float, float]:
     """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
 
-    Infinite and 0 if no landing is found.
+    Infinite and 0 if no landing is found. Here w = 2 pi f.
     """
     span = landing(drive.base, 0.0, tau)
     if span < 0.0:
@@ -357,7 +357,7 @@ def swung(drive: RowWave, tau: float, span: float) -> Swung:
 def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
     """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
 
-    `body` is the index of a part or of the stop, `by` the result of `swung`.
+    `body` is the index of a part or of the stop, `by` the result of `swung`. Here w = 2 pi f.
     """
     a, b, k = row.gain[body], drive.share[body], row.drag[body]
     return (

@@ -106,10 +106,10 @@ def friction_impulse(
 ) -> tuple[float, float, bool]:
     """Return the friction impulse (two components) at one contact, and True if it sticks.
 
-    Per mass, in g/w. The slip (`slip_1`, `slip_2`) is that without the impulse; a unit impulse
-    changes it by 1 and by r = `response`. It sticks if an impulse of at most `hold` can stop it;
-    else the impulse is -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along the slip
-    that is left, where |e| = 1 gives z: the secular equation of theory 7.3.
+    Per mass, in g/w (w = 2 pi f). The slip (`slip_1`, `slip_2`) is that without the impulse; a unit
+    impulse changes it by 1 and by r = `response`. It sticks if an impulse of at most `hold` can
+    stop it; else the impulse is -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along
+    the slip that is left, where |e| = 1 gives z: the secular equation of theory 7.3.
     """
     stop_2 = slip_2 / response
     if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:
@@ -140,8 +140,8 @@ def slip_along(
     """Return the slip along one axis after a step, and the unused rest of static friction.
 
     From the slip u, the change h a without friction (`push`), and the impulses that static and
-    kinetic friction can give, H = `hold` and Q = `slide`, in g/w: 0 while |h a| <= H, else u + h a
-    - Q sign(u).
+    kinetic friction can give, H = `hold` and Q = `slide`, in g/w (w = 2 pi f): 0 while |h a| <= H,
+    else u + h a - Q sign(u).
 
     `spare`, before as after, is the rest H - |h a|, negative if the contact slips, infinite if it
     sticks but the step before tells nothing. The step is cut where the force passes what friction
@@ -257,8 +257,8 @@ def held_state(
 ) -> Stepped:
     """Return the state after a step in which the contact began to stick: its slip is exactly 0.
 
-    `vy`, `vz`, `spin` are the velocities without friction, `normal` the normal impulse in g/w; a
-    cylinder (`rolling` = m r^2/I > 0) rolls on with v_y - (v_y + spin)/(1 + m r^2/I).
+    `vy`, `vz`, `spin` are the velocities without friction, `normal` the normal impulse in g/w (w =
+    2 pi f); a cylinder (`rolling` = m r^2/I > 0) rolls on with v_y - (v_y + spin)/(1 + m r^2/I).
     """
     if rolling == 0.0:
         return Stepped(0.0, 0.0, vz, 0.0, normal, spare)

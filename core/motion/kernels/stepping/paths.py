@@ -42,7 +42,7 @@ def path(
     h, steps
         Length of a step in rad, and number of steps.
     start
-        Position (3), velocity (3) and spin, in g/w^2 and g/w.
+        Position (3), velocity (3) and spin, in g/w^2 (w = 2 pi f) and g/w.
     wave
         The drive of a period from the first phase on (rows of `DRIVE`), without columns for a sine.
     """

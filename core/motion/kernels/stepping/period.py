@@ -31,7 +31,7 @@ def count(
     Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight if the floor gives no
     impulse `normal`. A landing faster than `fall`, what gravity gives in a step, counts as an
     impact. `pressed` is True if the floor carried the part before, `uz` is the normal velocity
-    before the step, `z` the height after it; in g/w and g/w^2.
+    before the step, `z` the height after it; in g/w (w = 2 pi f) and g/w^2.
     """
     if normal > 0.0:
         if vx > still:

@@ -56,7 +56,7 @@ def limit(
     From the means v_1, v_2, v_3 of the last three groups of `part` periods: a transient dies out
     with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. Infinite
     distance if q is above `slows`. Changes up to `rounding` are none. `tallies` hold `done` periods
-    of the duration `period`.
+    of the duration `period`. Here w = 2 pi f.
     """
     travel = tallies[:, TALLY.travel]
     first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
@@ -89,7 +89,7 @@ def settled(
     multiple, window
         Periods of the cycle, and periods over which it was seen.
     rounding, allowed
-        Changes of a velocity in g/w that are rounding, and that a step may make.
+        Changes of a velocity in g/w (w = 2 pi f) that are rounding, and that a step may make.
     period
         Duration of a period in rad.
     """
@@ -131,7 +131,7 @@ def repeats(
     states, tallies, done
         States between periods, what each did, and the periods so far.
     rounding, allowed
-        Changes of a velocity in g/w that are rounding, and that a step may make.
+        Changes of a velocity in g/w (w = 2 pi f) that are rounding, and that a step may make.
     period
         Duration of a period in rad.
     result

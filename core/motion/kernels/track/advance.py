@@ -52,7 +52,7 @@ def advance(
     wall, rolling
         If there is a wall, and m r^2/I of a cylinder or 0.
     order, tolerance
-        Highest power of the series, and size in g/w of their last terms.
+        Highest power of the series, and size in g/w (w = 2 pi f) of their last terms.
     state, hold
         Columns of `STATE` and `HOLD`; changed to those at the end.
     tally

@@ -28,10 +28,10 @@ SAMPLE = 7
 def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
     """Return position, velocity and mode at ascending phases from the start of a cycle.
 
-    Shape (phases, 7): place (3) in g/w^2, velocity (3) in g/w, mode. If the motion does not repeat
-    they are those after the periods that it is followed for. `group` holds the cell's numbers,
-    `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0. NaN and mode
-    `unknown` on failure.
+    Shape (phases, 7): place (3) in g/w^2 (w = 2 pi f), velocity (3) in g/w, mode. If the motion
+    does not repeat they are those after the periods that it is followed for. `group` holds the
+    cell's numbers, `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0. NaN
+    and mode `unknown` on failure.
     """
     cell = cell_of(group)
     samples = np.full((phases.size, SAMPLE), math.nan)
@@ -63,10 +63,10 @@ def spend_cells(
 ) -> None:
     """Fill the energy table and statuses of cells: what friction, impacts and the drive do.
 
-    `table` has the columns of `SPENT`, mean powers per mass in g^2/w; NaN without a cycle. The
-    cycle is followed once more from its start. `groups` has a row of numbers for each cell, `wall`
-    is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0, `stop` is a flag that ends
-    the work.
+    `table` has the columns of `SPENT`, mean powers per mass in g^2/w (w = 2 pi f); NaN without a
+    cycle. The cycle is followed once more from its start. `groups` has a row of numbers for each
+    cell, `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0, `stop` is a
+    flag that ends the work.
     """
     if groups.shape[0] == 0:
         return

@@ -28,9 +28,9 @@ it ends on a straight line."""
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
     """Return the restitution of an impact: 0 if the hops after it shrink to nothing.
 
-    With the impact's `speed` v in g/w, the load L that then presses the part on, and `restitution`
-    eps: the hops last T = 2 w/(L (1 - eps)), w = eps v, and vanish if w T < 1e-13 and T <
-    `ahead`/1000, with the phase `ahead` to the next event in rad. Their impulses then add up to
+    With the impact's `speed` v in g/(2 pi f), the load L that then presses the part on, and
+    `restitution` eps: the hops last T = 2 w/(L (1 - eps)), w = eps v, and vanish if w T < 1e-13 and
+    T < `ahead`/1000, with the phase `ahead` to the next event in rad. Their impulses then add up to
     what the contact carries in their time, less w (theory 13.5).
     """
     if restitution >= 1.0 or not load > 0.0:
@@ -52,10 +52,10 @@ def strike(
 ) -> None:
     """Change the velocities in `state` by impacts on the floor, the wall, or both.
 
-    `floor` and `wall` are the speeds of impact in g/w, 0 without one; `bounce` and `rear` their
-    restitutions. Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along it: |i_t| <= mu
-    i_n stops the slip if it can (theory 13.1). Of two impacts at once each is solved in its turn
-    until both stand still.
+    `floor` and `wall` are the speeds of impact in g/w (w = 2 pi f), 0 without one; `bounce` and
+    `rear` their restitutions. Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along
+    it: |i_t| <= mu i_n stops the slip if it can (theory 13.1). Of two impacts at once each is
+    solved in its turn until both stand still.
     """
     ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
     normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -96,8 +96,8 @@ def rub_floor(
 ) -> tuple[float, float]:
     """Replace the friction impulse (fx, fy) of the floor in `state` by the present one; return it.
 
-    `limit` is mu_k times the normal impulse in g/w. With r = 1 + m r^2/I and `rolling` = m r^2/I,
-    the slip without friction is (u_x - f_x, u_y + spin - r f_y).
+    `limit` is mu_k times the normal impulse in g/w (w = 2 pi f). With r = 1 + m r^2/I and `rolling`
+    = m r^2/I, the slip without friction is (u_x - f_x, u_y + spin - r f_y).
     """
     ux, uy, spin, response = STATE.ux, STATE.uy, STATE.spin, 1.0 + rolling
     slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
@@ -117,8 +117,8 @@ def impulse(
 ) -> tuple[float, float, bool]:
     """Return the friction impulse on a slip (two components), and True if it stops the slip.
 
-    Per mass, in g/w; `limit` is the largest impulse, `response` that of the second component of the
-    slip to friction.
+    Per mass, in g/w (w = 2 pi f); `limit` is the largest impulse, `response` that of the second
+    component of the slip to friction.
     """
     if slip_1 == 0.0 and slip_2 == 0.0:
         return 0.0, 0.0, limit > 0.0
@@ -242,10 +242,11 @@ def closing(
 ) -> tuple[bool, float]:
     """Return True if a slip ends on a straight line, and the size at which to look at it again.
 
-    `size` is its speed r in g/w, `rate` the rate at which it closes, `rub` mu_k times the load,
-    `need` the force |(D_1, D_2/r)| against it, in g, `speed` the drive's velocity. It ends so if
-    r^2 <= 3 tol s, with what friction has left, s = rub - need, and if forces do not outgrow s
-    meanwhile, r (1 + rub) speed <= s^2. Otherwise it may turn along the push first (theory 13.13).
+    `size` is its speed r in g/w (w = 2 pi f), `rate` the rate at which it closes, `rub` mu_k times
+    the load, `need` the force |(D_1, D_2/r)| against it, in g, `speed` the drive's velocity. It
+    ends so if r^2 <= 3 tol s, with what friction has left, s = rub - need, and if forces do not
+    outgrow s meanwhile, r (1 + rub) speed <= s^2. Otherwise it may turn along the push first
+    (theory 13.13).
     """
     if not (rate > 0.0 and need <= rub):
         return False, tolerance
@@ -261,7 +262,7 @@ def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -
     """Set the slip in `state` to exactly 0; a cylinder keeps rolling, u_y - slip_2/(1 + m r^2/I).
 
     `contacts` is what carries the part (a bit each for floor and wall), `slip_2` is the second
-    component of the slip in g/w.
+    component of the slip in g/w (w = 2 pi f).
     """
     state[STATE.ux] = 0.0
     if contacts == WALL:

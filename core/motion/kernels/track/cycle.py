@@ -161,7 +161,7 @@ def remaining(
 
     d/(1 - q), q = d/d0 at most 0.999, with the change d over the last cycle of `multiple` periods,
     up to period `last`, and d0 over the one before; d alone if that began before period `since`,
-    the last jump of the iteration (theory 13.13).
+    the last jump of the iteration (theory 13.13). Here w = 2 pi f.
     """
     change = apart(wall, rolling, history, last, last - multiple + 1)
     if last - 2 * multiple + 1 < since or change == 0.0:
@@ -341,7 +341,8 @@ def first_coordinate(wall: bool, history: History, period: int) -> int:
 def step_size(wall: bool, history: History, period: int) -> float:
     """Return the largest change of a state over a period, max |end - start|, in g/w and g/w^2.
 
-    Over the columns of the state that take part in Anderson's mixing (`first_coordinate`).
+    Over the columns of the state that take part in Anderson's mixing (`first_coordinate`). Here w =
+    2 pi f.
     """
     most = 0.0
     for i in range(first_coordinate(wall, history, period), len(STATE)):

@@ -49,7 +49,7 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 
     Behind the fields of `Cell` the row has the numbers of harmonics and of steps; the harmonics by
     axis (along, across, normal), sine or cosine, and order; and the levels by axis with the ends of
-    the steps. The size bounds the track's velocity in g/w.
+    the steps. The size bounds the track's velocity in g/w (w = 2 pi f).
     """
     columns = wave_columns(row, GROUPS)
     orders, steps = columns.orders, columns.steps
@@ -77,8 +77,9 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
     """Fill the track's velocity along an axis at the start of each step; return the largest.
 
-    In g/w: v -> v - p D over a step with push p and duration D, less the mean of that over the
-    period. `axis` is 0, 1, 2 for along, across, normal; `steps` is their number (theory 13.14).
+    In g/w (w = 2 pi f): v -> v - p D over a step with push p and duration D, less the mean of that
+    over the period. `axis` is 0, 1, 2 for along, across, normal; `steps` is their number (theory
+    13.14).
     """
     level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
     at, now, mean, most = 0.0, 0.0, 0.0, 0.0
@@ -116,7 +117,7 @@ def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
 def size(work: Work) -> float:
     """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)|, or a bound for a wave.
 
-    In g/w; tolerances are relative to it.
+    In g/w (w = 2 pi f); tolerances are relative to it.
     """
     return work[ROW.wave, SIZE]
 
@@ -132,8 +133,9 @@ def sine_slope(work: Work, tau: float) -> float:
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
     """Fill the series at phase tau of the push on a part and of the track's velocity along itself.
 
-    Coefficients of powers 0 to `order` of the phase since tau, in g and g/w, into rows `free` and
-    `track`. The push is minus the acceleration of the track: (p_x, p_y, p_z) sin(tau) for a sine.
+    Coefficients of powers 0 to `order` of the phase since tau, in g and g/w (w = 2 pi f), into rows
+    `free` and `track`. The push is minus the acceleration of the track: (p_x, p_y, p_z) sin(tau)
+    for a sine.
     """
     if work[ROW.wave, ORDERS] > 0.0:
         fill_harmonics(tau, order, work)

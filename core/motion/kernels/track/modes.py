@@ -149,7 +149,8 @@ def to_zero(
 def fill_position(work: Work, axis: int, start: float, order: int) -> None:
     """Fill the series of a position from that of its velocity, q_(k+1) = u_k/(k + 1).
 
-    `axis` is 0, 1, 2 for along, across, normal; `start` is q_0 in g/w^2; up to the power `order`.
+    `axis` is 0, 1, 2 for along, across, normal; `start` is q_0 in g/w^2 (w = 2 pi f); up to the
+    power `order`.
     """
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start

@@ -256,8 +256,8 @@ def last_of_slip(
 ) -> None:
     """Fill the last piece of a slip as a straight line to its end, (size - rate D) e, D the phase.
 
-    `size` is the slip's speed in g/w, `rate` its rate of fall in g, e = (cosine, sine) its
-    direction.
+    `size` is the slip's speed in g/w (w = 2 pi f), `rate` its rate of fall in g, e = (cosine, sine)
+    its direction.
     """
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
@@ -271,7 +271,8 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
     """Fill the part's velocities along the axes of the slip, from slip and acceleration.
 
     Friction acts on the slip of a cylinder r times as much as on its velocity: u_2' = (slip_2' + (r
-    - 1) D_2)/r, with the acceleration D without friction. `velocity_2` is u_2 at the start in g/w.
+    - 1) D_2)/r, with the acceleration D without friction. `velocity_2` is u_2 at the start in g/w
+    (w = 2 pi f).
     """
     response = contact.response
     along, other = ROW.velocity, ROW.velocity + contact.second

@@ -78,8 +78,8 @@ def without_repeating(
     """Fill the result of a motion that did not repeat, and return its status.
 
     The mean and its error are those of batches of its `done` periods in `history`; a mean that
-    drifts is none, `limit_reached`. `speed` is the velocity amplitude of the drive in g/w, `result`
-    has the columns of `COLUMN` (theory 13.13).
+    drifts is none, `limit_reached`. `speed` is the velocity amplitude of the drive in g/w (w = 2 pi
+    f), `result` has the columns of `COLUMN` (theory 13.13).
     """
     travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
     status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
@@ -179,7 +179,7 @@ def followed_on(
 
     The run follows the cycle of `multiple` periods twice from its start (`state`, `hold`); the
     error is the difference of its mean velocity in the second time from `velocity`, plus the
-    distance that its state still has to go (`remaining`).
+    distance that its state still has to go (`remaining`). Here w = 2 pi f.
     """
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
@@ -209,10 +209,10 @@ def settled_anew(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return the largest difference of other runs from a mean velocity, True if it is confirmed.
 
-    In g/w. The runs start from rest, with shorter series and a restitution that is a hair smaller
-    (`changed`): in which of several motions a part with rebounds ends may depend on its last
-    digits. It does (False) if the first run strays from the other by |du_x| > 0.1 of the drive's
-    speed on the way; three more then tell how far the means are apart.
+    In g/w (w = 2 pi f). The runs start from rest, with shorter series and a restitution that is a
+    hair smaller (`changed`): in which of several motions a part with rebounds ends may depend on
+    its last digits. It does (False) if the first run strays from the other by |du_x| > 0.1 of the
+    drive's speed on the way; three more then tell how far the means are apart.
     """
     speeds = history.ends[: settled.done, STATE.ux].copy()
     state, hold = at_rest()
@@ -243,7 +243,7 @@ def settled_velocity(
     """Return the mean velocity in g/w of a run with other series (NaN if none), and its periods.
 
     The run starts from `state` and `hold` and may take four times as long as the `done` periods of
-    the first run, and 32 more.
+    the first run, and 32 more. Here w = 2 pi f.
     """
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)

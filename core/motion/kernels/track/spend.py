@@ -19,7 +19,7 @@ def kinetic(state: Floats, rolling: float) -> float:
     """Return the kinetic energy per mass relative to the track, in (g/w)^2, with a cylinder's spin.
 
     (u.u + spin^2/(m r^2/I))/2; `state` has the columns of `STATE`, `rolling` is m r^2/I or 0
-    (theory 13.15).
+    (theory 13.15). Here w = 2 pi f.
     """
     square = state[STATE.ux] ** 2 + state[STATE.uy] ** 2 + state[STATE.uz] ** 2
     if rolling > 0.0:
@@ -43,7 +43,8 @@ def spend(
     Per mass, from phase `tau` over `span` rad: the integrals of b.u (drive), of b'.u (swing, NaN of
     a wave) and of friction, with the push b, its derivative b' by the phase and the velocity u,
     from the series in `work` up to power `order`. `contacts` is the contact that carries the part,
-    `slips` is True if it slips. Nothing is done if `spent` has no columns (theory 13.15).
+    `slips` is True if it slips. Nothing is done if `spent` has no columns (theory 13.15). Here w =
+    2 pi f.
     """
     if spent.size == 0:
         return
@@ -72,7 +73,7 @@ def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> flo
 
     mu_k N |slip| of the floor, mu_w S |slip| of the wall, with the loads N = -D_z and S = -D_y from
     the accelerations D without contacts. `at` is the phase since the step began, `order` the
-    highest power of its series (theory 13.15).
+    highest power of its series (theory 13.15). Here w = 2 pi f.
     """
     floor = -cell.friction_kinetic * value(work, ROW.free + 2, order - 1, at)
     wall = -cell.wall_friction * value(work, ROW.free + 1, order - 1, at)

@@ -47,12 +47,12 @@ def reference_path(
 
     Parameters
     ----------
-    phases : array_like, shape (n,)
-        Ascending; the given state is that at the first.
-    position, velocity : sequence of 3 floats
-        Along, across and normal, in g/w^2 and g/w.
-    spin : float
-        As in `core.motion.methods.stepping.stepped_path`.
+    phases
+        Array_like, shape (n,) Ascending; the given state is that at the first.
+    position, velocity
+        Sequence of 3 floats Along, across and normal, in g/w^2 (w = 2 pi f) and g/w.
+    spin
+        Float As in `core.motion.methods.stepping.stepped_path`.
 
     Other parameters are those of `reference_motion`.
 
@@ -190,8 +190,8 @@ def _result(
 ) -> Motion:
     """Return a motion whose shares and counts are those of the last `periods` periods of a run.
 
-    `velocity`, `error` and `spread` are in g/w; `multiple` is the number of periods after which it
-    repeats, 0 if it does not; `status` the name of its status.
+    `velocity`, `error` and `spread` are in g/w (w = 2 pi f); `multiple` is the number of periods
+    after which it repeats, 0 if it does not; `status` the name of its status.
     """
     tallies = run.tallies[-periods:]
     phase = 2.0 * math.pi * periods

@@ -87,7 +87,8 @@ class ReferenceLaws:
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         """Return the acceleration (3) of a free part relative to the track in g (theory 13.1).
 
-        `phase` is that of the drive, `ux` the velocity along in g/w: in a curve it acts across.
+        `phase` is that of the drive, `ux` the velocity along in g/w (w = 2 pi f): in a curve it
+        acts across.
         """
         p, (along, across, normal) = self.groups, self.drive.push(phase)
         across = across - p.gravity_number_across
@@ -99,7 +100,7 @@ class ReferenceLaws:
     def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
         """Return contact forces and rates of velocity in a mode, at a phase and velocity along.
 
-        `ux` is in g/w; `e` is the direction of slip (two components).
+        `ux` is in g/w (w = 2 pi f); `e` is the direction of slip (two components).
         """
         p, (dx, dy, dz) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
@@ -129,7 +130,7 @@ class ReferenceLaws:
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
         """Return the two components of the slip in g/w, at one contact or at floor and wall.
 
-        `state` holds position (3), velocity (3) and spin.
+        `state` holds position (3), velocity (3) and spin. Here w = 2 pi f.
         """
         if mode.floor and mode.wall:  # the floor has (u_x, spin), the wall (u_x, -spin)
             return float(state[UX]), float(state[SPIN])
@@ -142,7 +143,8 @@ class ReferenceLaws:
     ) -> tuple[Numbers, Numbers]:
         """Return the rate of the slip's size in g, and the rate of its angle times its size.
 
-        `size` in g/w and `angle` in rad are those of the slip, at `phase`, in a mode that slips.
+        `size` in g/w (w = 2 pi f) and `angle` in rad are those of the slip, at `phase`, in a mode
+        that slips.
         """
         e = np.cos(angle), np.sin(angle)
         ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
@@ -201,7 +203,7 @@ class ReferenceLaws:
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
         """Return the friction impulse that stops a slip, or one of size `limit` if that is less.
 
-        `first` and `second` are the slip's components; all in g/w.
+        `first` and `second` are the slip's components; all in g/w (w = 2 pi f).
         """
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response

@@ -443,7 +443,7 @@ class Part:
 
         `approach` is the speed before, `press` the acceleration in g that presses the part on. The
         impact that ends a run is one without rebound: the impulses then add up exactly (theory
-        13.5).
+        13.5). Here w = 2 pi f.
         """
         speed = restitution * approach
         if restitution < 1.0 and press > 0.0:
@@ -456,8 +456,8 @@ class Part:
     def falling(self, approach: float, damping: float, press: float) -> float:
         """Return the speed after an impact with speed-dependent restitution; 0 where it is tiny.
 
-        `approach` is the speed before in g/w, `damping` b that of the contact, `press` the load n
-        in g. Such hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
+        `approach` is the speed before in g/w (w = 2 pi f), `damping` b that of the contact, `press`
+        the load n in g. Such hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
         """
         speed = approach * float(soft_contact.hunt_crossley(np.asarray(damping * approach)))
         if press > 0.0 and 3.0 * speed / (damping * press) < SOFT_HOP:

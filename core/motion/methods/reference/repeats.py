@@ -183,7 +183,7 @@ class ReferenceRun:
     def nearing(self, multiple: int) -> float:
         """Return the distance by which the part neared the wall in the last `multiple` periods.
 
-        In g/w^2; 0 if it did not.
+        In g/w^2 (w = 2 pi f); 0 if it did not.
         """
         change = float(self.before[-multiple][Y] - self.after[-1][Y])
         return change if change > SAME * self.scale else 0.0
@@ -404,7 +404,8 @@ class ReferenceRun:
         NaN and infinite if the cycle does not attract. What is left of the transient, what the
         cycle changes if it is followed more finely, and rounding at every event shift the state by
         a little in each round: the cycle moves by (1 - M)^-1 of it, M the map of changes over a
-        round. The first two are known: the velocity counts them, and the error still does.
+        round. The first two are known: the velocity counts them, and the error still does. Here w =
+        2 pi f.
         """
         if self.refused and not self.affords(multiple):
             return math.nan, math.inf

@@ -176,8 +176,8 @@ def _straight(
 ) -> Slip | None:
     """Return a slip with constant direction at the nodes; None if the iteration fails.
 
-    `start` is its size in g/w and angle in rad at the start, `rate` a guess of the rate of its size
-    at the nodes, `phases` are those of the nodes, `length` in rad.
+    `start` is its size in g/w (w = 2 pi f) and angle in rad at the start, `rate` a guess of the
+    rate of its size at the nodes, `phases` are those of the nodes, `length` in rad.
     """
     size0, angle = start
     reach = length * NODES_INTEGRAL
@@ -210,9 +210,9 @@ def _turning(
 ) -> Slip | None:
     """Return a slip that turns, at the nodes; None if the iteration fails.
 
-    `start` is its size in g/w and angle in rad at the start, `rate` and `angular` are guesses of
-    the rates of both at the nodes, `phases` those of the nodes, `length` in rad. By Newton's
-    iteration.
+    `start` is its size in g/w (w = 2 pi f) and angle in rad at the start, `rate` and `angular` are
+    guesses of the rates of both at the nodes, `phases` those of the nodes, `length` in rad. By
+    Newton's iteration.
     """
     size0, angle0 = start
     reach = length * NODES_INTEGRAL

@@ -85,9 +85,9 @@ def _cells(
 ) -> list[Cell]:
     """Return a cell with the laws asked for, then cells with laws once and twice as coarse.
 
-    `slip` is the slip speed in g/w, `stiffness` that of the floor over mass times w^2; coarser
-    cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the indices of the
-    axes: (0, 2) in the plane, (0, 1, 2) in space.
+    `slip` is the slip speed in g/(2 pi f), `stiffness` that of the floor over mass times w^2;
+    coarser cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the
+    indices of the axes: (0, 2) in the plane, (0, 1, 2) in space.
     """
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
     drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
@@ -172,29 +172,29 @@ def regularised_motion(
 
     Parameters
     ----------
-    groups : Groups
-        A static friction below the kinetic one counts as equal to it. Values of the restitution
-        below about (8/stiffness^(1/2))^(2/3)/4, 0 among them, all give this share; see
+    groups
+        Groups A static friction below the kinetic one counts as equal to it. Values of the
+        restitution below about (8/stiffness^(1/2))^(2/3)/4, 0 among them, all give this share; see
         `damping_ratio`.
-    slip_speed : array_like
-        Speed below which friction gives way, in g/w.
-    contact_stiffness : array_like
-        Stiffness of the floor, over mass times w^2.
-    tolerance : array_like
-        Relative error of a step of the integrator; up to a thousandth of the slip speed, lest the
-        integrator's scatter hide what the laws' errors are.
-    max_periods : array_like of int
-        Periods of the drive after which a cell is given up.
-    solver : str
-        One of `SOLVERS`. LSODA takes the least time, but may stay with its explicit formula after
-        a landing until the evaluations are used up; Radau did not fail.
-    planar : bool
-        True for motion along and normal to the track only; the groups across must then be 0.
-    softer : float
-        Factor of the stiffness for the estimate of the error; 1 where the stiffness is that of a
-        lining, and no error.
-    watch : Watch, optional
-        May stop it; what is not finished is `not_computed`.
+    slip_speed
+        Array_like Speed below which friction gives way, in g/(2 pi f).
+    contact_stiffness
+        Array_like Stiffness of the floor, over mass times w^2.
+    tolerance
+        Array_like Relative error of a step of the integrator; up to a thousandth of the slip speed,
+        lest the integrator's scatter hide what the laws' errors are.
+    max_periods
+        Array_like of int Periods of the drive after which a cell is given up.
+    solver
+        Str One of `SOLVERS`. LSODA takes the least time, but may stay with its explicit formula
+        after a landing until the evaluations are used up; Radau did not fail.
+    planar
+        Bool True for motion along and normal to the track only; the groups across must then be 0.
+    softer
+        Float Factor of the stiffness for the estimate of the error; 1 where the stiffness is that
+        of a lining, and no error.
+    watch
+        Watch, optional May stop it; what is not finished is `not_computed`.
 
     Returns
     -------

@@ -54,17 +54,18 @@ class RegularisedLaws:
         It sets in over the depth to which the weight presses the spring. If it set in at once, the
         force would jump at a landing, and integrators end there: the step that their tolerance asks
         for is below the spacing of floating numbers. On floors stiffer than 1e8 that depth itself
-        is passed in so short a time; there it is 1e-4 of the depth to which an impact at g/w goes.
+        is passed in so short a time; there it is 1e-4 of the depth to which an impact at g/w (w = 2
+        pi f) goes.
         """
         return max(1.0, 1e-4 * math.sqrt(self.stiffness))
 
     def friction(self, speed: float) -> tuple[float, float]:
         """Return friction over (normal force times speed), and its derivative by speed over speed.
 
-        `speed` is the slip speed in g/w. The coefficient falls from the static to the kinetic one
-        as a Gaussian of the speed, whose height and width give the force its maximum, the static
-        coefficient exactly, at `PEAK` slip speeds: shapes with a lower or higher peak would break
-        loose at a wrong load however small the slip speed is.
+        `speed` is the slip speed in g/w (w = 2 pi f). The coefficient falls from the static to the
+        kinetic one as a Gaussian of the speed, whose height and width give the force its maximum,
+        the static coefficient exactly, at `PEAK` slip speeds: shapes with a lower or higher peak
+        would break loose at a wrong load however small the slip speed is.
         """
         square = speed * speed
         root = math.sqrt(square + self.slip_speed * self.slip_speed)
@@ -83,7 +84,8 @@ class RegularisedLaws:
     def unclamped(self, height: float, velocity: float) -> float:
         """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt).
 
-        `height` in g/w^2 is negative in the floor, `velocity` is that off the floor in g/w.
+        `height` in g/w^2 (w = 2 pi f) is negative in the floor, `velocity` is that off the floor in
+        g/w.
         """
         spring = -self.stiffness * height
         return spring - self.damping * min(1.0, spring / self.onset) * velocity
@@ -91,7 +93,8 @@ class RegularisedLaws:
     def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
         """Return the floor's force over the weight, never negative, and its derivatives.
 
-        By `height` in g/w^2 (negative in the floor) and by `velocity` off the floor in g/w.
+        By `height` in g/w^2 (w = 2 pi f) (negative in the floor) and by `velocity` off the floor in
+        g/w.
         """
         force = self.unclamped(height, velocity) if height < 0 else 0.0
         if force <= 0:
@@ -110,8 +113,8 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
     a) of its speed; with cosh b at exp(-2b coth b). Both are independent of the speed, as Newton's
     law asks; with Hunt and Crossley's damper they are not. A restitution of 0 needs endless
     damping, which would let the part sink and rise slowly. The ratio stays below
-    (stiffness^(1/2)/8)^(1/3), but at least 1: there a landing at g/w under the full weight ends
-    without any rebound, and the floor still recovers in a time of order stiffness^(-1/3). The
+    (stiffness^(1/2)/8)^(1/3), but at least 1: there a landing at g/(2 pi f) under the full weight
+    ends without any rebound, and the floor still recovers in a time of order stiffness^(-1/3). The
     stiffness is in units of mass times w^2.
     """
     most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
@@ -142,7 +145,7 @@ def laws(
 ) -> RegularisedLaws:
     """Return the regularised laws of a cell, with the damping that gives its restitution.
 
-    `slip_speed` in g/w, `stiffness` of the floor over mass times w^2.
+    `slip_speed` in g/(2 pi f), `stiffness` of the floor over mass times w^2.
     """
     damping = 2 * damping_ratio(restitution, stiffness) * math.sqrt(stiffness)
     static = max(friction_static, friction_kinetic)
@@ -217,7 +220,8 @@ class Cell:
     def rate(self, phase: float, state: Array) -> list[float]:
         """Return the derivative of the state by phase, in g/w and g (theory 13.1).
 
-        `state` holds position and velocity; friction and floor are the regularised laws.
+        `state` holds position and velocity; friction and floor are the regularised laws. Here w = 2
+        pi f.
         """
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()

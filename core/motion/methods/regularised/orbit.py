@@ -161,7 +161,10 @@ class Orbit:
     status: str
 
     def across(self, coordinates: int) -> float:
-        """Return the mean velocity across the track in g/w; 0 in the plane (2 coordinates)."""
+        """Return the mean velocity across the track in g/w; 0 in the plane (2 coordinates).
+
+        Here w = 2 pi f, f being the frequency of the drive.
+        """
         if coordinates < 3:
             return 0.0
         return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
@@ -170,7 +173,8 @@ class Orbit:
 def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: float) -> Orbit:
     """Return the motion once it repeats, or its end if all periods or evaluations are used.
 
-    `state` is that at the start; `closeness` is the distance in g/w at which states count as equal.
+    `state` is that at the start; `closeness` is the distance in g/w (w = 2 pi f) at which states
+    count as equal.
     """
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
@@ -248,8 +252,8 @@ def _crossings(
 def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
     """Return shares of the four modes, impacts a period, landing speed and hop height of a cycle.
 
-    The cycle of the orbit is followed once more; speeds in g/w, heights in g/w^2. Raises
-    `SpentError` if the evaluations are used up.
+    The cycle of the orbit is followed once more; speeds in g/w (w = 2 pi f), heights in g/w^2.
+    Raises `SpentError` if the evaluations are used up.
     """
     n = run.cell.coordinates
     law = run.cell.laws
