@@ -21,30 +21,35 @@ TINY = 2.0**-200  # far below the distance of any other float from a multiple of
 
 
 def radians(degrees: Array) -> Array:
-    """Return angles in radians, reduced to -180 to 180 degrees before; the reduction is exact."""
+    """Return angles in radians for angles in degrees.
+
+    Whole turns go first, in degrees, where that is exact: the result lies between -pi and pi, and a
+    multiple of 90 degrees becomes the float nearest to it.
+    """
     turn = np.fmod(degrees, 360.0)
     turn = turn - np.where(np.abs(turn) > 180.0, np.copysign(360.0, turn), 0.0)
     return np.asarray(np.deg2rad(turn + 0.0))  # -0.0 is 0
 
 
 def sine(angle: Array) -> Array:
-    """Return sin(angle); 0 at multiples of 180 degrees."""
+    """Return sin(angle), exactly 0 at the floats that are nearest to multiples of pi."""
     nearest, apart, on_axis = _axis(angle)
     slope = np.rint(np.cos(nearest))
     return np.where(on_axis & (slope != 0), 0.0 + slope * apart, np.sin(angle))
 
 
 def cosine(angle: Array) -> Array:
-    """Return cos(angle); 0 at odd multiples of 90 degrees."""
+    """Return cos(angle), exactly 0 at the floats that are nearest to odd multiples of pi/2."""
     nearest, apart, on_axis = _axis(angle)
     slope = np.rint(np.sin(nearest))
     return np.where(on_axis & (slope != 0), 0.0 - slope * apart, np.cos(angle))
 
 
 def _axis(angle: Array) -> tuple[Array, Array, Mask]:
-    """Return the nearest multiple of 90 degrees, the rest to the angle, and if the rest is 0.
+    """Return the nearest multiple of pi/2, the angle less it, and a mask where both are equal.
 
-    Only the way has a slope: `rint` has none.
+    All in radians. For numbers that carry a slope, the difference has the slope of the angle and
+    the multiple has none, since `rint` is constant between its jumps.
     """
     nearest = np.rint(angle / QUARTER) * QUARTER
     apart = angle - nearest

@@ -36,9 +36,9 @@ def ratio(numerator: Array, denominator: Array, limit: Array | float) -> Array:
 
 
 def hypot(x: Array, y: Array) -> Array:
-    """Return sqrt(x^2 + y^2), within 2 units in the last place and the range of floats.
+    """Return sqrt(x^2 + y^2) without overflow, within 2 units in the last place.
 
-    numpy's is a call for each value, which costs more than all that stands around it.
+    It is made of numpy's elementwise functions because `np.hypot` is slower: a call for each value.
     """
     x, y = np.abs(x), np.abs(y)
     y_is_less = x > y
@@ -48,7 +48,7 @@ def hypot(x: Array, y: Array) -> Array:
 
 
 def expm1_quotient(s: Array) -> Array:
-    """Return phi(s) = -expm1(-s)/s, with phi(0) = 1."""
+    """Return (1 - exp(-s))/s, with the limit 1 at s = 0."""
     return ratio(-np.expm1(-s), s, 1.0)
 
 

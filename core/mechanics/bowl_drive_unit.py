@@ -13,10 +13,12 @@ def bowl_mass_empty(
     *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
     spring_radius: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
-    """Return the mass of the stroke, I_r (cos th/r_s)^2 + m_r sin^2 th, of the empty unit [kg].
+    """Return the moved mass of the empty unit, I_r (cos th/r_s)^2 + m_r sin^2 th [kg].
 
-    The bowl turns by Theta and lifts by r_s tan(th) Theta; its stroke at the leaves is
-    s = r_s Theta/cos(th). I_r and m_r are reduced, as of two masses.
+    The leaf springs stand on a circle of radius r_s (`spring_radius`), tilted by th
+    (`spring_angle`). The bowl turns by Theta and lifts by r_s tan(th) Theta; the stroke of the
+    leaves is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base, and I_r alike of their
+    moments of inertia. With the stiffness k of the leaves, this mass gives the natural frequency.
     """
     return _bowl_mass(
         moving_mass, base_mass, moving_inertia, base_inertia, spring_radius, spring_angle
@@ -27,14 +29,23 @@ def bowl_mass(
     *, loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
     spring_radius: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
-    """Return the mass of the stroke with the load, I_r (cos th/r_s)^2 + m_r sin^2 th [kg]."""
+    """Return the moved mass of the loaded unit, I_r (cos th/r_s)^2 + m_r sin^2 th [kg].
+
+    r_s and th are radius and tilt of the leaf springs (`spring_radius`, `spring_angle`); m_r = m1
+    m2/(m1 + m2) of the loaded bowl and the base, and I_r alike of their moments of inertia.
+    """
     return _bowl_mass(
         loaded_mass, base_mass, loaded_inertia, base_inertia, spring_radius, spring_angle
     )
 
 
 def _bowl_mass(m1: Array, m2: Array, i1: Array, i2: Array, r_s: Array, th: Array) -> Array:
-    """Return the mass of the stroke, I (cos th/r_s)^2 + m sin^2 th, I and m reduced [kg]."""
+    """Return the mass that the stroke moves, I (cos th/r_s)^2 + m sin^2 th [kg].
+
+    `m1`, `i1` are mass [kg] and moment of inertia [kg m2] of the bowl, `m2`, `i2` those of the
+    base, `r_s` [m] and `th` [rad] radius and tilt of the leaves; m = m1 m2/(m1 + m2), I = i1 i2/(i1
+    + i2).
+    """
     turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
     return turning * np.square(cosine(th) / r_s) + lifting * np.square(sine(th))
 
@@ -59,11 +70,14 @@ def bowl_response(
     loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
     load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
-    """Return the stroke s (real, imaginary) and the bowl's share of turn and lift (sizes) [m, 1].
+    """Return the stroke of the leaf springs and the shares of turn and lift that the bowl makes.
 
-    s = F/(k - m w^2 + i w c), m = I_r (cos th/r_s)^2 + m_r sin^2 th, as of two masses and inertias;
-    a damper c_l from the load's place to the ground makes m1 the mass m1 - i c_l/w, I1 the inertia
-    I1 - i c_l R_l^2/w. The shares are I2/(I1 + I2) and m2/(m1 + m2).
+    Four arrays: real and imaginary part of s in s e^(iwt) for the force F cos(wt) [m], then the
+    bowl's share of the relative turn, |I2/(I1 + I2)|, and of the relative lift, |m2/(m1 + m2)| [1].
+    s = F/(k - m w^2 + i w c), m = I_r (cos th/r_s)^2 + m_r sin^2 th with the reduced masses and
+    inertias of bowl (1) and base (2), leaves at radius r_s with tilt th. A damper c_l
+    (`load_damping`) from the load's radius R_l to the ground makes m1 the mass m1 - i c_l/w, I1 the
+    inertia I1 - i c_l R_l^2/w.
     """
     w = circular_frequency
     lost = load_damping / w
@@ -87,9 +101,12 @@ def bowl_harmonic(
     loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
     load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the second harmonic of the track over its first, as sine and cosine at 2 tau [1].
+    """Return sine and cosine part, at 2 tau, of the track's second harmonic over its first [1].
 
-    Turn and lift keep their proportion, on a free base to what a damper from the track takes.
+    tau is the phase in which the first harmonic of the track's displacement is A sin(tau), and
+    `force_harmonic` the second harmonic of the magnet's force over its first. Turn and lift of the
+    bowl are taken to keep one proportion in both harmonics: exact without a damper from track to
+    ground.
     """
     at = [
         bowl_response(
@@ -105,7 +122,12 @@ def bowl_harmonic(
 
 
 def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
-    """Return the reduced mass of m1 - i lost and m2 (real part, loss), and |m2/(m + m2)|."""
+    """Return real part and loss of a reduced mass m1 m2/(m1 + m2), and the size of m2/(m1 + m2).
+
+    m1 = mass - i lost is complex, with the damper's part `lost` = c/w; m2 is `other`. The reduced
+    mass is real part - i loss [kg, or kg m2 for inertias]; the last result is the share of body 1
+    in the relative motion [1].
+    """
     total = mass + other
     size = hypot(total, lost)
     share = other / size
@@ -115,12 +137,20 @@ def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Arra
 def bowl_turn(
     *, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array, spring_radius: Array
 ) -> Array:
-    """Return the amplitude of the bowl's own turning, s cos(th)/r_s I2/(I1 + I2) [rad]."""
+    """Return the amplitude of the bowl's own turning, s cos(th)/r_s I2/(I1 + I2) [rad].
+
+    s is the stroke of the leaf springs [m], th and r_s their tilt and radius, and I2/(I1 + I2) the
+    third entry of `stroke_response`: the bowl's share of the turn between bowl and base.
+    """
     return stroke * cosine(spring_angle) / spring_radius * stroke_response[2]
 
 
 def bowl_lift(*, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array) -> Array:
-    """Return the amplitude of the bowl's own lift, s sin(th) m2/(m1 + m2), at every radius [m]."""
+    """Return the amplitude of the bowl's own lift, s sin(th) m2/(m1 + m2), at every radius [m].
+
+    s is the stroke of the leaf springs [m], th their tilt, and m2/(m1 + m2) the fourth entry of
+    `stroke_response`: the bowl's share of the lift between bowl and base.
+    """
     return stroke * sine(spring_angle) * stroke_response[3]
 
 
@@ -132,6 +162,8 @@ def bowl_amplitude(*, radius: Array, bowl_turn: Array, bowl_lift: Array) -> Arra
 def bowl_angle(*, radius: Array, bowl_turn: Array, bowl_lift: Array, gamma: Array) -> Array:
     """Return the angle of the vibration above the track, atan(z_1/(r Theta_1)) - gamma [rad].
 
-    tan = (r_s/r) tan(th) m2/(m1 + m2) (I1 + I2)/I2: that of the leaves only where the base is held.
+    z_1 and Theta_1 are the amplitudes of the bowl's lift [m] and turn [rad], r the radius of the
+    track and gamma its climb. It is the tilt of the leaf springs only where the base is held and r
+    is theirs.
     """
     return np.arctan2(bowl_lift, radius * bowl_turn) - gamma

@@ -35,7 +35,13 @@ class Stretches(NamedTuple):
 def stretches_of(
     start_radius: Array, radii: Sequence[Array], turns: Sequence[Array], climbs: Sequence[Array]
 ) -> Stretches:
-    """Return stretches by their radii at the end, turns and climbs, pi n (r_1 + r_2)/cos(gamma)."""
+    """Return the stretches of a track by their radii, turns and climbs.
+
+    `radii` are those at the end of each stretch [m]; a stretch begins where the one before ends,
+    the first at `start_radius` [m]. `turns` are turns about the bowl, `climbs` angles [rad]. The
+    length of a stretch is pi n (r_1 + r_2)/cos(gamma), of n turns from radius r_1 to r_2 with climb
+    gamma.
+    """
     starts = (start_radius, *radii[:-1])
     lengths = tuple(
         np.pi * count * (first + last) / cosine(climb)
@@ -51,7 +57,10 @@ def total_length(stretches: Stretches) -> Array:
 
 
 def bounds(stretches: Stretches) -> list[Array]:
-    """Return the shares of the length at which stretches begin, and 1 at the exit [1]."""
+    """Return the shares of the track's length at which stretches begin, then 1 for the exit [1].
+
+    One array more than there are stretches; the first is 0.
+    """
     total, passed = total_length(stretches), [0.0 * stretches.length[0]]
     for length in stretches.length:
         passed.append(passed[-1] + length)
@@ -59,9 +68,10 @@ def bounds(stretches: Stretches) -> list[Array]:
 
 
 def radius_at(fraction: Array, stretches: Stretches) -> Array:
-    """Return the radius at a share of the track's length [m].
+    """Return the radius of the track at a share of its length [m].
 
-    r^2 = r_1^2 + (r_2^2 - r_1^2) x in a stretch, x the share of its own length: dr ~ dphi, ds ~ r
+    `fraction` is that share, 0 at the start and 1 at the exit. On a stretch from radius r_1 to r_2,
+    r^2 = r_1^2 + (r_2^2 - r_1^2) x at the share x of its own length, since dr ~ dphi and ds ~ r
     dphi.
     """
     ends = bounds(stretches)
@@ -75,9 +85,10 @@ def radius_at(fraction: Array, stretches: Stretches) -> Array:
 
 
 def picked(fraction: Array, stretches: Stretches, values: Sequence[Array]) -> Array:
-    """Return a quantity's value on the stretch at a share of the length.
+    """Return the value of the stretch that lies at a share of the track's length.
 
-    At a border the later one.
+    `fraction` is that share, 0 to 1; `values` has an array per stretch (climb, friction, ...).
+    Where two stretches meet, the later one holds.
     """
     value = values[0]
     for low, later in zip(bounds(stretches)[1:-1], values[1:], strict=True):

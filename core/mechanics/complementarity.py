@@ -16,7 +16,11 @@ SEPARATION, SLIDING, STICK, TWO_SOLUTIONS, NO_SOLUTION = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
 def case(response: Array, free: Array) -> Array:
-    """Return the number and kind of solutions n of n >= 0, response n + free >= 0, one of both 0.
+    """Return the case of a contact: number and kind of its forces n.
+
+    n is the force per mass, a the acceleration that opens the gap [m s-2]: n >= 0,
+    a = response n + free >= 0, and one of both is 0. `free` is a without a force, `response` what
+    a unit of n adds to it [1].
 
     ========  =====  ================================  =============
     response  free   solutions                         case
@@ -38,9 +42,10 @@ def case(response: Array, free: Array) -> Array:
 
 
 def contact_force(response: Array, free: Array) -> Array:
-    """Return the force n of the solution that stays in contact, where there is one.
+    """Return the contact force per mass, n = -free/response, of the solution that stays in contact.
 
-    0 in separation; NaN where there is no solution and where every n >= 0 is one.
+    `free` is the acceleration that opens the gap without a force [m s-2], `response` what a unit of
+    n adds [1]. 0 in separation; NaN where there is no solution and where every n >= 0 is one.
     """
     solution = case(response, free)
     unknown = (solution == NO_SOLUTION) | (response == 0)

@@ -44,9 +44,11 @@ def diagonal_angle(*, corner_angle: Array, pitch: Array) -> Array:
 
 
 def diagonal_direction(*, corner_direction: Direction, pitch: Array) -> Direction:
-    """Return sine and cosine of s = zeta + xi by the addition theorem.
+    """Return sine and cosine of the diagonal's angle s = zeta + xi above the plane.
 
-    s itself, rounded, would lose the digits of a cosine near 90 degrees.
+    `corner_direction` holds sine and cosine of zeta, the angle of the diagonal in the part; xi is
+    the pitch [rad]. The addition theorem gives them: s itself, rounded, would lose the digits of a
+    cosine near 90 degrees.
     """
     rise, run = corner_direction
     return (
@@ -68,21 +70,24 @@ def gap_normal(*, centre_height: Array, touching_height: Array) -> Array:
 def gap_tangential(
     *, centre_along: Array, half_diagonal: Array, diagonal_direction: Direction
 ) -> Array:
-    """Return the place of the corner along the plane, x + rho cos(s), (3.2), (3.28) [m]."""
+    """Return the coordinate of the corner along the plane, x + rho cos(s), (3.2), (3.28) [m]."""
     return centre_along + half_diagonal * diagonal_direction[1]
 
 
 def pivot_velocity_along(
     *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction
 ) -> Array:
-    """Return the velocity of the centre along the plane about a corner at rest [m s-1]."""
+    """Return the velocity along the plane of a centre that turns about a corner at rest [m s-1].
+
+    It is rho xi' sin(s): half diagonal rho, pitch rate xi', angle s of the diagonal.
+    """
     return half_diagonal * pitch_rate * diagonal_direction[0]
 
 
 def pivot_velocity_upward(
     *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction
 ) -> Array:
-    """Return the upward velocity of the centre about a corner at rest [m s-1]."""
+    """Return the upward velocity of the centre about a corner at rest, rho xi' cos(s) [m s-1]."""
     return half_diagonal * pitch_rate * diagonal_direction[1]
 
 
@@ -114,7 +119,12 @@ def free_tangential_acceleration(
 
 
 def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
-    """Return the response factor 1 + kappa c (c - sigma mu s) of a corner that slips."""
+    """Return the normal acceleration of a slipping corner per normal force per mass [1].
+
+    It is 1 + kappa c (c - sigma mu s): kappa the inertia ratio, s and c sine and cosine of the
+    diagonal's angle (`direction`), and `sigma_mu` the kinetic friction with the sign sigma of the
+    slip (1 right).
+    """
     s, c = direction
     return 1.0 + kappa * c * (c - sigma_mu * s)
 
@@ -122,14 +132,23 @@ def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
 def normal_response_right(
     *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array
 ) -> Array:
-    """Return the response m tau in slip to the right, 1 + kappa c^2 - mu kappa s c, (3.6a) [1]."""
+    """Return the normal response in slip to the right, 1 + kappa c^2 - mu kappa s c, (3.6a) [1].
+
+    It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
+    the diagonal's angle, kappa is the inertia ratio. Where it is below 0, Painleve's paradox
+    occurs.
+    """
     return _response(inertia_ratio, diagonal_direction, friction_kinetic)
 
 
 def normal_response_left(
     *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array
 ) -> Array:
-    """Return the response m tau in slip to the left, 1 + kappa c^2 + mu kappa s c [1]."""
+    """Return the normal response in slip to the left, 1 + kappa c^2 + mu kappa s c [1].
+
+    It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
+    the diagonal's angle, kappa is the inertia ratio.
+    """
     return _response(inertia_ratio, diagonal_direction, -friction_kinetic)
 
 
@@ -140,7 +159,12 @@ def normal_response(
     friction_kinetic: Array,
     slip_direction: Array,
 ) -> Array:
-    """Return the response m tau in the slip direction; without friction where nothing slips [1]."""
+    """Return the normal response m tau = 1 + kappa c (c - sigma mu s) in the slip direction [1].
+
+    It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
+    the diagonal's angle, kappa is the inertia ratio and sigma the slip direction: 1 right, -1 left,
+    and 0, without friction, where nothing slips.
+    """
     return _response(inertia_ratio, diagonal_direction, slip_direction * friction_kinetic)
 
 
@@ -191,7 +215,9 @@ def slip_direction(
 ) -> Array:
     """Return the slip direction: 1 if the corner slips to the right, -1 to the left, 0 if not [1].
 
-    From rest it slips against the force that would have held it (theory 2.4), unless it leaves.
+    A corner that moves slips along its velocity `gap_tangential_rate` [m s-1]. From rest it slips
+    against the friction that would have held it (`holding_*`, forces per mass), unless static
+    friction holds it or it leaves the plane (theory 2.4).
     """
     held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
     stays = held | (free_normal_acceleration > 0)
@@ -208,9 +234,12 @@ def contact_case(
     friction_static: Array,
     normal_response: Array,
 ) -> Array:
-    """Return the case of the contact: how many solutions it has, and which one holds.
+    """Return the case of the contact, a number of `core.mechanics.complementarity`.
 
-    A corner at rest has one solution always (theory 2.4).
+    SEPARATION, SLIDING, STICK, TWO_SOLUTIONS or NO_SOLUTION. A corner at rest sticks if the force
+    that would hold it (`holding_*`, per mass) lies in the cone of static friction; else the case
+    follows from the normal response and the free normal acceleration. At rest one solution always
+    exists (theory 2.4).
     """
     held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
     otherwise = case(normal_response, free_normal_acceleration)
@@ -223,7 +252,11 @@ def contact_case(
 def by_case(
     contact_case: Array, slip_direction: Array, free: Array | float, held: Array, sliding: Array
 ) -> Array:
-    """Return a quantity by the contact case of each cell; NaN where there is no solution."""
+    """Return one of three values by the contact case of each cell; NaN where no solution exists.
+
+    `free` is the value in separation, `held` that of a corner that does not slip, `sliding` that of
+    one that slips or starts to; all have the unit of the quantity that is picked.
+    """
     value = np.where(slip_direction == 0, held, sliding)
     value = np.where(contact_case == SEPARATION, free, value)
     return np.where(contact_case == NO_SOLUTION, np.nan, value)
@@ -237,9 +270,11 @@ def floor_acceleration(
     free_normal_acceleration: Array,
     holding_normal_acceleration: Array,
 ) -> Array:
-    """Return the normal force per mass: -chi/(m tau) in slip, 0 in separation [m s-2].
+    """Return the normal force of the plane per mass [m s-2].
 
-    NaN without a solution, and where every force is one (tau = chi = 0).
+    0 in separation, the holding force for a corner at rest, and -chi/(m tau) in slip, with the free
+    normal acceleration chi and the normal response m tau. NaN where there is no solution, and where
+    every force is one (tau = chi = 0).
     """
     sliding = contact_force(normal_response, free_normal_acceleration)
     return by_case(contact_case, slip_direction, 0.0, holding_normal_acceleration, sliding)
@@ -272,7 +307,9 @@ def acceleration_upward(
 ) -> Array:
     """Return the upward acceleration of the centre, n - g, (3.1) [m s-2].
 
-    In slip -(rho xi'^2 s + g kappa c e)/(m tau): no weight to subtract.
+    n is the normal force per mass. In slip it is computed as -(rho xi'^2 s + g kappa c e)/(m tau),
+    e = c - sigma mu s, without a difference of nearly equal numbers: s and c are sine and cosine of
+    the diagonal's angle, sigma the slip direction, m tau the normal response.
     """
     s, c = diagonal_direction
     turning = half_diagonal * pitch_rate * pitch_rate * s
@@ -293,9 +330,11 @@ def pitch_acceleration(
     friction_kinetic: Array,
     gravity: Array,
 ) -> Array:
-    """Return the pitch acceleration, -kappa (n c + t s)/rho, (3.1) [rad s-2].
+    """Return the pitch acceleration, xi'' = -kappa (n c + t s)/rho, (3.1) [rad s-2].
 
-    While the corner is held, that of a pendulum about it, whatever the pitch rate.
+    n and t are normal and friction force per mass, s and c sine and cosine of the diagonal's angle,
+    rho half the diagonal. While the corner is held it is that of a pendulum about it, whatever the
+    pitch rate.
     """
     s, c = diagonal_direction
     e = c - slip_direction * friction_kinetic * s
@@ -305,7 +344,11 @@ def pitch_acceleration(
 
 
 def gap_normal_acceleration(*, contact_case: Array, free_normal_acceleration: Array) -> Array:
-    """Return the second rate of the gap: chi in separation, else 0, (3.4), (3.30) [m s-2]."""
+    """Return the acceleration with which the gap opens, g_N'', (3.4), (3.30) [m s-2].
+
+    It is chi (`free_normal_acceleration`) in separation, 0 in contact, NaN where no solution
+    exists.
+    """
     value = np.where(contact_case == SEPARATION, free_normal_acceleration, 0.0)
     return np.where(contact_case == NO_SOLUTION, np.nan, value)
 
@@ -323,9 +366,11 @@ def gap_tangential_acceleration(
     friction_kinetic: Array,
     gravity: Array,
 ) -> Array:
-    """Return the acceleration of slip, (3.6b), (3.33b) with -mu and sin^2 [m s-2].
+    """Return the acceleration of the corner along the plane, g_T'', from (3.6b), (3.33b) [m s-2].
 
-    In slip (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau).
+    In slip it is (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau), e = c - sigma mu s:
+    s and c are sine and cosine of the diagonal's angle, sigma the slip direction, m tau the normal
+    response. The source prints +mu and sin^2 in place of -mu and s. 0 where the corner is held.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
@@ -353,7 +398,9 @@ def impact_impulse_normal(
 ) -> Array:
     """Return the normal impulse that stops the slip where no force is a solution; else 0 [N s].
 
-    Slip ends first, then compression with a corner at rest (theory 2.6): friction drops out.
+    Lambda_N = m g_T' kappa s c/(1 + kappa): g_T' is the slip velocity, s and c sine and cosine of
+    the diagonal's angle. Slip ends first, then compression with the corner at rest, so that
+    friction drops out (theory 2.6).
     """
     s, c = diagonal_direction
     impulse = mass * gap_tangential_rate * (inertia_ratio / (1.0 + inertia_ratio) * s * c)
@@ -368,7 +415,11 @@ def impact_impulse_tangential(
     diagonal_direction: Direction,
     gap_tangential_rate: Array,
 ) -> Array:
-    """Return the friction impulse that goes with `impact_impulse_normal`; else 0 [N s]."""
+    """Return the friction impulse that stops the slip where no force is a solution; else 0 [N s].
+
+    Lambda_T = -m g_T' (1 + kappa c^2)/(1 + kappa): g_T' is the slip velocity, c the cosine of the
+    diagonal's angle (theory 2.6). It belongs to the normal impulse of `impact_impulse_normal`.
+    """
     _, c = diagonal_direction
     share = (1.0 + inertia_ratio * c * c) / (1.0 + inertia_ratio)
     return np.where(contact_case == NO_SOLUTION, -mass * gap_tangential_rate * share, 0.0)
@@ -378,16 +429,18 @@ def impact_impulse_tangential(
 
 
 def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direction) -> Array:
-    """Return the inverse of mu_c for slip to the right, kappa s c/(1 + kappa c^2) [1].
+    """Return 1/mu_c = kappa s c/(1 + kappa c^2) for slip to the right [1].
 
-    Negative where that slip has one solution at every friction.
+    mu_c is the friction at which the normal response vanishes: beyond it a contact may have two
+    solutions or none. s and c are sine and cosine of the diagonal's angle. Where the inverse is
+    negative, slip to the right has one solution at every friction.
     """
     s, c = diagonal_direction
     return inertia_ratio * s * c / (1.0 + inertia_ratio * c * c)
 
 
 def _limit(inverse: Array) -> Array:
-    """Return the limiting friction from its inverse; infinite where no friction is a limit [1]."""
+    """Return the limiting friction from its inverse; infinite where that is not above 0 [1]."""
     meaningful = inverse > 0
     with np.errstate(over="ignore"):
         return np.where(meaningful, 1.0 / np.where(meaningful, inverse, 1.0), np.inf)

@@ -73,7 +73,12 @@ class _Form(NamedTuple):
 
 
 def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
-    """Return candidates of contact on an end face of `base`: rim, side or face of `other`."""
+    """Return the contact form of an end face of `base` with the rim, side or face of `other`.
+
+    `number`, 1 or 2, is the number of the body `base` in the pair, `size` the sum of both half
+    diagonals [m], by which tolerances scale. The normal of the form points from `base` to `other`;
+    the form is proven where its point lies on the face.
+    """
     u, apart = base.axis, vectors.minus(other.centre, base.centre)
     n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
     w = dot(n, other.axis)
@@ -116,7 +121,12 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
 
 
 def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
-    """Return candidates of contact of each rim of `other` on the side of `base`, two at most."""
+    """Return the contact forms of both rims of `other` with the side of `base`: up to two per rim.
+
+    `number`, 1 or 2, is the number of the body `base` in the pair, `size` the sum of both half
+    diagonals [m], by which tolerances scale. The points of a rim are minima of its distance from
+    the axis of `base`.
+    """
     forms = []
     e_1 = vectors.any_across(other.axis)
     e_2 = cross(other.axis, e_1)
@@ -164,7 +174,11 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
 
 
 def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
-    """Return the candidate of contact between both sides, with crossed or parallel axes."""
+    """Return the contact form of both sides of two cylinders, with crossed or parallel axes.
+
+    `size` is the sum of both half diagonals [m], by which tolerances scale. Crossed axes touch in a
+    point, parallel ones along a line from `first` to `second`.
+    """
     apart = vectors.minus(body_1.centre, body_2.centre)
     k = dot(body_1.axis, body_2.axis)
     turn = cross(body_1.axis, body_2.axis)
@@ -200,16 +214,22 @@ def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
 
 
 def _extent(form: _Form) -> Array:
-    """Return 0 for a point, 1 for a point on both rims, 2 for a line, 3 for a face or a line's end.
+    """Return the rank of a contact form by what touches, to prefer the larger where gaps are alike.
 
-    The end of a line may lie on both rims; the line has its normal all the same.
+    0 for a point, 1 for a point on both rims, 2 for a line or a face, 3 for a face or for the end
+    of a line that lies on both rims; such an end has the normal of the line all the same.
     """
     wide = form.line | (form.form == FACE_ON_FACE)
     return np.where(wide, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
 
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
-    """Return the proven form of contact of two cylinders; else a bound of gap or overlap."""
+    """Return the contact of two cylinders: nearest points, gap, normal and form.
+
+    Of all forms the proven one with the largest gap is taken. Where none is proven, the nearest
+    points on two rims are tried; where those fail too, the gap is a lower bound of the distance or
+    overlap, and `form` is 0.
+    """
     body_1, body_2 = cylinder_1, cylinder_2
     size = np.hypot(body_1.radius, body_1.half) + np.hypot(body_2.radius, body_2.half)
     to_first = [

@@ -68,7 +68,11 @@ def cylinder_1(
     diameter_1: Array,
     length_1: Array,
 ) -> Cylinder:
-    """Return the place and shape of body 1; its axis is (ce ca, ce sa, se)."""
+    """Return centre, unit axis, radius and half length of body 1 from its parameters.
+
+    The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
+    [rad].
+    """
     flat = cosine(elevation_1)
     axis = flat * cosine(azimuth_1), flat * sine(azimuth_1), sine(elevation_1)
     centre = position_x_1, position_y_1, position_z_1
@@ -85,7 +89,11 @@ def cylinder_2(
     diameter_2: Array,
     length_2: Array,
 ) -> Cylinder:
-    """Return the place and shape of body 2; its axis is (ce ca, ce sa, se)."""
+    """Return centre, unit axis, radius and half length of body 2 from its parameters.
+
+    The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
+    [rad].
+    """
     flat = cosine(elevation_2)
     axis = flat * cosine(azimuth_2), flat * sine(azimuth_2), sine(elevation_2)
     centre = position_x_2, position_y_2, position_z_2
@@ -128,7 +136,7 @@ def spatial_motion(
     spin_y_2: Array,
     spin_z_2: Array,
 ) -> SpatialMotion:
-    """Return the velocities before the impact."""
+    """Return velocities and spins of both bodies before the impact, as vectors [m s-1, rad s-1]."""
     return SpatialMotion(
         (velocity_x_1, velocity_y_1, velocity_z_1),
         (spin_x_1, spin_y_1, spin_z_1),
@@ -138,7 +146,7 @@ def spatial_motion(
 
 
 def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion) -> Vector:
-    """Return the velocity of body 1 relative to body 2 at a point [m s-1]."""
+    """Return the velocity of body 1 relative to body 2 at a point in space [m s-1]."""
     of_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, body_1.centre)))
     of_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, body_2.centre)))
     return minus(of_1, of_2)
@@ -154,7 +162,11 @@ def _delassus(
     at: Vector, e: Vector, other_at: Vector, other_e: Vector, body_1: Cylinder, body_2: Cylinder,
     masses: CylinderMasses,
 ) -> Array:  # fmt: skip
-    """Return the velocity at one point along e that a unit impulse at another along e' gives."""
+    """Return a Delassus number: the velocity at one point per impulse at another [kg-1].
+
+    `at` and `e` are the point and the unit vector of the velocity of body 1 relative to body 2,
+    `other_at` and `other_e` those of the impulse on body 1; its opposite acts on body 2.
+    """
     total = (1 / masses.mass_1 + 1 / masses.mass_2) * dot(e, other_e)
     for body, axial, transverse in (
         (body_1, masses.axial_1, masses.across_1),
@@ -167,7 +179,11 @@ def _delassus(
 
 
 def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> ImpactFrame:
-    """Return contact point, normal and tangents, the point at a share of a line of contact."""
+    """Return point, normal and two tangents of a contact; the tangents are any two across.
+
+    On a line of contact the point lies at the share `share` of the way from its first end to its
+    second. `unknown` is true where the law does not solve an impact of a line; a point keeps false.
+    """
     n = contact.normal
     tangent = vectors.any_across(n)
     point = plus(contact.first, minus(contact.second, contact.first), share)
@@ -183,7 +199,11 @@ def frame_without_friction(
     spatial_motion: SpatialMotion,
     restitution: Array,
 ) -> ImpactFrame:
-    """Return the contact point, on a line where the resultant of both ends acts."""
+    """Return the frame of a contact without friction: its point, normal and tangents.
+
+    Where a line touches, the impulses at both ends are solved together, and the point is where
+    their resultant acts. `unknown` marks lines of which an end approaches again after the impact.
+    """
     at, body_1, body_2, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
     n, first, second = at.normal, at.first, at.second
     u_1 = dot(n, _at(first, body_1, body_2, spatial_motion))
@@ -209,9 +229,11 @@ def frame_with_friction(
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
 ) -> ImpactFrame:
-    """Return the contact point, on a line the end that approaches most; its impact is not solved.
+    """Return the frame of a contact with friction: its point, normal and tangents.
 
-    If that end does not approach, the line does not; else the impact is `simultaneous`.
+    Where a line touches, the point is the end that approaches faster. If this end does not
+    approach, no point of the line does; else the frame is `unknown`, since an impact with friction
+    along a line is not solved (regime `simultaneous`).
     """
     at, one, two = cylinder_contact, cylinder_1, cylinder_2
     u_1 = dot(at.normal, _at(at.first, one, two, spatial_motion))
@@ -254,7 +276,10 @@ def spatial_approach(
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
 ) -> Approach:
-    """Return the velocity of the contact before the impact."""
+    """Return the velocity of body 1 against body 2 in the contact before the impact [m s-1].
+
+    Its normal component is negative where the bodies approach.
+    """
     return approach(contact_frame, cylinder_1, cylinder_2, spatial_motion)
 
 
@@ -295,7 +320,11 @@ def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
 def _only_at_one_contact(
     impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: ImpactFrame
 ) -> SpatialImpulse:
-    """Return the impulse; 0 where the bodies are apart, NaN where the law has no answer."""
+    """Return an impulse with 0 where the bodies are apart and NaN where the law does not hold.
+
+    That is where they overlap by more than `tolerance` (a share of their size), touch at several
+    places, or along a line that the law does not solve.
+    """
     nothing = is_apart(cylinder_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(cylinder_contact=at, contact_tolerance=tolerance)
     unknown = unknown | ((at.several | frame.unknown) & ~nothing)
@@ -318,9 +347,10 @@ def frictionless_impulse(
     approach_normal: Array,
     restitution: Array,
 ) -> SpatialImpulse:
-    """Return Newton's impulse without friction.
+    """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
 
-    NaN where bodies overlap or there is no unique answer.
+    eps is the restitution, u_N the approach velocity [m s-1], G_NN the Delassus number [kg-1]. 0
+    where the bodies are apart, NaN where they overlap or the impact has no single impulse.
     """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     none = np.zeros_like(normal)
@@ -338,7 +368,11 @@ def pfeiffer_glocker_impulse(
     friction: Array,
     restitution: Array,
 ) -> SpatialImpulse:
-    """Return the impulse of compression and expansion with friction, Poisson's restitution."""
+    """Return the impulse of compression and expansion with friction on body 1 [N s].
+
+    The restitution is Poisson's: expansion over compression of the normal impulse. 0 where the
+    bodies are apart, NaN where they overlap, touch at several places, or the law has no solution.
+    """
     impulse = impact.pfeiffer_glocker_in_space(
         G=spatial_delassus,
         u_N=spatial_approach.normal,
@@ -359,9 +393,9 @@ def moreau_impulse(
     friction: Array,
     restitution: Array,
 ) -> SpatialImpulse:
-    """Return Moreau's impulse with friction, one restitution for all directions.
+    """Return Moreau's impulse with friction on body 1, one restitution for all directions [N s].
 
-    Nothing where the parts are apart, unknown where they overlap or touch at several places.
+    0 where the bodies are apart, NaN where they overlap or touch at several places.
     """
     impulse = impact.moreau_in_space(
         G=spatial_delassus,
@@ -377,7 +411,7 @@ def moreau_impulse(
 
 
 def in_space(impulse: SpatialImpulse, at: ImpactFrame) -> Vector:
-    """Return the impulse on body 1 along the axes of space."""
+    """Return the impulse on body 1 as a vector along the axes of space [N s]."""
     L_1, L_2 = impulse.tangential
     normal = scaled(at.normal, impulse.normal)
     return plus(plus(normal, at.tangent_1, L_1), at.tangent_2, L_2)
@@ -392,7 +426,11 @@ def spatial_motion_after(
     cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
 ) -> SpatialMotion:
-    """Return all velocities after the impulse: v + L/m, w + J^-1 (rho x L), less for body 2."""
+    """Return velocities and spins of both bodies after the impulse [m s-1, rad s-1].
+
+    v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2: L is the impulse, J the
+    inertia tensor and rho leads from the body's centre to the contact point.
+    """
     before, masses, p = spatial_motion, cylinder_masses, contact_frame.point
     L = in_space(spatial_impulse, contact_frame)
     moment_1 = cross(minus(p, cylinder_1.centre), L)
@@ -419,7 +457,11 @@ def turning(
     after: SpatialMotion,
     masses: CylinderMasses,
 ) -> Vector:
-    """Return the change of both bodies' angular momentum about the origin."""
+    """Return the change of both bodies' angular momentum about the origin, a vector [kg m2 s-1].
+
+    `before` and `after` are the motions before and after the impact. Without an outer impulse it is
+    0: what is left is a check of the solution.
+    """
     change_1, change_2 = minus(after.spin_1, before.spin_1), minus(after.spin_2, before.spin_2)
     own_1 = inertial(change_1, body_1, masses.axial_1, masses.across_1)
     own_2 = inertial(change_2, body_2, masses.axial_2, masses.across_2)

@@ -40,7 +40,7 @@ def separation_normal(
     cylinder_2: Cylinder,
     spatial_motion_after: SpatialMotion,
 ) -> Array:
-    """Return the normal velocity of the contact after the impact, u_N [m s-1]."""
+    """Return the normal velocity of the contact after the impact, positive if it opens [m s-1]."""
     return approach(contact_frame, cylinder_1, cylinder_2, spatial_motion_after).normal
 
 
@@ -84,7 +84,11 @@ def energy_lost(
     spatial_motion: SpatialMotion,
     spatial_motion_after: SpatialMotion,
 ) -> Array:
-    """Return the kinetic energy lost, as the work -L.(u + u')/2 of the impulse [J]."""
+    """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
+
+    L is the impulse on body 1, u and u' the velocity of body 1 against body 2 in the contact before
+    and after.
+    """
     at, L = contact_frame, spatial_impulse
     before = approach(at, cylinder_1, cylinder_2, spatial_motion)
     after = approach(at, cylinder_1, cylinder_2, spatial_motion_after)
@@ -115,7 +119,7 @@ def momentum_residual_x(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the linear momentum by the impact, x [N s]."""
+    """Return the change of the total linear momentum by the impact, x: 0 but for rounding [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[0] - before.velocity_1[0]
     change_2 = after.velocity_2[0] - before.velocity_2[0]
@@ -128,7 +132,7 @@ def momentum_residual_y(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the linear momentum by the impact, y [N s]."""
+    """Return the change of the total linear momentum by the impact, y: 0 but for rounding [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[1] - before.velocity_1[1]
     change_2 = after.velocity_2[1] - before.velocity_2[1]
@@ -141,7 +145,7 @@ def momentum_residual_z(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the linear momentum by the impact, z [N s]."""
+    """Return the change of the total linear momentum by the impact, z: 0 but for rounding [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[2] - before.velocity_1[2]
     change_2 = after.velocity_2[2] - before.velocity_2[2]

@@ -21,9 +21,11 @@ NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of t
 def minima(
     value: Callable[[Array], Array], slope_and_bend: Callable[[Array], tuple[Array, Array]]
 ) -> tuple[Array, Array]:
-    """Return the two lowest minima of a function of an angle, by samples and Newton's method.
+    """Return the angles of the two lowest minima of a function with the period 2 pi [rad].
 
-    The second is the first again where there is one only.
+    `value` gives the function at an angle, `slope_and_bend` its first and second derivative;
+    samples find the minima, Newton's method refines them. Where there is one minimum only, both
+    angles are equal.
     """
     step = 2 * np.pi / SAMPLES
     values = [value(t) for t in step * np.arange(SAMPLES)]
@@ -43,7 +45,12 @@ def minima(
 def _refined(
     t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
 ) -> Array:
-    """Return the minimum near sample t, by Newton's method within a shrinking bracket."""
+    """Return the angle of the minimum near a sampled angle [rad].
+
+    `t` is the sample, `reach` the distance to its neighbours [rad], `slope_and_bend` gives first
+    and second derivative. Newton's steps stay in a bracket around the sample that shrinks with each
+    step.
+    """
     low, high = t - reach, t + reach
     done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
     for _ in range(MAX_STEPS):
@@ -70,29 +77,36 @@ class Rim(NamedTuple):
     second: Vector
 
     def at(self, angle: Array) -> Vector:
-        """Return the point at an angle."""
+        """Return the point of the rim at an angle [m]."""
         return plus(plus(self.middle, self.first, np.cos(angle)), self.second, np.sin(angle))
 
     def along(self, angle: Array) -> Vector:
-        """Return the derivative of the point by the angle."""
+        """Return the derivative of the rim's point by the angle [m rad-1]."""
         return plus(scaled(self.second, np.cos(angle)), self.first, -np.sin(angle))
 
 
 def _way(point: Vector, base: Cylinder) -> Vector:
-    """Return the vector from the nearest point of a body to a point seen from its centre."""
+    """Return the vector from the nearest point of a cylinder `base` to a point [m].
+
+    `point` is given relative to the centre of `base`; inside the cylinder the vector is 0.
+    """
     height, off = dot(point, base.axis), across(point, base.axis)
     above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
     return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
 
 
 def _free(distance: Array, radius: Array) -> Array:
-    """Return the factor of a vector from an axis that reaches beyond a radius; 0 inside."""
+    """Return the share of a distance from an axis that lies beyond a radius; 0 inside [1]."""
     outside = distance > radius
     return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
 
 
 def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
-    """Return the derivatives of half the squared distance from a body along a rim."""
+    """Return the first two derivatives of half a rim point's squared distance by its angle.
+
+    The distance is that from the cylinder `base` [m2 rad-1, m2 rad-2]; the rim is given relative to
+    the centre of `base`.
+    """
     point, along = rim.at(angle), rim.along(angle)
     way, off = _way(point, base), across(point, base.axis)
     climb, beside = dot(along, base.axis), across(along, base.axis)
@@ -128,9 +142,10 @@ class Nearest(NamedTuple):
 
 
 def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
-    """Return the proven place on either rim of `body` that is nearest to `base`.
+    """Return the point on either rim of `body` that is nearest to `base`, with gap and normal.
 
-    None is proven where the bodies overlap, or where no rim of `body` is nearest.
+    `size` is the sum of both half diagonals [m], by which the tolerance scales. `proven` is false
+    where the bodies overlap, or where no rim of `body` holds its nearest point.
     """
     first = vectors.any_across(body.axis)
     radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
@@ -162,7 +177,7 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
 
 
 def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
-    """Return the nearest place of one rim where the mask holds, else of the other rim."""
+    """Return the nearest point of `rim` where the mask holds, else that of `other`."""
     return Nearest(
         np.where(mask, rim.gap, other.gap),
         vectors.where(mask, rim.normal, other.normal),

@@ -26,6 +26,10 @@ def support(body: Cylinder, n: Vector) -> Array:
 
 
 def separation(body: Cylinder, other: Cylinder, n: Vector) -> Array:
-    """Return the distance between two cylinders along n; negative where they overlap."""
+    """Return the distance between two cylinders along the unit vector n; negative in overlap [m].
+
+    n points from `other` to `body`: n.(C - C') less what both bodies extend from their centres
+    along n.
+    """
     between = dot(n, vectors.minus(body.centre, other.centre))
     return between - support(body, n) - support(other, n)

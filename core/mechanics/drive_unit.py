@@ -25,10 +25,11 @@ def leaf_stiffness(
     *, spring_count: Array, elastic_modulus: Array, spring_width: Array, spring_thickness: Array,
     spring_length: Array, clamp_factor: Array,
 ) -> Array:  # fmt: skip
-    """Return the stiffness of leaves whose ends stay parallel, k = c_k n E b (t/L)^3 [N m-1].
+    """Return the stiffness of all leaf springs together, k = c_k n E b (t/L)^3 [N m-1].
 
-    A leaf clamped at both ends is two cantilevers of L/2: 12 E I/L^3 with I = b t^3/12. The free
-    length L is that between the clamps; c_k tells how much real clamps give.
+    n leaves of width b, thickness t and free length L between the clamps, whose ends stay parallel.
+    A leaf clamped at both ends is two cantilevers of L/2: 12 E I/L^3 with I = b t^3/12. c_k
+    (`clamp_factor`) is 1 for rigid clamps and less for real ones, which give.
     """
     slenderness = spring_thickness / spring_length
     cube = slenderness * slenderness * slenderness
@@ -38,7 +39,11 @@ def leaf_stiffness(
 def spring_stress(
     *, elastic_modulus: Array, spring_thickness: Array, spring_length: Array, stroke: Array
 ) -> Array:
-    """Return the bending stress at the clamps of a leaf, sigma = 3 E t s/L^2 [Pa]."""
+    """Return the bending stress at the clamps of a leaf, sigma = 3 E t s/L^2 [Pa].
+
+    t and L are thickness and free length of the leaf, s the amplitude of the stroke between its
+    ends [m].
+    """
     return 3 * elastic_modulus * (spring_thickness / spring_length) * (stroke / spring_length)
 
 
@@ -47,7 +52,8 @@ def leaf_frequency(
 ) -> Array:
     """Return the first natural frequency of a leaf by itself, clamped at both ends [Hz].
 
-    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)), x = 4.7300407 the first root of cos(x) cosh(x) = 1.
+    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)): thickness t, free length L, density rho, and x =
+    4.7300407 the first root of cos(x) cosh(x) = 1.
     """
     speed = np.sqrt(elastic_modulus / (12 * spring_density))
     return FIRST_MODE / (2 * np.pi) * (spring_thickness / spring_length) * (speed / spring_length)
@@ -57,9 +63,10 @@ def leaf_mass(
     *, spring_count: Array, spring_density: Array, spring_width: Array, spring_thickness: Array,
     spring_length: Array,
 ) -> Array:  # fmt: skip
-    """Return the mass of all leaves that moves with one end, 13/35 of it, the other held [kg].
+    """Return the mass of the leaves that moves with their moving ends, 13/35 of all [kg].
 
-    The leaf bends by 3 x^2 - 2 x^3 of its stroke: the mean of the square of that.
+    The other ends are held. Between its ends a leaf bends by 3 x^2 - 2 x^3 of the stroke, x from 0
+    to 1; 13/35 is the mean square.
     """
     return 13 / 35 * spring_count * spring_density * spring_width * spring_thickness * spring_length
 
@@ -80,10 +87,11 @@ def unbalance_force(*, unbalance: Array, circular_frequency: Array) -> Array:
 
 
 def magnet_force(*, flux_density: Array, pole_area: Array) -> Array:
-    """Return the force of a magnet at the drive's frequency, F = B^2 A/(4 mu_0) [N].
+    """Return the amplitude of a magnet's force at the drive's frequency, F = B^2 A/(4 mu_0) [N].
 
-    B is the peak of the flux density in the gap, A the area of all poles. The pull B^2 A/(2 mu_0)
-    swings by its half at twice the line's frequency (full wave), or at the line's (half wave).
+    B is the peak of the flux density in the gap [T], A the area of all poles [m2]. The pull B^2
+    A/(2 mu_0) swings by half of itself, at twice the line's frequency (full wave) or at the line's
+    (half wave).
     """
     return flux_density * flux_density * pole_area / (4 * VACUUM_PERMEABILITY)
 
@@ -99,38 +107,52 @@ def loaded_mass(*, moving_mass: Array, load_mass: Array) -> Array:
 
 
 def tuned_stiffness(*, ring_down_frequency: Array, generalised_mass: Array) -> Array:
-    """Return the stiffness by the frequency f_0 of a ring-down, k = (2 pi f_0)^2 m [N m-1].
+    """Return the stiffness of the springs by a measured ring-down, k = (2 pi f_0)^2 m [N m-1].
 
-    The unit is empty. m is the mass that its stroke moves; the base stands free.
+    f_0 is the frequency with which the empty unit swings after a knock [Hz], m the mass that its
+    stroke moves, base free (`generalised_mass`).
     """
     w = 2 * np.pi * ring_down_frequency
     return w * w * generalised_mass
 
 
 def damping(*, damping_ratio: Array, spring_stiffness: Array, generalised_mass: Array) -> Array:
-    """Return the damping coefficient, c = 2 zeta sqrt(k m), m of the empty unit [N s m-1]."""
+    """Return the damping coefficient of the springs, c = 2 zeta sqrt(k m) [N s m-1].
+
+    zeta is the damping ratio, k the stiffness, m the mass that the stroke of the empty unit moves.
+    """
     return 2 * damping_ratio * np.sqrt(spring_stiffness * generalised_mass)
 
 
 def stroke(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the amplitude of the stroke between both masses, along the line of the leaves [m]."""
+    """Return the amplitude of the stroke between both masses, along the line of the leaves [m].
+
+    The first two entries of `stroke_response` are real and imaginary part of the stroke [m].
+    """
     return hypot(stroke_response[0], stroke_response[1])
 
 
 def phase(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the phase of the stroke behind the force, from 0 to -pi [rad]."""
+    """Return the phase of the stroke behind the force, from 0 to -pi [rad].
+
+    The first two entries of `stroke_response` are real and imaginary part of the stroke [m].
+    """
     return np.arctan2(stroke_response[1], stroke_response[0])
 
 
 def amplification(*, stroke: Array, spring_stiffness: Array, drive_force: Array) -> Array:
-    """Return the amplification, k s/F: the stroke over that of the same force at rest."""
+    """Return the amplification k s/F: the stroke over that which a force at rest gives [1]."""
     return stroke * spring_stiffness / drive_force
 
 
 def drive_unit_power(
     *, drive_force: Array, circular_frequency: Array, stroke_response: tuple[Array, ...]
 ) -> Array:
-    """Return the mean power of the force, -F w Im(s)/2 [W]."""
+    """Return the mean power of the drive's force, -F w Im(s)/2 [W].
+
+    Im(s) is the second entry of `stroke_response`: the stroke that lags the force by 90 degrees
+    [m].
+    """
     return -drive_force * circular_frequency * stroke_response[1] / 2
 
 
@@ -140,11 +162,12 @@ def drive_unit_power(
 def second_over_first(
     force_harmonic: Array, first: tuple[Array, Array], second: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Return the sine and the cosine of 2 tau in a track's displacement over its amplitude [1].
+    """Return sine and cosine part, at 2 tau, of a track's second harmonic over its first [1].
 
-    tau is the phase in which the first harmonic is A sin(tau). The magnet pulls the track back by
-    F (cos(wt) + h cos(2wt)); G_1 and G_2, real and imaginary, are displacements over force at w and
-    2w: (sine, cosine) = r (-sin psi, cos psi), r e^(i psi) = h G_2 conj(G_1)^2/|G_1|^3.
+    tau is the phase in which the first harmonic of the displacement is A sin(tau). The magnet pulls
+    the track back by F (cos(wt) + h cos(2wt)), h being `force_harmonic`. `first` and `second` are
+    real and imaginary part of the displacement per force at w and 2w, G_1 and G_2 [m N-1]: (sine,
+    cosine) = r (-sin psi, cos psi), r e^(i psi) = h G_2 conj(G_1)^2/|G_1|^3.
     """
     size = hypot(*first)
     cos, sin = first[0] / size, first[1] / size
@@ -155,7 +178,10 @@ def second_over_first(
 
 
 def second_harmonic(*, track_harmonic: tuple[Array, Array]) -> Array:
-    """Return the second harmonic of the track's acceleration over the first, 4 A_2/A_1 [1]."""
+    """Return the second harmonic of the track's acceleration over the first, 4 A_2/A_1 [1].
+
+    `track_harmonic` is sine and cosine part of A_2/A_1, the harmonics of the displacement.
+    """
     return 4.0 * hypot(*track_harmonic)
 
 

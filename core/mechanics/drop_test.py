@@ -17,13 +17,21 @@ DEVIATIONS = 1.959963984540054
 
 
 def posterior_shares(counts: Sequence[Array]) -> tuple[Array, ...]:
-    """Return the mean shares after some counts, (n_o + 1/2)/(N + K/2) [1]."""
+    """Return the share of parts that come to rest in each aspect, estimated from a drop test [1].
+
+    `counts` are the parts seen in each of K aspects, n_o, N in all: the mean of Dirichlet's
+    distribution, (n_o + 1/2)/(N + K/2).
+    """
     total = posterior_count(counts)
     return tuple((one + PRIOR) / total for one in counts)
 
 
 def posterior_count(counts: Sequence[Array]) -> Array:
-    """Return the counts of a drop test with those before it, N + K/2 [1]."""
+    """Return the weight of a drop test, N + K/2 [1].
+
+    N is the sum of the parts counted in each of the K aspects; each aspect counts 1/2 before the
+    test.
+    """
     total = counts[0] + PRIOR
     for one in counts[1:]:
         total = total + (one + PRIOR)
@@ -33,9 +41,10 @@ def posterior_count(counts: Sequence[Array]) -> Array:
 def yield_deviation(
     *, tested_shares: tuple[Array, ...], tested_line: PassedShares, drop_count: Array
 ) -> Array:
-    """Return the standard deviation of the yield after a drop test [1].
+    """Return the standard deviation of the yield that a drop test leaves [1].
 
-    sqrt(sum p_o (v_o - eta)^2/(A + 1)), v_o the share that passes of an aspect, A all counts.
+    sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the tested shares of the aspects, v_o the shares of
+    them that pass the line, eta the yield (both in `tested_line`), and A (`drop_count`) is N + K/2.
     """
     terms = zip(tested_shares, tested_line.passing, strict=True)
     squares = sum(p * np.square(v - tested_line.total) for p, v in terms)
@@ -43,25 +52,29 @@ def yield_deviation(
 
 
 def yield_lower(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
-    """Return the lower end of the yield's interval of 95 % [1].
+    """Return the lower end of the yield's 95 % interval after a drop test [1].
 
-    That of a beta distribution of the yield's mean and deviation: the yield's own where each aspect
-    passes as a whole or not at all.
+    It is the 2.5 % quantile of the beta distribution with the yield's mean and standard deviation,
+    which is exactly the yield's where each aspect passes as a whole or not at all.
     """
     return _quantile(tested_line.total, yield_deviation, -1)
 
 
 def yield_upper(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
-    """Return the upper end of the yield's interval of 95 % [1]."""
+    """Return the upper end of the yield's 95 % interval after a drop test [1].
+
+    It is the 97.5 % quantile of the beta distribution with the yield's mean and standard deviation.
+    """
     return _quantile(tested_line.total, yield_deviation, 1)
 
 
 def _quantile(mean: Array, deviation: Array, side: int) -> Array:
-    """Return the end of the interval of 95 % of a beta distribution by its mean and deviation [1].
+    """Return an end of a beta distribution's 95 % interval by mean and standard deviation [1].
 
-    With F = b x/(a (1 - x)), F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) over its deviation
-    sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly normal (Paulson 1942): the ends are right to 0.02
-    deviations for a, b >= 1, and to 0.07 where nothing was counted.
+    `side` is -1 for the lower end, 1 for the upper. With the distribution's parameters a and b, its
+    variable x and F = b x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and
+    sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to
+    0.02 standard deviations for a, b >= 1, and to 0.07 where nothing was counted.
     """
     spread = (deviation > 0) & (mean > 0) & (mean < 1)
     m, s = np.where(spread, mean, 0.5), np.where(spread, deviation, 0.1)

@@ -25,9 +25,10 @@ def wall_as_floor(*, friction_kinetic: Array) -> Array:
 
 
 def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:
-    """Return the push along x less the wall's friction, D - mu_w s sgn(D).
+    """Return the drive along x less the wall's friction, sgn(D) max(0, |D| - mu_w s) [m s-2].
 
-    0 if friction holds [m s-2].
+    D is drive and gravity along x per mass, mu_w the wall's friction, s the wall's force per mass
+    (`wall_acceleration`). 0 where the wall's friction holds the disc.
     """
     left = np.maximum(np.abs(in_plane_drive_x) - wall_friction * wall_acceleration, 0.0)
     return np.where(in_plane_drive_x < 0, -left, left)
@@ -39,9 +40,10 @@ def is_held(*, net_push: Array) -> Mask:
 
 
 def disc_friction(*, net_push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
-    """Return the least static friction of the floor to roll, |D - w|/((1 + kap) n) [1].
+    """Return the least static friction with which the disc rolls, |D - w|/((1 + kap) n) [1].
 
-    w is the friction of the wall per mass; infinite in flight.
+    D - w is the net push along x (drive less wall friction, per mass), kap = m r^2/I the rolling
+    factor and n the floor's force per mass; infinite in flight.
     """
     return least_friction(net_push, rolling_factor, floor_acceleration)
 
@@ -50,9 +52,11 @@ def disc_acceleration(
     *, net_push: Array, required_friction: Array, friction_static: Array, friction_kinetic: Array,
     rolling_share: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration along x: kap/(1 + kap) of the net push if it rolls [m s-2].
+    """Return the acceleration of a disc on its edge along x [m s-2].
 
-    Where the edge slips on the floor, the net push less mu_k n.
+    Where it rolls, kap/(1 + kap) (`rolling_share`) of the net push D - w, which is drive less wall
+    friction per mass; where its edge slips on the floor, the net push less mu_k n, never below 0 in
+    size.
     """
     slipping = np.maximum(np.abs(net_push) - friction_kinetic * floor_acceleration, 0.0)
     slipping = np.where(net_push < 0, -slipping, slipping)
@@ -63,9 +67,10 @@ def disc_floor_friction(
     *, mass: Array, net_push: Array, required_friction: Array, friction_static: Array,
     friction_kinetic: Array, rolling_factor: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the floor's friction force that turns the disc, F, positive along -x [N].
+    """Return the floor's friction force that turns the disc, positive along -x [N].
 
-    m (D - w)/(1 + kap) where it rolls, else mu_k m n.
+    m (D - w)/(1 + kap) where it rolls, else mu_k m n, at most the push itself: D - w is the net
+    push per mass, kap = m r^2/I the rolling factor, n the floor's force per mass.
     """
     slipping = np.minimum(np.abs(net_push), friction_kinetic * floor_acceleration)
     slipping = np.where(net_push < 0, -slipping, slipping)
@@ -76,20 +81,31 @@ def disc_floor_friction(
 def disc_spin(
     *, rolling_friction: Array, mass: Array, rolling_factor: Array, diameter: Array
 ) -> Array:
-    """Return the angular acceleration about the disc's axis, kap F/(m r) [rad s-2]."""
+    """Return the angular acceleration of the disc about its axis, kap F/(m r) [rad s-2].
+
+    F is the floor's friction force [N], kap = m r^2/I the rolling factor and r the radius.
+    """
     return rolling_factor * rolling_friction / (mass * diameter / 2)
 
 
 def wall_drag(
     *, mass: Array, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array
 ) -> Array:
-    """Return the friction force of the wall, m w, positive along -x; m D if that holds [N]."""
+    """Return the wall's friction force on the disc, positive along -x [N].
+
+    m mu_w s against the drive D (per mass), or m D where friction holds the disc; s is the wall's
+    force per mass (`wall_acceleration`).
+    """
     held = np.minimum(np.abs(in_plane_drive_x), wall_friction * wall_acceleration)
     return mass * np.where(in_plane_drive_x < 0, -held, held)
 
 
 def disc_floor_wrench(*, floor_force: Array, rolling_friction: Array, diameter: Array) -> Wrench:
-    """Return the wrench of the floor about the centre: (N, -F, 0) and the moment r F."""
+    """Return the wrench of the floor about the disc's centre [N, N m].
+
+    Axes n (up), eta (along x), sigma (off the wall): the force (N, -F, 0) of floor force and
+    friction, and the moment r F about sigma.
+    """
     zero = np.zeros(())
     force = vector(floor_force, -rolling_friction, zero)
     return Wrench(force, vector(zero, zero, diameter / 2 * rolling_friction))
@@ -98,7 +114,11 @@ def disc_floor_wrench(*, floor_force: Array, rolling_friction: Array, diameter: 
 def disc_force_wrench(
     *, mass: Array, acceleration_x: Array, rolling_friction: Array, diameter: Array
 ) -> Wrench:
-    """Return the wrench of drive, gravity, floor and wall together: m a along eta, moment r F."""
+    """Return the wrench of drive, gravity, floor and wall about the disc's centre [N, N m].
+
+    Axes n (up), eta (along x), sigma (off the wall): the force m a along eta and the moment r F
+    about sigma, F being the floor's friction.
+    """
     zero = np.zeros(())
     force = vector(zero, mass * acceleration_x, zero)
     return Wrench(force, vector(zero, zero, diameter / 2 * rolling_friction))

@@ -23,10 +23,11 @@ def friction_kinetic(*, friction: Array) -> Array:
 def per_axis_acceleration_x(
     *, in_plane_drive_x: Array, friction_kinetic: Array, normal_acceleration: Array
 ) -> Array:
-    """Return the acceleration D_x - mu n0, (3.9), (3.11), (3.36) as printed [m s-2].
+    """Return the acceleration along x as printed, D_x - mu n0, (3.9), (3.11), (3.36) [m s-2].
 
-    The source lets friction act along -x whatever the sliding direction, and does not check n0:
-    after lift-off (n0 < 0) this friction drives the part.
+    D_x is drive and gravity along x, n0 the normal force, both per mass. The source lets friction
+    act along -x whatever the sliding direction, and does not check n0: after lift-off (n0 < 0) this
+    friction drives the part.
     """
     return in_plane_drive_x - friction_kinetic * normal_acceleration
 
@@ -34,15 +35,20 @@ def per_axis_acceleration_x(
 def per_axis_acceleration_y(
     *, in_plane_drive_y: Array, friction_kinetic: Array, normal_acceleration: Array
 ) -> Array:
-    """Return the acceleration D_y - mu n0, (3.9), (3.11), (3.36) as printed [m s-2].
+    """Return the acceleration along y as printed, D_y - mu n0, (3.9), (3.11), (3.36) [m s-2].
 
-    Friction acts along -y even where nothing pushes sideways; see `per_axis_acceleration_x`.
+    D_y is the drive along y, n0 the normal force, both per mass. Friction acts along -y even where
+    nothing pushes sideways; see `per_axis_acceleration_x`.
     """
     return in_plane_drive_y - friction_kinetic * normal_acceleration
 
 
 def is_stuck(*, in_plane_drive: Array, friction_static: Array, floor_acceleration: Array) -> Mask:
-    """True where static friction holds a part at rest: |D| <= mu_s n, n > 0."""
+    """True where static friction holds a part at rest: |D| <= mu_s n, n > 0.
+
+    |D| (`in_plane_drive`) is the size of drive and gravity in the floor, n the floor's force, both
+    per mass [m s-2].
+    """
     return (in_plane_drive <= friction_static * floor_acceleration) & (floor_acceleration > 0)
 
 
@@ -53,9 +59,11 @@ def sliding_fraction(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the share of D beyond the friction disc: stick 0, slip 1 - mu_k n/|D|, flight 1.
+    """Return the share of the drive that accelerates the part [1].
 
-    From rest, friction opposes the impending sliding velocity, which is along D [1].
+    Stick 0, slip 1 - mu_k n/|D|, flight 1. |D| (`in_plane_drive`) is the size of drive and gravity
+    in the floor, n the floor's force, both per mass [m s-2]. From rest, friction opposes the
+    impending sliding velocity, which is along D.
     """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,
@@ -67,12 +75,12 @@ def sliding_fraction(
 
 
 def disc_acceleration_x(*, in_plane_drive_x: Array, sliding_fraction: Array) -> Array:
-    """Return the acceleration along x from rest under the friction disc [m s-2]."""
+    """Return the acceleration along x from rest, both axes sharing one friction disc [m s-2]."""
     return in_plane_drive_x * sliding_fraction
 
 
 def disc_acceleration_y(*, in_plane_drive_y: Array, sliding_fraction: Array) -> Array:
-    """Return the acceleration along y from rest under the friction disc [m s-2]."""
+    """Return the acceleration along y from rest, both axes sharing one friction disc [m s-2]."""
     return in_plane_drive_y * sliding_fraction
 
 
@@ -83,7 +91,11 @@ def _friction_share(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return one component of the friction force over the normal force; NaN in flight [1]."""
+    """Return one component of the friction force over the normal force; NaN in flight [1].
+
+    `drive` is that component of drive and gravity in the floor, `in_plane_drive` their size and
+    `floor_acceleration` the normal force, all per mass [m s-2].
+    """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,
         friction_static=friction_static,
@@ -103,9 +115,10 @@ def pressure_offset_x(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the offset of the floor resultant along x that balances friction's moment [m].
+    """Return the offset of the floor's resultant along x that balances friction's moment [m].
 
-    Friction acts at half the height below the centre; NaN in flight.
+    Friction acts at half the height below the centre, so that the offset is b/2 times friction over
+    normal force; NaN in flight. The part tips where it exceeds half the length.
     """
     share = _friction_share(
         in_plane_drive_x, in_plane_drive, friction_static, friction_kinetic, floor_acceleration
@@ -122,7 +135,11 @@ def pressure_offset_y(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the offset of the floor resultant along y that balances friction's moment [m]."""
+    """Return the offset of the floor's resultant along y that balances friction's moment [m].
+
+    It is half the height times friction over normal force; NaN in flight. The part tips where it
+    exceeds half the width.
+    """
     share = _friction_share(
         in_plane_drive_y, in_plane_drive, friction_static, friction_kinetic, floor_acceleration
     )

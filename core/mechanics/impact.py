@@ -58,19 +58,24 @@ class EdgeImpulse(NamedTuple):
 
 
 def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
-    """Return Newton's normal impulse -(1 + eps) u_N/G_NN, 0 where the bodies do not approach."""
+    """Return Newton's normal impulse -(1 + eps) u_N/G_NN, 0 where the bodies do not approach [N s].
+
+    G_NN is the Delassus number, velocity per impulse [kg-1], u_N the normal velocity before,
+    negative in approach [m s-1].
+    """
     return (1 + restitution) * np.maximum(0.0, -u_N) / G_NN
 
 
 def _arrest(
     G_NN: Array, G_NT: Array, G_TT: Array, u_N: Array, u_T: Array, friction: Array
 ) -> Impulse:
-    """Return the impulse that brings u_N to 0 with Coulomb friction; u_N <= 0.
+    """Return the impulse that brings the normal velocity u_N <= 0 to 0, with Coulomb friction.
 
-    On the line u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone
-    cuts an interval around L_T = 0 out of the line, infinite on a side where the cone does not meet
-    it. The impulse is the one that sticks, moved to the nearest end if it lies outside. There is
-    therefore exactly one solution, for any friction coefficient.
+    G_NN, G_NT, G_TT are the Delassus numbers [kg-1], u_T the sliding velocity [m s-1]. On the line
+    u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone cuts an interval
+    around L_T = 0 out of the line, infinite on a side where the cone does not meet it. The impulse
+    is the one that sticks, moved to the nearest end if it lies outside: exactly one solution for
+    any friction.
     """
     arrest = -u_N / G_NN
     coupling = G_NT / G_NN
@@ -101,7 +106,12 @@ def moreau(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return Moreau's impulse, restitution alike along n and t, in one step (theory 5.3)."""
+    """Return Moreau's impulse, with one restitution for normal and sliding velocity, in one step.
+
+    G_NN, G_NT, G_TT are the Delassus numbers of the contact [kg-1], u_N (negative in approach) and
+    u_T its normal and sliding velocity before the impact [m s-1]; 0 where the bodies do not
+    approach (theory 5.3).
+    """
     growth = 1 + restitution
     return _arrest(G_NN, G_NT, G_TT, growth * np.minimum(u_N, 0.0), growth * _met(u_N, u_T),
                    friction)  # fmt: skip
@@ -117,10 +127,12 @@ def pfeiffer_glocker(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return the impulse of compression and expansion together, Poisson's restitution (theory 5.3).
+    """Return the impulse of compression and expansion together, with Poisson's restitution.
 
-    The normal impulse of the expansion is eps times that of the compression. The law would let it
-    be larger where the contact would close again; a single contact never does (theory 5.3).
+    G_NN, G_NT, G_TT are the Delassus numbers of the contact [kg-1], u_N (negative in approach) and
+    u_T its normal and sliding velocity before the impact [m s-1]. The normal impulse of the
+    expansion is eps times that of the compression. The law would let it be larger where the contact
+    would close again; a single contact never does (theory 5.3).
     """
     first = _arrest(G_NN, G_NT, G_TT, np.minimum(u_N, 0.0), _met(u_N, u_T), friction)
     sliding = np.where(
@@ -136,10 +148,11 @@ def pfeiffer_glocker(
 
 
 def _positive(difference: Array, term: Array) -> Array:
-    """Return a difference that is positive in exact numbers, no less than the rounding of its term.
+    """Return a difference of Delassus numbers, no less than the rounding of its first term.
 
-    With lever arms of 1e8 times a body's size, as of bodies far apart, all digits cancel: any value
-    within the rounding is then as good as another, but 0 divides and a negative one turns signs.
+    In exact numbers it is positive. With lever arms of 1e8 times a body's size, as of bodies far
+    apart, all digits cancel: any value within the rounding is then as good as another, but 0 cannot
+    divide and a negative one turns signs.
     """
     return np.maximum(difference, EPSILON * term)
 
@@ -152,9 +165,11 @@ def _met(u_N: Array, u_T: Array) -> Array:
 def on_edge(
     *, G_11: Array, G_12: Array, G_22: Array, u_1: Array, u_2: Array, restitution: Array
 ) -> EdgeImpulse:
-    """Return the impulses at two contacts: L >= 0, G L + (1+eps) u >= 0, one of them 0.
+    """Return the normal impulses at both ends of a line of contact, without friction.
 
-    G is positive definite, so that exactly one of the four combinations fits.
+    G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2 [kg-1], u_1 and u_2 their normal
+    velocities before [m s-1]. Of L >= 0 and G L + (1 + eps) u >= 0, at each end one is 0; G is
+    positive definite, so that exactly one of the four combinations fits.
     """
     b_1, b_2 = (1 + restitution) * u_1, (1 + restitution) * u_2
     determinant = G_11 * G_22 - G_12 * G_12
@@ -198,8 +213,11 @@ def _in_cone(
 ) -> tuple[tuple[Array, Array], Mask]:
     """Return friction impulses L with c + S L = -z L, |L| <= mu (a - b.L), and where z = 0.
 
-    With S on its axes, L_k = -c_k/(s_k + z). The root z of mu (a - b.L)/|L| - 1, which is nearly
-    linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.
+    The impulse L obeys c + S L = -z L, |L| <= mu (a - b.L): `stiffness` is S_11, S_12, S_22 [kg-1],
+    `c` the sliding velocity without L [m s-1], and a - b.L the normal impulse. z is 0 where the
+    contact sticks and else positive. On the axes of S, L_k = -c_k/(s_k + z); the root z of mu (a -
+    b.L)/|L| - 1, nearly linear in z, is bracketed by 0 and a bound and found by Newton's method
+    with bisection.
     """
     S_11, S_12, S_22 = stiffness
     mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
@@ -246,7 +264,10 @@ def _in_cone(
 def _arrest_in_space(
     G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array
 ) -> SpatialImpulse:
-    """Return the impulse that brings u_N to 0 with Coulomb friction on a disc; u_N <= 0."""
+    """Return the impulse that brings the normal velocity u_N <= 0 to 0, with friction on a disc.
+
+    `G` are the Delassus numbers of the contact [kg-1], `u` its two sliding velocities [m s-1].
+    """
     a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
     stiffness = (
         _positive(G.T11 - G.N1 * b[0], G.T11),
@@ -263,7 +284,11 @@ def _arrest_in_space(
 def moreau_in_space(
     *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
 ) -> SpatialImpulse:
-    """Return Moreau's impulse with a disc of friction (theory 8.1)."""
+    """Return Moreau's impulse with a disc of friction, one restitution for all directions.
+
+    `G` are the Delassus numbers of the contact [kg-1], `u_N` (negative in approach) and `u` its
+    normal and two sliding velocities before the impact [m s-1] (theory 8.1).
+    """
     growth = 1 + restitution
     met = (growth * _met(u_N, u[0]), growth * _met(u_N, u[1]))
     return _arrest_in_space(G, growth * np.minimum(u_N, 0.0), met, friction)
@@ -272,9 +297,11 @@ def moreau_in_space(
 def pfeiffer_glocker_in_space(
     *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
 ) -> SpatialImpulse:
-    """Return the impulse of compression and expansion with a disc of friction (theory 8.1).
+    """Return the impulse of compression and expansion, with a disc of friction (theory 8.1).
 
-    NaN where the contact would close again in the expansion, which is not solved.
+    `G` are the Delassus numbers of the contact [kg-1], `u_N` (negative in approach) and `u` its
+    normal and two sliding velocities before the impact [m s-1]; the restitution is Poisson's. NaN
+    where the contact would close again in the expansion, which is not solved.
     """
     met = (_met(u_N, u[0]), _met(u_N, u[1]))
     first = _arrest_in_space(G, np.minimum(u_N, 0.0), met, friction)

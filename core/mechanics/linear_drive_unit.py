@@ -14,10 +14,11 @@ from core.mechanics.drive_unit import second_over_first
 def natural_frequency(
     *, spring_stiffness: Array, foot_stiffness: Array, loaded_mass: Array, base_mass: Array
 ) -> Array:
-    """Return the frequency of the mode that the springs make, without damping [Hz].
+    """Return the undamped natural frequency of trough against base on the leaf springs [Hz].
 
-    The higher root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0; with free feet
-    w^2 = k (m1 + m2)/(m1 m2).
+    The higher root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0, with the stiffness k of
+    the leaves and k_f of the feet, m1 of the loaded trough, m2 of the base; with free feet w^2 = k
+    (m1 + m2)/(m1 m2).
     """
     upper, _ = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
     return np.sqrt(upper) / (2 * np.pi)
@@ -26,15 +27,21 @@ def natural_frequency(
 def foot_frequency(
     *, spring_stiffness: Array, foot_stiffness: Array, loaded_mass: Array, base_mass: Array
 ) -> Array:
-    """Return the frequency of the whole unit on its feet, the lower root; 0 with free feet [Hz]."""
+    """Return the natural frequency of the whole unit on its feet; 0 with free feet [Hz].
+
+    The lower root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0, with the stiffness k of
+    the leaves and k_f of the feet, m1 of the loaded trough, m2 of the base.
+    """
     _, lower = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
     return np.sqrt(lower) / (2 * np.pi)
 
 
 def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
-    """Return the squared circular frequencies w^2 of both modes.
+    """Return the squared circular frequencies of both modes, the higher first [rad2 s-2].
 
-    The lower one without cancellation.
+    They are the roots w^2 of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0: stiffness k of the
+    leaves and k_f of the feet, m1 of the loaded trough, m2 of the base. The lower comes from the
+    product of both, without cancellation.
     """
     half = (k * (m1 + m2) + k_f * m1) / 2
     product = (m1 * m2) * (k * k_f)
@@ -50,12 +57,12 @@ def stroke_response(
     foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
     base_mass: Array,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
-    """Return the strokes s (real and imaginary), X1 and X2 of both masses (sizes) [m].
+    """Return the stroke s between trough and base (real, imaginary) and both amplitudes X1, X2 [m].
 
-    Force and stroke are the real parts of F e^(iwt) and s e^(iwt). With Z = k + i w c of the
-    springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the moving mass and of the
-    damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a:
-    s = F Q/D, X1 = F P/D, X2 = F a/D, D = Z Q - a P.
+    Force and stroke are the real parts of F e^(iwt) and s e^(iwt); X1 belongs to the trough, X2 to
+    the base. With Z = k + i w c of the springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w
+    c_l of the loaded trough and of the damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P
+    - a: s = F Q/D, X1 = F P/D, X2 = F a/D, D = Z Q - a P.
     """
     w = circular_frequency
     a_real, a_imag = loaded_mass * w * w, -w * load_damping
@@ -80,7 +87,11 @@ def track_harmonic(
     foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
     base_mass: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the second harmonic of the track over its first, as sine and cosine at 2 tau [1]."""
+    """Return sine and cosine part, at 2 tau, of the track's second harmonic over its first [1].
+
+    tau is the phase in which the first harmonic of the track's displacement is A sin(tau), and
+    `force_harmonic` the second harmonic of the magnet's force over its first.
+    """
     springs = (spring_stiffness, damping, foot_stiffness, foot_damping)
     masses = (loaded_mass, load_damping, base_mass)
     first = _trough(circular_frequency, *springs, *masses)
@@ -91,7 +102,12 @@ def track_harmonic(
 def _trough(
     w: Array, k: Array, c: Array, k_f: Array, c_f: Array, m1: Array, c_l: Array, m2: Array
 ) -> tuple[Array, Array]:
-    """Return the trough's response X1/F to the force, real and imaginary part [m/N]."""
+    """Return the trough's displacement per force, X1/F, real and imaginary part [m N-1].
+
+    `w` is the circular frequency [rad s-1]; `k`, `c` stiffness and damping of the leaves, `k_f`,
+    `c_f` of the feet; `m1` the loaded trough, `c_l` the damper from it to the ground, `m2` the
+    base.
+    """
     a_real, a_imag = m1 * w * w, -w * c_l
     p_real, p_imag = k_f - m2 * w * w, w * c_f
     q_real, q_imag = p_real - a_real, p_imag - a_imag
@@ -106,12 +122,15 @@ def floor_force(
     *, stroke_response: tuple[Array, ...], circular_frequency: Array, foot_stiffness: Array,
     foot_damping: Array,
 ) -> Array:  # fmt: skip
-    """Return the amplitude of the force of the feet on the floor, |k_f + i w c_f| X2 [N]."""
+    """Return the amplitude of the force of the feet on the floor, |k_f + i w c_f| X2 [N].
+
+    X2, the amplitude of the base, is the fourth entry of `stroke_response` [m].
+    """
     return hypot(foot_stiffness, circular_frequency * foot_damping) * stroke_response[3]
 
 
 def linear_amplitude(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the amplitude of the track, X1 [m]."""
+    """Return the amplitude of the track, X1 [m]: the third entry of `stroke_response`."""
     return stroke_response[2]
 
 

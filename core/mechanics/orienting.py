@@ -51,20 +51,21 @@ class PassedShares(NamedTuple):
 
 
 def box_aspects(*, length: Array, width: Array, height: Array) -> tuple[Aspect, ...]:
-    """Return the sizes of a box: flat, on its side, on its end [m]."""
+    """Return the sizes of a box in each aspect: flat, on its side, on its end [m]."""
     sides = ((height, length, width), (width, length, height), (length, width, height))
     return tuple(Aspect(up, np.minimum(a, b), np.maximum(a, b)) for up, a, b in sides)
 
 
 def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
-    """Return the sizes of a cylinder: on its side, on an end [m]."""
+    """Return the sizes of a cylinder in each aspect: on its side, on an end [m]."""
     return Aspect(diameter, diameter, length), Aspect(length, diameter, diameter)
 
 
 def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspect, ...]:
-    """Return the sizes of a prism: on a side, on an end [m].
+    """Return the sizes of a prism in each aspect: on a side, on an end [m].
 
-    Above the side that it lies on is another one, or a corner where their number is odd.
+    `sides` is the number of its sides, `diameter` that of the circle through its corners. Above the
+    side that it lies on is another one, or a corner where their number is odd.
     """
     inner = diameter / 2 * cosine(np.pi / sides)
     even = np.rint(sides / 2) * 2 == sides
@@ -73,10 +74,11 @@ def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspe
 
 
 def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> tuple[Aspect, ...]:
-    """Return the sizes of a turned part: upright, on its side, inverted [m].
+    """Return the sizes of a turned part in each aspect: upright, on its side, inverted [m].
 
-    On its side the rim of the large end is d cos(th) high, th half the angle of the cone, and the
-    other rim reaches out by d_2 sin(th) over the side.
+    `diameter` and `small_diameter`, d and d_2, are those of its ends. On its side the rim of the
+    large end is d cos(th) high, th half the angle of the cone, and the other rim reaches out by d_2
+    sin(th) over the side.
     """
     apart = np.abs(diameter - small_diameter) / 2
     side = hypot(apart, height)
@@ -94,9 +96,11 @@ def passes_wiper(aspect: Aspect, wiper_height: Array) -> Array:
 
 
 def passes_ledge(aspect: Aspect, centre: Array, ledge_width: Array, delta: Array) -> Array:
-    """Return 1 where the centre of a part is above a ledge along the wall, else 0.
+    """Return 1 where a part's centre is above a ledge along the wall and it passes, else 0.
 
-    (w - a/2) + z tan(delta) > 0: a track that leans by delta holds it on the wall.
+    The part passes where (w - a/2) + z tan(delta) > 0, with the ledge's width w, the part's size a
+    across the track and its centre's height z (`centre`) [m]: a track that leans by delta holds it
+    on the wall.
     """
     over = ledge_width - aspect.across / 2 + centre * np.tan(delta)
     return np.where(over > 0, 1.0, 0.0)
@@ -137,8 +141,10 @@ def test_of(kept: Sequence[Array]) -> Matrix:
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
     """Return the matrix of a device that turns a share of the parts of one aspect into another.
 
-    `turn` 21 turns from aspect 2 to 1. With `failed` those that fail its test are turned, and the
-    others of these fall; else that share of all, and the others stay as they are.
+    `matrix` is that of the device without turning; `turn` names the aspects as two digits, 21 from
+    aspect 2 to 1, and `turned_share` is the share that turns. With `failed` the share is of the
+    parts that the device rejects, and the others of these fall; without, of those that pass, and
+    the others stay.
     """
     places = range(len(matrix))
     rows = [[*row] for row in matrix]
@@ -154,7 +160,10 @@ def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -
 
 
 def product(first: Matrix, second: Matrix) -> Matrix:
-    """Return the matrix of two devices in sequence, the product second times first."""
+    """Return the matrix of two devices in sequence: entry (i, j) is the sum of first_ik second_kj.
+
+    Parts meet the device `first` before the device `second`.
+    """
     places = range(len(first))
     return [[_sum([row[k] * second[k][j] for k in places]) for j in places] for row in first]
 
@@ -168,7 +177,11 @@ def _sum(terms: Sequence[Array]) -> Array:
 
 
 def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
-    """Return the share of each aspect behind a line, for arriving shares and the line's matrix."""
+    """Return the shares of parts that leave a line, by aspect and in all.
+
+    `shares` are those of the arriving parts that lie in each aspect, `matrix` that of all the
+    line's devices: row i holds the share of parts of aspect i that leave in each aspect.
+    """
     places = range(len(shares))
     leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
     return PassedShares(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
