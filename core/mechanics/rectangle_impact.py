@@ -113,7 +113,11 @@ def _closing(
     body_2: Rectangle,
     motion: BodyVelocities,
 ) -> Array:
-    """Return the velocity of body 1 relative to body 2 at a point, along a direction [m s-1]."""
+    """Return the velocity of body 1 relative to body 2 at a point, along a direction [m s-1].
+
+    The point is (x, y) [m], the direction the unit vector (n_x, n_y), `motion` the velocities of
+    both bodies.
+    """
     u = motion
     slip_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
         u.velocity_x_2 - u.spin_2 * (y - body_2.y)
@@ -133,10 +137,12 @@ def edge_action_without_friction(
     rectangle_masses: RectangleMasses,
     restitution: Array,
 ) -> EdgeAction:
-    """Return the point at which the resultant of both ends of a touching edge acts.
+    """Return the point of a touching edge at which the resultant of the impulses at its ends acts.
 
-    Both ends are contacts without friction, and the impulses solve the complementarity problem of
-    theory 1.4. The impact is that of the resultant alone, since the normals are parallel.
+    Both ends are contacts without friction, whose impulses are solved together: L >= 0, G L + (1 +
+    eps) u >= 0, at each end one of both 0 (theory 1.4). The normals are parallel, so that the
+    resultant alone gives the impact. `unknown` marks edges of which an end approaches again after
+    the impact.
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -172,9 +178,10 @@ def edge_action_with_friction(
     rectangle_2: Rectangle,
     planar_motion: BodyVelocities,
 ) -> EdgeAction:
-    """Return the end of a touching edge that approaches most; friction at two ends is not solved.
+    """Return the end of a touching edge that approaches faster, where the impulse then acts.
 
-    If that end does not approach, the edge does not; else the impact is `simultaneous`.
+    If this end does not approach, the edge does not; else the impact is `unknown`, because friction
+    at two ends at once is not solved (regime `simultaneous`).
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -205,7 +212,10 @@ def contact_arms(
     rectangle_1: Rectangle,
     rectangle_2: Rectangle,
 ) -> Arms:
-    """Return the arms rho x n and rho x t of both bodies, t = (-n_y, n_x) [m]."""
+    """Return the lever arms of the contact about both centres, rho x n and rho x t [m].
+
+    rho leads from a centre to the contact, n is the normal and t = (-n_y, n_x) the tangent.
+    """
     x_1, y_1 = contact_x - rectangle_1.x, contact_y - rectangle_1.y
     x_2, y_2 = contact_x - rectangle_2.x, contact_y - rectangle_2.y
     return Arms(
@@ -220,14 +230,21 @@ def contact_arms(
 
 
 def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
-    """Return the Delassus number 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1]."""
+    """Return the Delassus number 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1].
+
+    It is the normal velocity of the contact per normal impulse; rho x n is the arm of the normal.
+    """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
 
 
 def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
-    """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1]."""
+    """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1].
+
+    It is the tangential velocity of the contact per normal impulse, and the reverse; rho x n and
+    rho x t are the arms of normal and tangent.
+    """
     arms, masses = contact_arms, rectangle_masses
     return (
         arms.normal_1 * arms.tangential_1 / masses.inertia_1
@@ -236,7 +253,11 @@ def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) 
 
 
 def delassus_tangential(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
-    """Return the Delassus number 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1]."""
+    """Return the Delassus number 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1].
+
+    It is the tangential velocity of the contact per tangential impulse; rho x t is the arm of the
+    tangent.
+    """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
@@ -249,7 +270,11 @@ def approach_normal(
     normal_y: Array,
     planar_motion: BodyVelocities,
 ) -> Array:
-    """Return the velocity n.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]."""
+    """Return the normal velocity of the contact before the impact, negative in approach [m s-1].
+
+    n.(v1 + w1 x rho1 - v2 - w2 x rho2): velocity v and spin w of each body, rho from its centre to
+    the contact.
+    """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
     centres = normal_x * drift_x + normal_y * drift_y
@@ -263,7 +288,11 @@ def approach_tangential(
     normal_y: Array,
     planar_motion: BodyVelocities,
 ) -> Array:
-    """Return the velocity t.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]."""
+    """Return the tangential velocity of the contact before the impact [m s-1].
+
+    t.(v1 + w1 x rho1 - v2 - w2 x rho2), t = (-n_y, n_x): velocity v and spin w of each body, rho
+    from its centre to the contact.
+    """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
     centres = normal_x * drift_y - normal_y * drift_x
@@ -274,7 +303,10 @@ def approach_tangential(
 
 
 def is_apart(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
-    """True where the gap exceeds the tolerance, or the nearest corner lies beside the face."""
+    """True where the gap exceeds the tolerance, or the nearest corner lies beside the face.
+
+    The tolerance is a share of the bodies' size [1].
+    """
     at = rectangle_contact
     return (at.gap > contact_tolerance * at.size) | (at.beside & (at.gap >= 0))
 
@@ -311,7 +343,11 @@ def _only_at_one_contact(
     tolerance: Array,
     edge_action: EdgeAction,
 ) -> Impulse:
-    """Return the impulse; 0 where the bodies are apart, NaN where the law has no answer."""
+    """Return an impulse with 0 where the bodies are apart and NaN where the law does not hold.
+
+    That is where they overlap by more than `tolerance` (a share of their size), touch corner on
+    corner, or edge on edge in a way that no single impulse describes.
+    """
     nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = unknown | ((at.at_corner | edge_action.unknown) & ~nothing)
@@ -350,7 +386,11 @@ def pfeiffer_glocker_impulse(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return the impulse of compression and expansion with friction, Poisson's restitution."""
+    """Return the impulse of compression and expansion with friction on body 1 [N s].
+
+    The restitution is Poisson's: expansion over compression of the normal impulse. 0 where the
+    bodies are apart, NaN where they overlap or the impact has no single impulse.
+    """
     impulse = impact.pfeiffer_glocker(
         G_NN=delassus_normal,
         G_NT=delassus_coupling,
@@ -376,7 +416,10 @@ def moreau_impulse(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return Moreau's impulse with friction, one restitution for both directions."""
+    """Return Moreau's impulse with friction on body 1, one restitution for both directions [N s].
+
+    0 where the bodies are apart, NaN where they overlap or the impact has no single impulse.
+    """
     impulse = impact.moreau(
         G_NN=delassus_normal,
         G_NT=delassus_coupling,

@@ -28,7 +28,11 @@ def motion_after(
     planar_motion: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> BodyVelocities:
-    """Return all velocities after the impulse, qdot + M^-1 (W_N L_N + W_T L_T)."""
+    """Return the velocities and spins of both bodies after the impulse [m s-1, rad s-1].
+
+    v + L/m and w + (rho x L)/I for body 1, with a minus for body 2: L is the impulse, rho leads
+    from the body's centre to the contact.
+    """
     L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
     L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
     u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
@@ -45,7 +49,7 @@ def motion_after(
 def separation_normal(
     *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
-    """Return the normal velocity of the contact after the impact, u_N [m s-1]."""
+    """Return the normal velocity of the contact after the impact, positive if it opens [m s-1]."""
     return approach_normal(
         contact_arms=contact_arms,
         normal_x=normal_x,
@@ -57,7 +61,7 @@ def separation_normal(
 def separation_tangential(
     *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
-    """Return the tangential velocity of the contact after the impact, u_T [m s-1]."""
+    """Return the tangential velocity of the contact after the impact, 0 if it sticks [m s-1]."""
     return approach_tangential(
         contact_arms=contact_arms,
         normal_x=normal_x,
@@ -86,7 +90,11 @@ def energy_lost(
     separation_normal: Array,
     separation_tangential: Array,
 ) -> Array:
-    """Return the kinetic energy lost, as the work -L.(u + u')/2 of the impulse [J]."""
+    """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
+
+    L is the impulse on body 1, u (`approach`) and u' (`separation`) the velocity of the contact
+    before and after.
+    """
     return (
         -(
             impulse_normal * (approach_normal + separation_normal)
@@ -102,7 +110,7 @@ def momentum_residual_x(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return the change of the linear momentum by the impact, x [N s]."""
+    """Return the change of the total linear momentum by the impact, x: 0 but for rounding [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
     change_1 = after.velocity_x_1 - before.velocity_x_1
     change_2 = after.velocity_x_2 - before.velocity_x_2
@@ -115,7 +123,7 @@ def momentum_residual_y(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return the change of the linear momentum by the impact, y [N s]."""
+    """Return the change of the total linear momentum by the impact, y: 0 but for rounding [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
     change_1 = after.velocity_y_1 - before.velocity_y_1
     change_2 = after.velocity_y_2 - before.velocity_y_2
@@ -130,7 +138,10 @@ def angular_momentum_residual(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return the change of the angular momentum about the origin by the impact [kg m2 s-1]."""
+    """Return the change of the total angular momentum about the origin by the impact [kg m2 s-1].
+
+    Without an outer impulse it is 0 but for rounding: a check of the solution.
+    """
     body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
     change = BodyVelocities(
         *(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True))

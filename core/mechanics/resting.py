@@ -13,9 +13,10 @@ from core.mechanics.arrays import Array, Mask, hypot
 
 
 def share_of_faces(along: Array, across: Array, apart: Array) -> Array:
-    """Return the share of two opposite faces of a box [1].
+    """Return the share of parts that come to rest on either of two opposite faces of a box [1].
 
-    (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2))): faces a by b, a distance of c apart. The three
+    (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2))) for faces of a (`along`) by b (`across`) that are c
+    (`apart`) from each other [m]: the solid angle under which the centre sees them. The three
     shares of a box add up to 1.
     """
     through = hypot(hypot(along, across), apart)
@@ -24,12 +25,12 @@ def share_of_faces(along: Array, across: Array, apart: Array) -> Array:
 
 
 def share_of_mantle(length: Array, diameter: Array) -> Array:
-    """Return the share of the round side of a cylinder, l/sqrt(l^2 + d^2) [1]."""
+    """Return the share of cylinders that come to rest on their side, l/sqrt(l^2 + d^2) [1]."""
     return length / hypot(length, diameter)
 
 
 def share_of_ends(length: Array, diameter: Array) -> Array:
-    """Return the share of both ends of a cylinder, 1 - l/sqrt(l^2 + d^2) [1]."""
+    """Return the share of cylinders that come to rest on either end, 1 - l/sqrt(l^2 + d^2) [1]."""
     through = hypot(length, diameter)
     return (diameter / through) * (diameter / (through + length))
 
@@ -39,7 +40,7 @@ Shares = tuple[Array, ...]
 
 
 def box_shares(*, length: Array, width: Array, height: Array) -> Shares:
-    """Return the shares of a box: flat, on its side, on its end [1]."""
+    """Return the resting shares of a box: flat, on its side, on its end [1]."""
     return (
         share_of_faces(length, width, height),
         share_of_faces(length, height, width),
@@ -53,7 +54,7 @@ def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
 
 
 def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
-    """Return the shares of a cylinder: on its side, on either end [1]."""
+    """Return the resting shares of a cylinder: on its side, on either end [1]."""
     return share_of_mantle(length, diameter), share_of_ends(length, diameter)
 
 
@@ -63,10 +64,10 @@ def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
 
 
 def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
-    """Return the shares of a prism: on a side, on either end [1].
+    """Return the resting shares of a prism: on a side, on either end [1].
 
-    Of n sides, with k = L/sqrt(L^2 + d^2) and d the circle through the corners: both ends have
-    (n/pi) (pi/n - atan(k tan(pi/n))), the sides the rest.
+    Of n sides and length L, with d the circle through the corners and k = L/sqrt(L^2 + d^2): both
+    ends have (n/pi) (pi/n - atan(k tan(pi/n))), the sides the rest.
     """
     through = hypot(length, diameter)
     k = length / through
@@ -87,7 +88,8 @@ def prism_centres(*, sides: Array, length: Array, diameter: Array) -> Shares:
 def cone_centre(*, diameter: Array, small_diameter: Array, height: Array) -> Array:
     """Return the height of a truncated cone's centre above the end of `diameter` [m].
 
-    H (R1^2 + 2 R1 R2 + 3 R2^2)/(4 (R1^2 + R1 R2 + R2^2)).
+    H (R1^2 + 2 R1 R2 + 3 R2^2)/(4 (R1^2 + R1 R2 + R2^2)): height H, radii R1 of this end and R2 of
+    the other.
     """
     r = small_diameter / diameter
     return height * (1 + r * (2 + 3 * r)) / (4 * (1 + r * (1 + r)))
@@ -101,10 +103,11 @@ def turned_centre(*, centre_of_mass: Array) -> Array:
 def side_foot(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Array:
-    """Return the position of the foot of the centre on the side, over its length [1].
+    """Return the foot of the centre of mass on a part's side, over the length of the side [1].
 
-    s/L_g = (z_c H + R1 (R1 - R2))/L_g^2, from the end of `diameter`, L_g = hypot(R1 - R2, H). The
-    part lies on its side only where this is between 0 and 1.
+    (z_c H + R1 (R1 - R2))/L_g^2, counted from the end of `diameter`: R1 and R2 are the radii of
+    both ends, H the height, z_c (`mass_height`) that of the centre, L_g = hypot(R1 - R2, H) the
+    length of the side. The part lies on its side only where this is between 0 and 1.
     """
     apart = (diameter - small_diameter) / 2
     generator = hypot(apart, height)
@@ -123,7 +126,11 @@ def has_centre_outside(*, height: Array, mass_height: Array) -> Mask:
 
 
 def end_share(centre: Array, radius: Array) -> Array:
-    """Return the share of an end whose rim the centre sees, (1 - z/sqrt(z^2 + r^2))/2 [1]."""
+    """Return the share of parts that come to rest on an end, (1 - z/sqrt(z^2 + r^2))/2 [1].
+
+    z (`centre`) is the height of the centre of mass above this end, r (`radius`) that of the end
+    [m]: the solid angle under which the centre sees it.
+    """
     through = hypot(centre, radius)
     return (radius / through) * (radius / (through + centre)) / 2
 
@@ -132,10 +139,11 @@ def turned_shares(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array,
     side_foot: Array,
 ) -> Shares:  # fmt: skip
-    """Return the shares of a turned part: upright, on its side, inverted [1].
+    """Return the resting shares of a turned part: upright, on its side, inverted [1].
 
-    Upright it stands on the end of `diameter`. An unstable side hands its share on to the end that
-    the part rolls onto: to the small one where the foot of the centre is beyond the side's end.
+    Upright it stands on the end of `diameter`. `side_foot` is the foot of the centre on the side
+    over its length: outside 0 to 1 the side is unstable, and its share goes to the end that the
+    part rolls onto, beyond 1 the small one.
     """
     low, high = mass_height, height - mass_height
     upright, inverted = end_share(low, diameter / 2), end_share(high, small_diameter / 2)
@@ -162,7 +170,12 @@ def turned_centres(
 
 
 def second_shares(*, resting_shares: Shares, centre_heights: Shares) -> Shares:
-    """Return the shares by solid angle over height of the centre (Ngoi et al. 1995) [1]."""
+    """Return a second estimate of the resting shares: solid angle over height of the centre [1].
+
+    Each share is divided by the height of the centre in its aspect [m], then all are scaled to the
+    sum 1 (Ngoi et al. 1995). The difference to the first estimate tells how far either may be
+    trusted.
+    """
     weights = [share / height for share, height in zip(resting_shares, centre_heights, strict=True)]
     total = sum(weights[1:], weights[0])
     return tuple(weight / total for weight in weights)

@@ -20,18 +20,19 @@ SOLID = 2.0
 
 
 def printed_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
-    """Return the angular acceleration 4 P cos(beta) sin(alpha)/d as printed in (3.36) [rad s-2].
+    """Return the angular acceleration as printed in (3.36), 4 P cos(beta) sin(alpha)/d [rad s-2].
 
-    The source divides the drive's moment about the contact line by the inertia about the centre:
-    three times the right value.
+    P cos(beta) sin(alpha) is `drive_across`, d the diameter. The source divides the drive's moment
+    about the contact line by the inertia about the centre: three times the right value.
     """
     return 4 * drive_across / diameter
 
 
 def rolling_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
-    """Return the angular acceleration 4 P cos(beta) sin(alpha)/(3 d), as in (4.19) [rad s-2].
+    """Return the angular acceleration of rolling, 4 P cos(beta) sin(alpha)/(3 d), (4.19) [rad s-2].
 
-    The same moment as printed, with the inertia about the contact line.
+    P cos(beta) sin(alpha) is `drive_across`, d the diameter: the drive's moment about the contact
+    line over the inertia about that line.
     """
     return 4 * drive_across / (3 * diameter)
 
@@ -43,7 +44,11 @@ def is_rolling(
     friction_static: Array,
     floor_acceleration: Array,
 ) -> Mask:
-    """True where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0."""
+    """True where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0.
+
+    D_x and D_y are drive and gravity along the axis and across it, n the floor's force, all per
+    mass [m s-2].
+    """
     held = hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
     return held & (floor_acceleration > 0)
 
@@ -68,9 +73,11 @@ def roll_root(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the positive root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n [m s-2].
+    """Return the root z that gives the slip of a solid cylinder; 0 where it rolls [m s-2].
 
-    0 where the cylinder rolls without slip.
+    z > 0 solves D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n, with drive and gravity D_x along
+    the axis, D_y across it and the floor's force n, all per mass: z + q is the size of the slip
+    acceleration with friction added.
     """
     return slip_root(
         in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,
@@ -82,10 +89,11 @@ def slip_root(
     along: Array, across: Array, rolling_factor: Array | float, friction_static: Array,
     friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the positive root z of D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
+    """Return the root z that gives the slip of a round part; 0 where it rolls [m s-2].
 
-    D_a pushes along the axis, D_c across it; 0 where the part rolls without slip. After lift-off
-    q = 0 and the root is |D|.
+    z > 0 solves D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_a along the
+    axis (`along`), D_c across it (`across`), the floor's force n, all per mass, and the rolling
+    factor kap = m r^2/I. After lift-off q = 0 and z = |D|.
     """
     held = 1 + rolling_factor
     Dx, Dy = np.abs(along), np.abs(across)
@@ -103,12 +111,14 @@ def slip_root(
 
 @Elementwise
 def slip_share(x: Array, y: Array, s: Array, held: Array | float) -> Array:
-    """Return the positive root z of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1, x^2 + y^2 = 1.
+    """Return the positive root z of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1.
 
-    1/sqrt(h) is concave and nearly linear in z: its chords to infinity, and those of each term
-    alone, lie below the root, and Newton's method climbs from there without safeguard (the secular
-    equation of trust-region methods). sqrt(h) - 1 is written as 2 (h - 1)/(h + 3), which is less,
-    and the same up to the third order: a step has one quotient and no root.
+    x and y are the push along and across the axis with x^2 + y^2 = 1, s kinetic friction times load
+    over the push, `held` 1 + kap. 1/sqrt(h) is concave and nearly linear in z: its chords to
+    infinity, and those of each term alone, lie below the root, and Newton's method climbs from
+    there without safeguard (the secular equation of trust-region methods). In place of sqrt(h) - 1
+    stands 2 (h - 1)/(h + 3), which is less and equal up to the third order: a step has one
+    quotient, no root.
     """
     xx, yy = x * x, y * y
     z = np.maximum(np.maximum(x - s, y - held * s), np.maximum(1.0 - s * (xx + held * yy), 0.0))
@@ -131,7 +141,8 @@ def across_axis(
 ) -> Array:  # fmt: skip
     """Return the acceleration across the axis, D_c (z + kap q)/(z + (1 + kap) q) [m s-2].
 
-    At z = 0 this is the rolling value, D_c kap/(1 + kap).
+    D_c is `push`, z `roll_root`, kap = m r^2/I and q = mu_k n, with the floor's force n per mass.
+    Where z = 0 the part rolls with D_c kap/(1 + kap), kap/(1 + kap) being `rolling_share`.
     """
     q = friction_kinetic * floor_acceleration
     more = roll_root + (1 + rolling_factor) * q
@@ -146,7 +157,11 @@ def slipping_acceleration_x(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the acceleration along the axis, D_x - q e_x, as D_x z/(z+q) [m s-2]."""
+    """Return the acceleration of a cylinder along its axis, D_x z/(z+q) [m s-2].
+
+    z is `roll_root` and q = mu_k n, with the floor's force n per mass; 0 where it rolls without
+    slip.
+    """
     q = friction_kinetic * floor_acceleration
     return in_plane_drive_x * ratio(roll_root, roll_root + q, 0.0)
 
@@ -158,9 +173,10 @@ def slipping_acceleration_y(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the acceleration in rolling direction, D_y - q e_y, as D_y (z+2q)/(z+3q) [m s-2].
+    """Return the acceleration of a cylinder in rolling direction, D_y (z+2q)/(z+3q) [m s-2].
 
-    At z = 0 this is the rolling value 2 D_y/3.
+    z is `roll_root` and q = mu_k n, with the floor's force n per mass; where it rolls (z = 0) it is
+    2 D_y/3.
     """
     return across_axis(
         in_plane_drive_y, roll_root, SOLID, 2.0 / 3.0, friction_kinetic, floor_acceleration
@@ -175,9 +191,10 @@ def slipping_angular_acceleration(
     floor_acceleration: Array,
     diameter: Array,
 ) -> Array:
-    """Return the angular acceleration, 2 q e_y/r as 4 q D_y/((z+3q) d) [rad s-2].
+    """Return the angular acceleration of a cylinder about its axis, 4 q D_y/((z+3q) d) [rad s-2].
 
-    At z = 0 this is the rolling value 4 D_y/(3 d); 0 in flight.
+    z is `roll_root` and q = mu_k n, with the floor's force n per mass; where it rolls (z = 0) it is
+    4 D_y/(3 d), in flight 0.
     """
     q = friction_kinetic * floor_acceleration
     e_y = ratio(in_plane_drive_y, roll_root + 3 * q, 0.0)

@@ -72,15 +72,21 @@ class RollingContact(NamedTuple):
         return np.asarray(np.abs(self.normal) > self.load)
 
     def at_ends(self, sign: float) -> tuple[Array, Array]:
-        """Return push and load where the drive is at its peak (sign 1) or opposite (-1)."""
+        """Return push along the track and load on the floor at a peak of the drive [1].
+
+        Both are accelerations over gravity.
+
+        `sign` is 1 where the drive is at its peak, -1 where it is opposite.
+        """
         return sign * self.along - self.uphill, self.load - sign * self.normal
 
     @property
     def traction(self) -> tuple[Array, Array]:
-        """Bounds of the friction that rolling takes, over load and (1 + kap), in a period.
+        """Bounds of the friction that rolling takes: the largest in a period, at least and at most.
 
-        (D -+ w +- kap c n)/n has the drive's sine s in it as (p s - g)/(n - q s), which grows or
-        falls all the way: its ends count. Infinite where the part leaves the floor.
+        Both are friction over load times (1 + kap) [1]. D is the push, w the wall's friction, c n
+        the rolling resistance: the quotient (D -+ w +- kap c n)/n grows or falls steadily with the
+        sine of the drive, so that its ends count. Infinite where the part leaves the floor.
         """
         least, most = np.zeros(()), np.zeros(())
         for sign in (1.0, -1.0):
@@ -105,9 +111,11 @@ class RollingContact(NamedTuple):
 
 
 def mean_acceleration(share: Array, uphill: Array, held: Array) -> Array:
-    """Return the mean acceleration in the long run, over gravity [1].
+    """Return the mean acceleration of a rolling part in the long run, over gravity [1].
 
-    -k (sin(gamma) - held) where the part runs down; 0 where what holds it is more than gravity.
+    `share` is kap/(1 + kap), `uphill` gravity against the direction of travel and `held` what
+    resists rolling, both over gravity: -share (uphill - held) where gravity is more, so that the
+    part runs down; else 0.
     """
     left = np.maximum(np.abs(uphill) - held, 0.0)
     return np.where(uphill > 0, -1.0, 1.0) * share * left

@@ -47,7 +47,7 @@ def turned(matrix: Array, vector: Array) -> Array:
 
 
 def _about(axis: int, angle: Array) -> Array:
-    """Return the active rotation about one coordinate axis."""
+    """Return the active rotation about axis 0, 1 or 2 (x, y, z), shape (..., 3, 3)."""
     angle = np.asarray(angle, dtype=np.float64)
     c, s = cosine(angle), sine(angle)
     following, last = (axis + 1) % 3, (axis + 2) % 3

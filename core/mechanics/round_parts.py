@@ -17,18 +17,18 @@ from core.mechanics.arrays import Array, Mask, hypot, ratio
 
 
 def tube_factor(*, diameter: Array, inner_diameter: Array) -> Array:
-    """Return the factor m r^2/I of a tube about its axis, 2/(1 + q^2), q = d_i/d [1].
+    """Return the rolling factor m r^2/I of a tube about its axis, 2/(1 + q^2), q = d_i/d [1].
 
-    2 of a solid cylinder or disc, 1 of a hoop.
+    d and d_i are outer and inner diameter; 2 for a solid cylinder or disc, 1 for a hoop.
     """
     q = inner_diameter / diameter
     return 2 / (1 + q * q)
 
 
 def ball_factor(*, diameter: Array, inner_diameter: Array) -> Array:
-    """Return the factor m r^2/I of a hollow ball, (5/2) (1 - q^3)/(1 - q^5), q = d_i/d [1].
+    """Return the rolling factor m r^2/I of a hollow ball, (5/2) (1 - q^3)/(1 - q^5), q = d_i/d [1].
 
-    5/2 of a solid ball, 3/2 of a thin shell.
+    d and d_i are outer and inner diameter; 5/2 for a solid ball, 3/2 for a thin shell.
     """
     q = inner_diameter / diameter
     # 1 - q is a factor of both: without it a thin shell loses no digit.
@@ -36,7 +36,10 @@ def ball_factor(*, diameter: Array, inner_diameter: Array) -> Array:
 
 
 def rolling_share(*, rolling_factor: Array) -> Array:
-    """Return the share of a push that rolling leaves, kap/(1 + kap) [1]."""
+    """Return the share of a push that accelerates a rolling part, kap/(1 + kap) [1].
+
+    kap = m r^2/I is the rolling factor.
+    """
     return rolling_factor / (1 + rolling_factor)
 
 
@@ -44,7 +47,11 @@ def rolling_share(*, rolling_factor: Array) -> Array:
 
 
 def least_friction(push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
-    """Return the least static friction of pure rolling, |D|/((1 + kap) n); inf in flight [1]."""
+    """Return the least static friction with which a part rolls, |D|/((1 + kap) n) [1].
+
+    D is the push in the floor, n the floor's force, both per mass [m s-2], kap = m r^2/I; infinite
+    in flight.
+    """
     pressed = floor_acceleration > 0
     needed = np.abs(push) / ((1 + rolling_factor) * np.where(pressed, floor_acceleration, 1.0))
     return np.where(pressed, needed, np.inf)
@@ -55,7 +62,8 @@ def ball_friction(
 ) -> Array:
     """Return the least static friction with which a ball rolls, |D|/((1 + kap) n) [1].
 
-    Infinite in flight.
+    |D| is the size of drive and gravity in the floor, n the floor's force, both per mass, kap = m
+    r^2/I; infinite in flight.
     """
     return least_friction(in_plane_drive, rolling_factor, floor_acceleration)
 
@@ -69,9 +77,10 @@ def ball_fraction(
     *, in_plane_drive: Array, required_friction: Array, friction_static: Array,
     friction_kinetic: Array, rolling_share: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration of a ball's centre over the push, |a|/|D| [1].
+    """Return the acceleration of a ball's centre over the push D in the floor, |a|/|D| [1].
 
-    kap/(1 + kap) where it rolls, 1 - mu_k n/|D| where it slips, 1 in flight.
+    kap/(1 + kap) where it rolls, 1 - mu_k n/|D| where it slips, 1 in flight: kap = m r^2/I, n the
+    floor's force per mass.
     """
     slips = 1.0 - friction_kinetic * ratio(floor_acceleration, in_plane_drive, 0.0)
     return np.where(required_friction <= friction_static, rolling_share, slips)
@@ -92,9 +101,10 @@ def ball_spin(
     friction_kinetic: Array, rolling_factor: Array, rolling_share: Array,
     floor_acceleration: Array, diameter: Array,
 ) -> Array:  # fmt: skip
-    """Return the angular acceleration of a ball, |a|/r where it rolls [rad s-2].
+    """Return the angular acceleration of a ball [rad s-2].
 
-    kap mu_k n/r where it slips, 0 in flight.
+    |a|/r where it rolls, kap mu_k n/r where it slips, 0 in flight: |a| is the acceleration of the
+    centre, kap = m r^2/I, n the floor's force per mass.
     """
     slipping = rolling_factor * friction_kinetic * floor_acceleration
     rolling_rim = rolling_share * in_plane_drive
@@ -106,12 +116,18 @@ def ball_spin(
 
 
 def push_across_axis(*, in_plane_drive_x: Array, in_plane_drive_y: Array, axis_yaw: Array) -> Array:
-    """Return the push in rolling direction, D_x sin(theta) + D_y cos(theta) [m s-2]."""
+    """Return drive and gravity in rolling direction, D_x sin(theta) + D_y cos(theta) [m s-2].
+
+    theta (`axis_yaw`) is the angle of the part's axis from x.
+    """
     return in_plane_drive_x * sine(axis_yaw) + in_plane_drive_y * cosine(axis_yaw)
 
 
 def push_along_axis(*, in_plane_drive_x: Array, in_plane_drive_y: Array, axis_yaw: Array) -> Array:
-    """Return the push along the axis, D_x cos(theta) - D_y sin(theta) [m s-2]."""
+    """Return drive and gravity along the axis, D_x cos(theta) - D_y sin(theta) [m s-2].
+
+    theta (`axis_yaw`) is the angle of the part's axis from x.
+    """
     return in_plane_drive_x * cosine(axis_yaw) - in_plane_drive_y * sine(axis_yaw)
 
 
@@ -119,7 +135,11 @@ def roller_friction(
     *, push_across_axis: Array, push_along_axis: Array, rolling_factor: Array,
     floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the least static friction with which a roller rolls, hypot(D_s, D_e/(1+kap))/n [1]."""
+    """Return the least static friction with which a roller rolls, hypot(D_s, D_e/(1+kap))/n [1].
+
+    D_s and D_e are the push along and across the axis, n the floor's force, all per mass, kap = m
+    r^2/I; infinite in flight.
+    """
     pressed = floor_acceleration > 0
     needed = hypot(push_along_axis, push_across_axis / (1 + rolling_factor))
     return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)
@@ -129,9 +149,10 @@ def roller_root(
     *, push_across_axis: Array, push_along_axis: Array, rolling_factor: Array,
     friction_static: Array, friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the root z of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
+    """Return the root z that gives the slip of a roller; 0 where it rolls [m s-2].
 
-    As for the cylinder, `rolling.roll_root`.
+    z > 0 solves D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_s along and
+    D_e across the axis, the floor's force n, all per mass, and kap = m r^2/I.
     """
     return rolling.slip_root(
         push_along_axis, push_across_axis, rolling_factor, friction_static, friction_kinetic,
@@ -142,7 +163,11 @@ def roller_root(
 def axial_acceleration(
     *, push_along_axis: Array, roll_root: Array, friction_kinetic: Array, floor_acceleration: Array
 ) -> Array:
-    """Return the acceleration along the axis, D_s z/(z + q) [m s-2]."""
+    """Return the acceleration of a roller along its axis, D_s z/(z + q) [m s-2].
+
+    D_s is the push along the axis, z `roll_root` and q = mu_k n, with the floor's force n per mass;
+    0 where it rolls.
+    """
     q = friction_kinetic * floor_acceleration
     return push_along_axis * ratio(roll_root, roll_root + q, 0.0)
 
@@ -151,9 +176,10 @@ def rolling_acceleration(
     *, push_across_axis: Array, roll_root: Array, rolling_factor: Array, rolling_share: Array,
     friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration across the axis, D_e (z + kap q)/(z + (1 + kap) q) [m s-2].
+    """Return the acceleration across a roller's axis, D_e (z + kap q)/(z + (1 + kap) q) [m s-2].
 
-    D_e kap/(1 + kap) where it rolls, z = 0.
+    D_e is the push across the axis, z `roll_root`, kap = m r^2/I and q = mu_k n, with the floor's
+    force n per mass. Where it rolls (z = 0) it is D_e kap/(1 + kap).
     """
     return rolling.across_axis(
         push_across_axis, roll_root, rolling_factor, rolling_share, friction_kinetic,
@@ -162,12 +188,18 @@ def rolling_acceleration(
 
 
 def roller_x(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw: Array) -> Array:
-    """Return the acceleration along x, a_e sin(theta) + a_s cos(theta) [m s-2]."""
+    """Return the acceleration along x, a_e sin(theta) + a_s cos(theta) [m s-2].
+
+    a_e and a_s are those across and along the part's axis, theta (`axis_yaw`) its angle from x.
+    """
     return rolling_acceleration * sine(axis_yaw) + axial_acceleration * cosine(axis_yaw)
 
 
 def roller_y(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw: Array) -> Array:
-    """Return the acceleration along y, a_e cos(theta) - a_s sin(theta) [m s-2]."""
+    """Return the acceleration along y, a_e cos(theta) - a_s sin(theta) [m s-2].
+
+    a_e and a_s are those across and along the part's axis, theta (`axis_yaw`) its angle from x.
+    """
     return rolling_acceleration * cosine(axis_yaw) - axial_acceleration * sine(axis_yaw)
 
 
@@ -175,9 +207,11 @@ def roller_spin(
     *, push_across_axis: Array, roll_root: Array, rolling_factor: Array, rolling_share: Array,
     friction_kinetic: Array, floor_acceleration: Array, diameter: Array,
 ) -> Array:  # fmt: skip
-    """Return the angular acceleration about the axis, a_e/r where it rolls [rad s-2].
+    """Return the angular acceleration of a roller about its axis [rad s-2].
 
-    kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight.
+    a_e/r where it rolls, kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight: a_e and D_e
+    are acceleration and push across the axis, z is `roll_root`, kap = m r^2/I and q = mu_k n, with
+    the floor's force n per mass.
     """
     q = friction_kinetic * floor_acceleration
     slipping = (
@@ -191,21 +225,26 @@ def roller_spin(
 
 
 def cone_half_angle(*, diameter: Array, small_diameter: Array, height: Array) -> Array:
-    """Return the half angle of a truncated cone, atan((R1 - R2)/H) [rad]."""
+    """Return the half angle of a cone with radii R1, R2 and height H, atan((R1 - R2)/H) [rad]."""
     return np.arctan2((diameter - small_diameter) / 2, height)
 
 
 def centre_radius(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Array:
-    """Return the radius of a truncated cone at its centre of mass, R1 - z_c (R1 - R2)/H [m]."""
+    """Return the radius of a truncated cone at its centre of mass, R1 - z_c (R1 - R2)/H [m].
+
+    R1 and R2 are the radii of its ends, H its height and z_c (`mass_height`) that of the centre
+    above the end of `diameter`.
+    """
     return (diameter - (diameter - small_diameter) * (mass_height / height)) / 2
 
 
 def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
     """Return the radius of gyration of a truncated cone about its axis [m].
 
-    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(10 (1 + r + r^2)), r = R2/R1.
+    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(10 (1 + r + r^2)), r = R2/R1, of the radii R1 and R2 of
+    its ends.
     """
     r = small_diameter / diameter
     turning = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (10 * (1 + r * (1 + r)))
@@ -215,10 +254,12 @@ def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
 def cone_factor(
     *, centre_radius: Array, axial_gyration: Array, gyration: Array, cone_half_angle: Array
 ) -> Array:
-    """Return the share of a push that rolling on a cone leaves, F = (l sin a)^2/I_g [1].
+    """Return the share of a push that accelerates a cone rolling on its side [1].
 
-    I_g = I_ax cos(a)^2 + (I_t + l^2) sin(a)^2 of unit mass about the line that it touches. With the
-    radius rho = l tan(a) at the centre, F = rho^2/(rho^2 + I_ax + I_t tan(a)^2): 2/3 of a cylinder.
+    F = rho^2/(rho^2 + I_ax + I_t tan(a)^2), with the radius rho at the centre of mass, the half
+    angle a, and the moments of inertia per mass I_ax about the axis (`axial_gyration` squared) and
+    I_t across it (`gyration` squared): the cone turns about the line on which it touches. 2/3 for a
+    solid cylinder.
     """
     turning = hypot(axial_gyration, gyration * np.tan(cone_half_angle))
     through = hypot(centre_radius, turning)
@@ -226,16 +267,20 @@ def cone_factor(
 
 
 def cone_acceleration(*, push_across_axis: Array, cone_factor: Array) -> Array:
-    """Return the acceleration of a rolling cone's centre, F D_t [m s-2]."""
+    """Return the acceleration of a rolling cone's centre, F D_t [m s-2].
+
+    F is `cone_factor`, D_t the push across the line on which the cone touches.
+    """
     return cone_factor * push_across_axis
 
 
 def cone_turning(
     *, rolling_acceleration: Array, centre_radius: Array, cone_half_angle: Array
 ) -> Array:
-    """Return the turning about the vertical through the apex, F D_t/(l cos a) [rad s-2].
+    """Return the yaw acceleration of a rolling cone about the vertical through its apex [rad s-2].
 
-    0 of a cylinder, whose apex is far.
+    a_t/(l cos a) with the acceleration a_t of the centre, its distance l from the apex and the half
+    angle a; 0 for a cylinder, whose apex is far.
     """
     apart = centre_radius * cosine(cone_half_angle)  # l cos(a) = rho cos(a)/tan(a)
     return rolling_acceleration * np.tan(cone_half_angle) / apart
@@ -247,7 +292,8 @@ def cone_friction(
 ) -> Array:  # fmt: skip
     """Return the least static friction with which a cone rolls, hypot(D_g, (1 - F) D_t)/n [1].
 
-    Of the resultant; infinite in flight.
+    D_g and D_t are the push along and across the line on which it touches, n the floor's force, all
+    per mass, F `cone_factor`. It is that of the floor's resultant; infinite in flight.
     """
     pressed = floor_acceleration > 0
     needed = hypot(push_along_axis, push_across_axis * (1 - cone_factor))

@@ -28,12 +28,15 @@ def lane_pitch(*, length: Array, part_gap: Array) -> Array:
 
 
 def throughput_limit(*, row_velocity: Array, lane_pitch: Array) -> Array:
-    """Return the most parts a minute that a lane has, 60 v/l [min-1]."""
+    """Return the most parts a minute that a lane conveys, 60 v/l [min-1].
+
+    v is the velocity of the row, l the distance from part to part of a closed row (`lane_pitch`).
+    """
     return MINUTE * row_velocity / lane_pitch
 
 
 def throughput(*, inflow: Array, throughput_limit: Array) -> Array:
-    """Return the parts a minute that leave a free lane: what comes, up to its limit [min-1]."""
+    """Return the parts a minute that leave a free lane: the inflow, up to its limit [min-1]."""
     return np.minimum(inflow, throughput_limit)
 
 
@@ -43,14 +46,16 @@ def is_crowded(*, inflow: Array, throughput_limit: Array) -> Mask:
 
 
 def part_spacing(*, row_velocity: Array, throughput: Array) -> Array:
-    """Return the distance from part to part of a free lane, v/q [m]."""
+    """Return the distance from part to part of a free lane, 60 v/q, with q parts a minute [m]."""
     return ratio(MINUTE * row_velocity, throughput, np.inf)
 
 
 def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> Array:
-    """Return the velocity with which the tail of a queue comes back, q l v/(v - q l) [m s-1].
+    """Return the velocity with which the tail of a queue moves back, q l v/(v - q l) [m s-1].
 
-    In front of a closed end; infinite where the lane is crowded, NaN beyond.
+    The queue stands in front of a closed end; q is the inflow in parts a second, l the distance
+    from part to part of a closed row (`lane_pitch`), v the velocity of the row. Infinite where the
+    inflow is all that the lane takes, NaN where it is more.
     """
     flow = inflow / MINUTE * lane_pitch
     left = row_velocity - flow
@@ -58,7 +63,11 @@ def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> 
 
 
 def fill_time(*, lane_length: Array, lane_pitch: Array, inflow: Array) -> Array:
-    """Return the time until a closed lane is full, L/(l q), whatever the velocity [s]."""
+    """Return the time until a lane with a closed end is full, L/(l q), whatever the velocity [s].
+
+    L is the length of the lane, l the distance from part to part of a closed row, q the inflow in
+    parts a second.
+    """
     return ratio(MINUTE * lane_length, lane_pitch * inflow, np.inf)
 
 
@@ -70,7 +79,11 @@ def clear_time(*, lane_length: Array, row_velocity: Array) -> Array:
 def escapement_rate(
     *, closed_time: Array, open_time: Array, lane_pitch: Array, row_velocity: Array
 ) -> Array:
-    """Return the parts a minute of an escapement, 60/(t_c + max(t_o, l/v)): one a stroke."""
+    """Return the parts a minute of an escapement that lets one pass at each stroke [min-1].
+
+    60/(t_c + max(t_o, l/v)), with the times closed t_c and open t_o [s]: it stays open at least
+    until a part of pitch l has passed at velocity v.
+    """
     return MINUTE / (closed_time + np.maximum(open_time, lane_pitch / row_velocity))
 
 
@@ -78,10 +91,10 @@ def escapement_rate(
 
 
 def mean_platoons(*, parts: Array) -> Array:
-    """Return the mean number of platoons of parts of random friction, 1 + 1/2 + ... + 1/n [1].
+    """Return the mean number of platoons of n parts with random friction, 1 + 1/2 + ... + 1/n [1].
 
-    Where parts slip one way only, whatever the distribution: the faces of the convex minorant of a
-    random walk (Sparre Andersen).
+    Platoons are parts that stay together. It holds where parts slip one way only, whatever the
+    distribution of friction: the faces of the convex minorant of a random walk (Sparre Andersen).
     """
     total = np.zeros_like(parts)
     for k in range(1, MAX_PARTS + 1):
@@ -90,7 +103,11 @@ def mean_platoons(*, parts: Array) -> Array:
 
 
 def closing_time(*, part_gap: Array, row_velocity: Array, front_velocity: Array) -> Array:
-    """Return the time until a gap to a slower row in front closes, g/(v - v_f) [s]."""
+    """Return the time until the gap g to a slower row in front closes, g/(v - v_f) [s].
+
+    v and v_f are the velocities of this row and of the one in front; infinite where the latter is
+    not slower.
+    """
     gains = row_velocity - front_velocity
     return np.where(gains > 0, ratio(part_gap, gains, np.inf), np.inf)
 
@@ -99,9 +116,10 @@ def pair_force(
     *, part_mass_1: Array, part_mass_2: Array, part_friction_1: Array, part_friction_2: Array,
     gravity: Array,
 ) -> Array:  # fmt: skip
-    """Return the force between two parts that slide forward, m (mu_2 - mu_1) g, m reduced [N].
+    """Return the force between two parts that slide forward, m (mu_2 - mu_1) g [N].
 
-    Part 1 is behind; 0 where it has the larger friction, and stays back.
+    m = m1 m2/(m1 + m2), and part 1 is behind part 2; 0 where part 1 has the larger friction and
+    stays back.
     """
     reduced = part_mass_1 * (part_mass_2 / (part_mass_1 + part_mass_2))
     return reduced * np.maximum(part_friction_2 - part_friction_1, 0.0) * gravity
@@ -113,7 +131,8 @@ def pair_force(
 def bend_pitch(*, length: Array, part_width: Array, bend_radius: Array) -> Array:
     """Return the distance of neighbours on the outer wall of a bend, along their centres [m].
 
-    They touch at the inner corners: by the angle 2 atan((l/2)/(r - a)), r = sqrt(R^2 - l^2/4).
+    Parts of length l and width a touch at the inner corners, so that the angle between them is 2
+    atan((l/2)/(r - a)), r = sqrt(R^2 - l^2/4), in a bend of radius R.
     """
     half = length / 2
     chord = np.sqrt(bend_radius * bend_radius - half * half)
@@ -129,9 +148,11 @@ def is_too_long(*, length: Array, part_width: Array, bend_radius: Array) -> Mask
 def held_line_force(
     *, line_push: Array, bend_radius: Array, bend_friction: Array, bend_length: Array
 ) -> Array:
-    """Return the force at the front of a row that sticks in a bend, (q R/mu)(exp(mu s/R) - 1) [N].
+    """Return the front force C of a row that sticks in a bend, (q R/mu)(exp(mu s/R) - 1) [N].
 
-    dC/ds = q + mu C/R: the track slips forward under the row, and so does the wall's friction.
+    q (`line_push`) is the push per length [N m-1], R, mu and s radius, friction of the wall and
+    length of the bend. dC/ds = q + mu C/R: the track slips forward under the row, and the wall's
+    friction pushes with it.
     """
     return (
         line_push * bend_radius / bend_friction
@@ -142,9 +163,11 @@ def held_line_force(
 def sliding_line_force(
     *, line_push: Array, bend_radius: Array, bend_friction: Array, bend_length: Array
 ) -> Array:
-    """Return the front force of a row that slides in a bend, (q R/mu)(1 - exp(-mu s/R)) [N].
+    """Return the front force C of a row that slides in a bend, (q R/mu)(1 - exp(-mu s/R)) [N].
 
-    dC/ds = q - mu C/R: it tends to q R/mu, as the pressure of grain in a silo does.
+    q (`line_push`) is the push per length [N m-1], R, mu and s radius, friction of the wall and
+    length of the bend. dC/ds = q - mu C/R: C tends to q R/mu, as the pressure of grain in a silo
+    does.
     """
     return (
         -line_push * bend_radius / bend_friction
@@ -161,10 +184,10 @@ def row_weight(*, row_mass: Array, gravity: Array) -> Array:
 
 
 def held_force(*, row_weight: Array, friction_kinetic: Array) -> Array:
-    """Return the mean force on a stop at rest in space, level: mu M g [N].
+    """Return the mean force of a row on a stop at rest in space, on a level track, mu M g [N].
 
-    Exact from a throw number of 1.70483 on, whatever the drive along the track; below it no more
-    than a bound.
+    Exact from a throw number of 1.70483 on, whatever the drive along the track; below it an upper
+    bound.
     """
     return friction_kinetic * row_weight
 
@@ -181,12 +204,13 @@ def two_level_hold(
     *, forward_acceleration: Array, return_acceleration: Array, friction_kinetic: Array,
     gravity: Array, frequency: Array,
 ) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Return the time t + s out of contact, the velocity of the impact, and the period.
+    """Return the time without contact [s], the velocity of the impact [m s-1] and the period [s].
 
-    The track gains V = a_s t_s/2 in t_s = T a_m/(a_s + a_m), and turns to 0 in t_h = V/a_m. The
-    row leaves the stop as the track runs back, has the track's velocity -mu g t after
-    t = (V + a_s t_h)/(a_s + mu g), is carried, and strikes the stop after
-    s = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s more, with V_i = a_s s - mu g t.
+    The track accelerates forward with a_s for t_s = T a_m/(a_s + a_m), to the velocity V = a_s
+    t_s/2, and back with a_m, to 0 in t_h = V/a_m; T is the period. The row leaves the stop as the
+    track runs back, has the track's velocity -mu g t after t = (V + a_s t_h)/(a_s + mu g), is
+    carried, and strikes the stop after s = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s more,
+    with V_i = a_s s - mu g t. The first result is t + s, the second V_i.
     """
     period = 1.0 / frequency
     a_s, a_m, brake = forward_acceleration, return_acceleration, friction_kinetic * gravity
@@ -201,13 +225,20 @@ def two_level_force(
     *, two_level_hold: tuple[Array, Array, Array], row_weight: Array, friction_kinetic: Array,
     gravity: Array,
 ) -> Array:  # fmt: skip
-    """Return the mean force on the stop, M (mu g (T - t - s) + V_i)/T, impacts included [N]."""
+    """Return the mean force on the stop, M (mu g (T - t - s) + V_i)/T, impacts included [N].
+
+    M is the mass of the row, t + s the time without contact, V_i the velocity of the impact and T
+    the period, from `two_level_hold`.
+    """
     away, impact, period = two_level_hold
     return row_weight / gravity * (friction_kinetic * gravity * (period - away) + impact) / period
 
 
 def two_level_contact(*, two_level_hold: tuple[Array, Array, Array]) -> Array:
-    """Return the share of the time in which the row touches the stop, (T - t - s)/T [1]."""
+    """Return the share of the time in which the row touches the stop, (T - t - s)/T [1].
+
+    t + s is the time without contact and T the period, from `two_level_hold`.
+    """
     away, _, period = two_level_hold
     return (period - away) / period
 
@@ -215,7 +246,11 @@ def two_level_contact(*, two_level_hold: tuple[Array, Array, Array]) -> Array:
 def two_level_impacts(
     *, two_level_hold: tuple[Array, Array, Array], friction_kinetic: Array, gravity: Array
 ) -> Array:
-    """Return the share of impacts in the mean force [1]."""
+    """Return the share of the impacts in the mean force on the stop [1].
+
+    V_i/(mu g (T - t - s) + V_i), with the time without contact t + s, the velocity of the impact
+    V_i and the period T of `two_level_hold`.
+    """
     away, impact, period = two_level_hold
     return impact / (friction_kinetic * gravity * (period - away) + impact)
 
@@ -224,7 +259,11 @@ def strikes_too_late(
     *, two_level_hold: tuple[Array, Array, Array], forward_acceleration: Array,
     return_acceleration: Array,
 ) -> Mask:  # fmt: skip
-    """True where the track turns back before the row is at the stop: t + s > t_h + 2 V/a_s."""
+    """True where the track turns back before the row is at the stop: t + s > t_h + 2 V/a_s.
+
+    t + s is the time without contact (`two_level_hold`), V = a_s t_s/2 the track's largest
+    velocity, a_s its forward acceleration, t_h = V/a_m the time in which it turns to 0.
+    """
     away, _, period = two_level_hold
     a_s, a_m = forward_acceleration, return_acceleration
     peak = a_s * period * a_m / (a_s + a_m) / 2
@@ -250,10 +289,11 @@ def least_held_force(
     *, row_weight: Array, friction_static: Array, gravity: Array, gamma: Array,
     vibration_acceleration: Array, beta: Array,
 ) -> Array:  # fmt: skip
-    """Return the mean of the least force on a stop of the track [N].
+    """Return the mean over a period of the least force on a stop that moves with the track [N].
 
-    F(t) = M max(0, D - mu n), mean (M/pi)(C cos(t_f) - k (pi/2 - t_f)), C = P (cb + mu sb),
-    k = g (sin gamma + mu cos gamma), sin(t_f) = k/C; 0 where C <= k.
+    F(t) = M max(0, D - mu n), with the push D and load n per mass. The mean is (M/pi)(C cos(t_f) -
+    k (pi/2 - t_f)), with C = P (cos beta + mu sin beta), k = g (sin gamma + mu cos gamma) and
+    sin(t_f) = k/C; 0 where C <= k.
     """
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
     drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
@@ -272,11 +312,12 @@ def locked_held_force(
     vibration_acceleration: Array,
     beta: Array,
 ) -> Array:
-    """Return the mean force on a stop of the track that friction locks in [N].
+    """Return the mean force on a stop that moves with the track, locked in by friction [N].
 
     Stiff elastic parts keep a force until friction is overcome: F/M follows max(L, min(U, F)), at
-    least 0, with L = D - mu n = C sin(tau) - k and U = D + mu n = C' sin(tau) - k'. It is largest,
-    F_1, where L is, stays until U falls to it, follows U to F_2, and stays until L rises to it.
+    least 0, between L = D - mu n and U = D + mu n, with push D and load n per mass; both are sines
+    of the phase less a constant. F is largest, F_1, where L is, stays until U falls to it, follows
+    U to its least value F_2, and stays until L rises to that.
     """
     level, climb = cosine(gamma), sine(gamma)
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
@@ -313,9 +354,10 @@ def least_two_level_force(
     forward_acceleration: Array,
     return_acceleration: Array,
 ) -> Array:
-    """Return the mean of the least force on a stop of a track in two levels [N].
+    """Return the mean least force on a stop that moves with a track of two accelerations [N].
 
-    M (a_m - mu g) a_s/(a_s + a_m): it presses while the track runs back; 0 where friction holds.
+    M (a_m - mu g) a_s/(a_s + a_m), with a_s forward and a_m back: the row presses while the track
+    runs back; 0 where friction holds it.
     """
     excess = np.maximum(return_acceleration - friction_static * gravity, 0.0)
     share = forward_acceleration / (forward_acceleration + return_acceleration)
@@ -342,7 +384,10 @@ def slips_back(
     vibration_acceleration: Array,
     beta: Array,
 ) -> Mask:
-    """True where the row leaves the stop: P (cb - mu sb) > g (mu cos gamma - sin gamma)."""
+    """True where the row leaves a stop of the track: P (cb - mu sb) > g (mu cos gamma - sin gamma).
+
+    P is the vibration acceleration; cb and sb are cosine and sine of beta.
+    """
     push = vibration_acceleration * (cosine(beta) - friction_static * sine(beta))
     return push > gravity * (friction_static * cosine(gamma) - sine(gamma))
 

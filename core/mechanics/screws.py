@@ -53,7 +53,10 @@ class DualVector:
         return DualVector(self.real - other.real, self.dual - other.dual)
 
     def dot(self, other: DualVector) -> tuple[Array, Array]:
-        """Return real and dual part of the scalar product; the latter is the mutual moment."""
+        """Return real and dual part of the scalar product with another screw about the same point.
+
+        The dual part, s1.s2o + s1o.s2, is the mutual moment.
+        """
         mutual = dot(self.real, other.dual) + dot(self.dual, other.real)
         return dot(self.real, other.real), mutual
 
@@ -66,7 +69,10 @@ class DualVector:
         return DualVector(cross(self.real, other.real), dual)
 
     def moved_to(self, point: Array) -> DualVector:
-        """Return the same screw about another point, given from the present one."""
+        """Return the same screw about another reference point.
+
+        `point` leads from the present reference point to the new one [m], shape (..., 3).
+        """
         return DualVector(self.real, _about(point, self.real, self.dual))
 
     def rotated(self, matrix: Array) -> DualVector:
@@ -91,7 +97,10 @@ class Twist:
         return Twist(self.angular + other.angular, self.linear + other.linear)
 
     def moved_to(self, point: Array) -> Twist:
-        """Return the twist of another point, given from the present one: v_Q = v_P + w x PQ."""
+        """Return the twist of another point Q of the body, v_Q = v_P + w x PQ.
+
+        `point` is PQ, from the present point P to the new one [m], shape (..., 3).
+        """
         return Twist(self.angular, _about(point, self.angular, self.linear))
 
     def rotated(self, matrix: Array) -> Twist:
@@ -124,7 +133,10 @@ class Wrench:
         return Wrench(self.force + other.force, self.moment + other.moment)
 
     def moved_to(self, point: Array) -> Wrench:
-        """Return the wrench about another point, given from the present one: m_Q = m_P + f x PQ."""
+        """Return the wrench about another point Q, m_Q = m_P + f x PQ.
+
+        `point` is PQ, from the present point P to the new one [m], shape (..., 3).
+        """
         return Wrench(self.force, _about(point, self.force, self.moment))
 
     def rotated(self, matrix: Array) -> Wrench:
@@ -140,9 +152,9 @@ class Wrench:
         return reduce_screw(self.force, self.moment)
 
     def reduced_unscaled(self) -> ScrewReduction:
-        """Return pitch and axis F.M/F^2, F x M/F^2 in steps that have a derivative.
+        """Return pitch F.M/F^2 and axis F x M/F^2 of the wrench, in steps that have a derivative.
 
-        `reduced` takes floats apart to keep squares in range; here they may leave it.
+        `reduced` scales floats to keep squares in range; here squares may overflow.
         """
         square = np.sum(self.force * self.force, axis=-1)
         pitch = np.sum(self.force * self.moment, axis=-1) / square
@@ -165,7 +177,7 @@ class MomentumScrew:
     angular: Array
 
     def moved_to(self, point: Array) -> MomentumScrew:
-        """Return the momentum about another point, given from the present one."""
+        """Return the momentum about another point; `point` leads to it from the present one [m]."""
         return MomentumScrew(self.linear, _about(point, self.linear, self.angular))
 
     def rotated(self, matrix: Array) -> MomentumScrew:
@@ -217,11 +229,11 @@ class ScrewReduction:
 def reduce_screw(resultant: Array, moment: Array) -> ScrewReduction:
     """Return pitch S.S0/S^2 and axis S x S0/S^2 of a screw, (2.9), (4.1).
 
-    Both halves are scaled by powers of two first, so that no square leaves the range of floats: it
-    holds for resultants from the least to the largest float. A result beyond that range is
-    infinite. The source prints the axis of a wrench with the opposite sign, (4.3), (4.5), (4.6):
-    the vector from the axis to the point, which contradicts (2.9) and does not give back M in
-    (4.7).
+    `resultant` is S, `moment` is S0 about the reference point, shape (..., 3). Both halves are
+    scaled by powers of two first, so that no square leaves the range of floats; a result beyond
+    that range is infinite. The source prints the axis of a wrench with the opposite sign, (4.3),
+    (4.5), (4.6): the vector from the axis to the point, which contradicts (2.9) and does not give
+    back M in (4.7).
     """
     F, M = np.broadcast_arrays(
         np.asarray(resultant, dtype=np.float64), np.asarray(moment, dtype=np.float64)
@@ -246,9 +258,10 @@ def reduce_screw(resultant: Array, moment: Array) -> ScrewReduction:
 
 
 def inertia_about(*, mass: Array, central_inertia: Array, offset: Array) -> Array:
-    """Return the inertia about a point of the body, from the one about the mass centre.
+    """Return the inertia about a point of the body, from that about the mass centre [kg m2].
 
-    `offset` leads from that point to the mass centre, or back.
+    `central_inertia` has the shape (..., 3, 3); `offset` leads from that point to the mass centre,
+    or back [m] (Steiner).
     """
     square = dot(offset, offset)[..., None, None] * np.eye(3)
     steiner = square - offset[..., :, None] * offset[..., None, :]
@@ -269,11 +282,12 @@ def momentum_screw(
 
 
 def dual_euler(*, momentum: MomentumScrew, momentum_rate: MomentumScrew, twist: Twist) -> Wrench:
-    """Return the wrench about A that the motion asks for, (2.14).
+    """Return the wrench about the body's point A that a motion needs, (2.14).
 
-    F = q' + w x q and M_A = H_A' + w x H_A + V_A x q: the screw cross product of twist and
-    momentum. Components are those of axes that turn with w; `momentum_rate` holds their
-    derivatives. A is any point that moves with these axes, accelerating or not.
+    F = q' + w x q and M_A = H_A' + w x H_A + V_A x q: q and H_A are momentum and moment of
+    momentum, w and V_A angular velocity and velocity of A. Components are those of axes that turn
+    with w; `momentum_rate` holds their derivatives. A is any point that moves with these axes,
+    accelerating or not.
     """
     required = momentum_rate.as_dual() + twist.as_dual().cross(momentum.as_dual())
     return Wrench(required.real, required.dual)
@@ -286,9 +300,10 @@ def newton_euler(
     twist: Twist,
     twist_rate: Twist,
 ) -> Wrench:
-    """Return the wrench about the mass centre that the motion asks for, (2.2).
+    """Return the wrench about the mass centre that a motion needs, (2.2).
 
-    Twist and the derivatives of its components are those of the mass centre, in body components.
+    `twist` and `twist_rate`, the derivatives of its components, are those of the mass centre, in
+    body components, as is `central_inertia` [kg m2].
     """
     acceleration = twist_rate.linear + cross(twist.angular, twist.linear)
     spin = turned(central_inertia, twist.angular)
@@ -297,7 +312,7 @@ def newton_euler(
 
 
 def _about(point: Array, resultant: Array, moment: Array) -> Array:
-    """Return the moment of a screw about another point."""
+    """Return the moment of a screw about a point that is given from the present reference point."""
     return moment + cross(resultant, point)
 
 

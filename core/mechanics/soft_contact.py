@@ -31,10 +31,12 @@ def _excess(x: Array) -> Array:
 
 
 def hunt_crossley(impact_number: Array) -> Array:
-    """Return the restitution of Hunt and Crossley's law for d = b v, whatever its exponent [1].
+    """Return the restitution e of Hunt and Crossley's contact law for an impact number d = b v [1].
 
-    F = k x^n (1 + b x') leaves e with d - ln(1 + d) = -e d - ln(1 - e d). With s = ln(1 + d) and
-    t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x = s and -t: t by Newton's method, from s.
+    The contact force is F = k x^n (1 + b x') at depth x, with stiffness k, damping b [s m-1] and
+    any exponent n; v is the impact speed. e solves d - ln(1 + d) = -e d - ln(1 - e d). With s =
+    ln(1 + d) and t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x = s and x = -t: t is found by
+    Newton's method, from s.
     """
     s = np.log1p(impact_number)
     given, t = _excess(s), s
@@ -46,7 +48,9 @@ def hunt_crossley(impact_number: Array) -> Array:
 def damped_number(restitution: Array) -> Array:
     """Return the impact number d = b v that has a restitution by Hunt and Crossley; inf for 0 [1].
 
-    1/e - 1 is nearly linear in d, 2 d/3 at first and d - 1 at last: Newton's method.
+    b is the damping of the contact [s m-1], v the impact speed; infinite for restitution 0. 1/e - 1
+    is nearly linear in d, 2 d/3 for small and d - 1 for large d, so that Newton's method in it
+    converges fast.
     """
     some = restitution > 0
     known = 1 / np.where(some, restitution, 0.5) - 1
@@ -61,12 +65,15 @@ def damped_number(restitution: Array) -> Array:
 
 
 def impact_damping(*, restitution: Array, restitution_speed: Array) -> Array:
-    """Return the damping of Hunt and Crossley's law by a restitution at a speed [s m-1]."""
+    """Return the damping of Hunt and Crossley's law from the restitution at a speed [s m-1]."""
     return damped_number(restitution) / restitution_speed
 
 
 def restitution_at(*, impact_damping: Array, impact_speed: Array) -> Array:
-    """Return the restitution at another speed: it falls as the speed grows [1]."""
+    """Return the restitution at an impact speed: it falls as the speed grows [1].
+
+    `impact_damping` is that of Hunt and Crossley's law [s m-1]; infinite damping gives 0.
+    """
     endless = np.isinf(impact_damping)
     number = np.where(endless, 1.0, impact_damping) * impact_speed
     return np.where(endless, 0.0, hunt_crossley(number))
@@ -76,9 +83,9 @@ def restitution_at(*, impact_damping: Array, impact_speed: Array) -> Array:
 
 
 def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
-    """Return the restitution of a spring and damper that never pulls [1].
+    """Return the restitution of a linear spring and damper that never pulls, at any speed [1].
 
-    exp(-(pi - 2 a) tan(a)), zeta = sin(a), whatever the speed; beyond zeta = 1 the same with
+    exp(-(pi - 2 a) tan(a)) with sin(a) = zeta, the damping ratio; beyond zeta = 1 the same with
     hyperbolic functions, exp(-2 zeta acosh(zeta)/sqrt(zeta^2 - 1)).
     """
     zeta = contact_damping_ratio
@@ -93,9 +100,10 @@ def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
 
 
 def damping_of_restitution(*, restitution: Array) -> Array:
-    """Return the damping ratio with which a linear contact has a restitution [1].
+    """Return the damping ratio sin(a) with which a linear contact has a restitution [1].
 
-    By bisection of a; NaN below exp(-2) = 0.135, which takes more than critical damping.
+    It solves exp(-(pi - 2 a) tan(a)) = restitution by bisection of a; NaN below exp(-2) = 0.135,
+    which takes more than critical damping.
     """
     low, high = np.zeros(np.shape(restitution)), np.full(np.shape(restitution), np.pi / 2)
     for _ in range(60):
@@ -131,14 +139,18 @@ def is_soft(*, stiffness_ratio: Array) -> Mask:
 def hertz_depth(
     *, mass: Array, contact_modulus: Array, contact_radius: Array, impact_speed: Array
 ) -> Array:
-    """Return the depth of a Hertz contact at an impact, (5 m v^2/(4 k))^(2/5) [m].
+    """Return the largest depth x_max of a Hertz contact in an impact, (5 m v^2/(4 k))^(2/5) [m].
 
-    k = (4/3) E sqrt(R) of the force k x^(3/2).
+    The force is k x^(3/2), k = (4/3) E sqrt(R), with the contact modulus E and the contact radius
+    R; v is the impact speed.
     """
     stiffness = 4 / 3 * contact_modulus * np.sqrt(contact_radius)
     return (1.25 * mass * np.square(impact_speed) / stiffness) ** 0.4
 
 
 def hertz_time(*, hertz_depth: Array, impact_speed: Array) -> Array:
-    """Return the duration of a Hertz contact without loss, 2.943 x_max/v [s]."""
+    """Return the duration of a Hertz contact without loss, 2.943 x_max/v [s].
+
+    x_max is the largest depth [m], v the impact speed.
+    """
     return HERTZ * hertz_depth / impact_speed

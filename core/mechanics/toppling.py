@@ -60,7 +60,8 @@ def prism_base(*, sides: Array, diameter: Array) -> Array:
 def prism_gyration(*, sides: Array, length: Array, diameter: Array) -> Array:
     """Return the radius of gyration of a prism about a line across it [m].
 
-    k^2 = R^2 (2 + cos(2 pi/n))/12 + L^2/12.
+    k^2 = R^2 (2 + cos(2 pi/n))/12 + L^2/12, with n sides, length L and the radius R of the circle
+    through the corners.
     """
     across = np.square(diameter / 2) * (2 + cosine(2 * np.pi / sides))
     return np.sqrt((across + np.square(length)) / 12)
@@ -71,8 +72,9 @@ def cone_gyration(
 ) -> Array:
     """Return the radius of gyration of a truncated cone about a line across its centre [m].
 
-    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(20 q) + H^2 (1 + 3 r + 6 r^2)/(10 q) - z_c^2 with
-    r = R2/R1 and q = 1 + r + r^2.
+    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(20 q) + H^2 (1 + 3 r + 6 r^2)/(10 q) - z_c^2 with r =
+    R2/R1 and q = 1 + r + r^2: radii R1 and R2 of the ends, height H, centre of mass z_c above the
+    end of R1 (`mass_height`).
     """
     r = small_diameter / diameter
     q = 1 + r * (1 + r)
@@ -101,17 +103,27 @@ def edge_distance(*, standing_base: Array, standing_centre: Array) -> Array:
 
 
 def topple_slope(*, standing_base: Array, standing_centre: Array) -> Array:
-    """Return the slope on which a part topples that does not slide, atan(b/z_c) [rad]."""
+    """Return the slope on which a part topples, if it does not slide before, atan(b/z_c) [rad].
+
+    b is half its base along the slope, z_c the height of its centre.
+    """
     return np.arctan2(standing_base, standing_centre)
 
 
 def rocking_friction(*, standing_base: Array, standing_centre: Array) -> Array:
-    """Return the friction below which a part slides and never rocks, b/z_c [1]."""
+    """Return the friction below which a part slides and never rocks, b/z_c [1].
+
+    b is half its base along the push, z_c the height of its centre.
+    """
     return standing_base / standing_centre
 
 
 def rocking_rate(*, edge_distance: Array, gyration: Array, gravity: Array) -> Array:
-    """Return the rate at which a part falls from its edge, p = sqrt(g R/(k^2 + R^2)) [s-1]."""
+    """Return the rate p at which a part falls from its edge, sqrt(g R/(k^2 + R^2)) [s-1].
+
+    R is the distance of the centre from the edge, k the radius of gyration about the centre; tilts
+    grow as exp(p t).
+    """
     return np.sqrt(gravity * edge_distance) / hypot(gyration, edge_distance)
 
 
@@ -119,10 +131,12 @@ def topple_speed(
     *, standing_base: Array, standing_centre: Array, edge_distance: Array,
     gyration: Array, gravity: Array,
 ) -> Array:  # fmt: skip
-    """Return the speed from which a part topples whose foot stops at once [m s-1].
+    """Return the speed from which a part topples if its foot is stopped at once [m s-1].
 
-    V = sqrt(2 g R (1 - cos alpha_c) (k^2 + R^2))/z_c, cos alpha_c = z_c/R: the angular momentum
-    about the edge is kept, and lifts the centre above it. R - z_c is b^2/(R + z_c).
+    V = sqrt(2 g R (1 - cos alpha_c) (k^2 + R^2))/z_c, cos alpha_c = z_c/R, with the height z_c of
+    the centre, its distance R from the edge and the radius of gyration k: the angular momentum
+    about the edge is kept, and lifts the centre above the edge. R - z_c is written as b^2/(R +
+    z_c), b being half the base.
     """
     lift = 2 * gravity / (edge_distance + standing_centre)
     turning = hypot(gyration, edge_distance)
@@ -130,10 +144,11 @@ def topple_speed(
 
 
 def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
-    """Return the phase of a half sine at which the part starts to rock that just topples [rad].
+    """Return the phase of a half-sine pulse at which a part begins to rock that just topples [rad].
 
-    The root psi of q (exp(-q (pi - psi)) + cos psi) = sin psi, q = p/w, by Newton's method on
-    psi = phi + asin(sin(phi) exp(-q (pi - psi))), phi = atan(q).
+    The root psi of q (exp(-q (pi - psi)) + cos psi) = sin psi, with q = p/w, rocking rate p over
+    the pulse's circular frequency w, by Newton's method on psi = phi + asin(sin(phi) exp(-q (pi -
+    psi))), phi = atan(q).
     """
     q = rocking_rate / (2 * np.pi * frequency)
     phi = np.arctan(q)
@@ -147,25 +162,27 @@ def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
 
 
 def topple_acceleration(*, topple_slope: Array, pulse_angle: Array, gravity: Array) -> Array:
-    """Return the peak of a half-sine pulse of acceleration that topples, [m s-2].
+    """Return the peak of a half-sine pulse that just topples, alpha_c g/sin(psi) [m s-2].
 
-    alpha_c g/sin(psi): linear rocking, judged at the pulse's end.
+    alpha_c is the slope on which the part topples, psi the phase at which it begins to rock.
+    Rocking is taken as linear, and judged at the pulse's end.
     """
     return topple_slope * gravity / np.sin(pulse_angle)
 
 
 def topple_margin(*, topple_speed: Array, frequency: Array, amplitude: Array, beta: Array) -> Array:
-    """Return half the toppling speed less the track's speed, V/2 - A w cos b [m s-1]."""
+    """Return half the toppling speed less the track's speed, V/2 - A w cos(beta) [m s-1]."""
     return topple_speed / 2 - 2 * np.pi * frequency * amplitude * cosine(beta)
 
 
 def push_over_load(
     *, frequency: Array, amplitude: Array, beta: Array, gamma: Array, gravity: Array
 ) -> Array:
-    """Return the largest push along the track over the load on the floor, max |D|/n [1].
+    """Return the largest push along the track over the load on the floor in a period, |D|/n [1].
 
-    D = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s grows with s = sin(w t):
-    the ends count. Infinite where the part leaves the floor.
+    With s = sin(w t), D = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s grows
+    with s, so that the ends s = -1 and 1 count; P = A w^2. Infinite where the part leaves the
+    floor.
     """
     drive = np.square(2 * np.pi * frequency) * amplitude
     along, normal = drive * cosine(beta), drive * sine(beta)
@@ -179,9 +196,11 @@ def push_over_load(
 def rocking_margin(
     *, rocking_friction: Array, friction_static: Array, push_over_load: Array
 ) -> Array:
-    """Return the push of the floor beyond that needed to rock, min(mu_s, |D|/n) - b/z_c [1].
+    """Return the floor's push less the push that makes a part rock, over the load [1].
 
-    Not above 0 it never rocks, however long the shaking lasts. To begin to rock is not to topple.
+    min(mu_s, |D|/n) - b/z_c: push |D|/n in a period (`push_over_load`), half base b and height z_c
+    of the centre. Where it is not above 0, the part never rocks, however long the shaking lasts. A
+    part that begins to rock need not topple.
     """
     return np.minimum(friction_static, push_over_load) - rocking_friction
 

@@ -53,9 +53,11 @@ def transport_velocity(
     distance: Array,
     speed: Array,
 ) -> Array:
-    """Return the speed after the distance, (3.18) with a starting speed [m s-1].
+    """Return the speed after a distance x, (3.18) with a starting speed v0 [m s-1].
 
-    v^2 = v0^2 exp(-s) + 2 K x phi(s). 0 where the part does not start, or stops before.
+    v^2 = v0^2 exp(-s) + 2 K x phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, the acceleration
+    K at zero speed, the friction mu and the bowl's radius R. 0 where the part does not start, or
+    stops before.
     """
     carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
     from_rest = carried == 0  # nothing to add up: one root instead of four
@@ -68,7 +70,11 @@ def transport_velocity(
 def _speeds(
     K: Array, friction: Array, radius: Array, distance: Array, speed: Array
 ) -> tuple[Array, Array]:
-    """Return the contributions of the starting speed and of |K| to the speed [m s-1]."""
+    """Return the contributions of starting speed and |K| to the later speed [m s-1].
+
+    v0 exp(-s/2) and sqrt(2 |K| x phi(s)), with s = 2 mu x/R and phi(s) = (1 - exp(-s))/s; K is the
+    acceleration at zero speed, v0 `speed`.
+    """
     s = _damping(friction, radius, distance)
     gained = np.sqrt(2 * np.abs(K) * expm1_quotient(s)) * np.sqrt(distance)
     return speed * np.exp(-s / 2), gained
@@ -79,7 +85,8 @@ def terminal_velocity(
 ) -> Array:
     """Return the speed that the part approaches, sqrt(K R/mu), 0 for K <= 0 [m s-1].
 
-    Infinite (regime `unbounded`) without friction.
+    K is the acceleration at zero speed, mu the friction, R the bowl's radius. Infinite (regime
+    `unbounded`) without friction.
     """
     drive = np.sqrt(np.maximum(0.0, starting_acceleration))
     bound = ratio(np.sqrt(radius), np.sqrt(friction_kinetic), np.inf)
@@ -95,11 +102,12 @@ def travel_time(
     distance: Array,
     speed: Array,
 ) -> Array:
-    """Return the time to cover the distance [s]; infinite where the part does not get there.
+    """Return the time to cover the distance x [s]; infinite where the part does not get there.
 
-    With q = 2 x phi(s)/(v + v0 exp(-s)) and k^2 = mu |K|/R the time is atanh(k q)/k for K > 0,
-    atan(k q)/k for K < 0, q for K = 0: q times the `arc_quotient` of (mu/R) K q^2, whose root is
-    exp(-s/2) (v + v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
+    With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s and q = 2 x phi(s)/(v + v0 exp(-s)), speeds v0 at
+    the start and v at the end, the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q for K =
+    0, k^2 = mu |K|/R: q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v +
+    v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
     s = _damping(friction_kinetic, radius, distance)
@@ -130,9 +138,10 @@ def mean_velocity(
     friction_kinetic: Array,
     radius: Array,
 ) -> Array:
-    """Return distance over travel time [m s-1]; 0 where the part does not get there.
+    """Return the distance over the travel time [m s-1]; 0 where the part does not get there.
 
-    Where it does, but in a time beyond the floats, it is 1/q of `travel_time`, times the distance.
+    Where it does, but in a time beyond the range of floats, the mean is computed from the speeds at
+    both ends instead.
     """
     s = _damping(friction_kinetic, radius, distance)
     creeping = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
@@ -149,9 +158,10 @@ def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Arra
 def stopping_distance(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return the distance R/(2 mu) log1p(mu v0^2/(|K| R)) [m]; infinite if it never stops.
+    """Return the stopping distance, R/(2 mu) log1p(y^2); infinite if the part never stops [m].
 
-    For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0^2/(2|K|) log1p(y^2)/y^2, else the
+    y = v0 sqrt(mu/(|K| R)), with starting speed v0, acceleration K at zero speed (K < 0 brakes),
+    friction mu and radius R. For y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2, else the
     logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
     """
     K = starting_acceleration
@@ -171,9 +181,10 @@ def stopping_distance(
 def stopping_time(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return the time sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))) [s]; infinite if it never stops.
+    """Return the stopping time, sqrt(R/(|K| mu)) atan(y); infinite if the part never stops [s].
 
-    Written as v0/|K| atan(y)/y for y below 1.
+    y = v0 sqrt(mu/(|K| R)), with starting speed v0, acceleration K at zero speed (K < 0 brakes),
+    friction mu and radius R. For y below 1 it is written as v0/|K| atan(y)/y.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -197,9 +208,10 @@ def velocity_at_time(
     speed: Array,
     stopping_time: Array,
 ) -> Array:
-    """Return the speed v(t) = (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
+    """Return the speed at a time t, (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
 
-    T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R).
+    T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R), with starting speed v0,
+    acceleration K at zero speed, friction mu and radius R of the bowl.
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -220,10 +232,11 @@ def distance_at_time(
     stopping_time: Array,
     stopping_distance: Array,
 ) -> Array:
-    """Return the distance x(t) [m]; the stopping distance after the stop.
+    """Return the distance covered at a time t, x(t) [m]; the stopping distance after the stop.
 
-    exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), y0 = v0/sqrt(|K| R/mu);
-    written as one log1p whose argument has mu/R as a factor, so that (R/mu) cancels.
+    exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), with u = t sqrt(mu |K|/R)
+    and y0 = v0/sqrt(|K| R/mu): starting speed v0, acceleration K at zero speed, friction mu, radius
+    R. It is written as one log1p whose argument has mu/R as a factor, so that R/mu cancels.
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -260,10 +273,11 @@ def distance_bound(
     friction_kinetic: Array,
     radius: Array,
 ) -> Array:
-    """Return the distance at which (3.18) from rest reaches the track speed bound [m].
+    """Return the distance after which a part from rest would be faster than the track [m].
 
-    x_max = -R/(2 mu) log1p(-mu v_b^2/(K R)); infinite where the terminal velocity is below it, or
-    the part does not start.
+    x_max = -R/(2 mu) log1p(-mu v_b^2/(K R)): there (3.18) reaches `velocity_bound` v_b, with the
+    acceleration K at zero speed, friction mu and radius R. Infinite where the terminal velocity is
+    below v_b, or the part does not start.
     """
     K = starting_acceleration
     starts = K > 0
@@ -288,7 +302,7 @@ def stops_before_distance(
 ) -> Mask:
     """True where a part in motion stops before, or at, the distance: v^2 <= 0 in (3.18).
 
-    It is the `stopping_distance` compared with the distance, without its logarithm.
+    It is `stopping_distance` compared with the distance, without its logarithm.
     """
     K = starting_acceleration
     carried, gained = _speeds(K, friction_kinetic, radius, distance, speed)

@@ -13,10 +13,10 @@ def turning_mass_empty(
     *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
     offset_along: Array, offset_upward: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
-    """Return the mass of the stroke, m_r - m_r^2 (d x e)^2/I_t, of the empty unit [kg].
+    """Return the mass that the stroke of the empty unit moves, m_r - m_r^2 (d x e)^2/I_t [kg].
 
-    d leads from the base's mass centre to the moving one's, e along the stroke;
-    I_t = I1 + I2 + m_r d^2.
+    m_r = m1 m2/(m1 + m2) of trough and base. d (`offset_*`) leads from the base's mass centre to
+    the trough's, e is the unit vector along the stroke at `spring_angle`; I_t = I1 + I2 + m_r d^2.
     """
     m_r = moving_mass * (base_mass / (moving_mass + base_mass))
     arm, inertia = _arm(
@@ -29,7 +29,12 @@ def turning_mass(
     *, loaded_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
     offset_along: Array, offset_upward: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
-    """Return the mass of the stroke with a load at the mass centre [kg]."""
+    """Return the mass that the stroke of the loaded unit moves, load at the mass centre [kg].
+
+    m_r - m_r^2 (d x e)^2/I_t, with m_r = m1 m2/(m1 + m2) of the loaded trough and the base; d
+    (`offset_*`) leads from the base's mass centre to the trough's, e is the unit vector along the
+    stroke; I_t = I1 + I2 + m_r d^2.
+    """
     return turning_mass_empty(
         moving_mass=loaded_mass, base_mass=base_mass, moving_inertia=moving_inertia,
         base_inertia=base_inertia, offset_along=offset_along, offset_upward=offset_upward,
@@ -54,7 +59,11 @@ def turning_response(
     *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     turning_mass: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the stroke s = F/(k - m w^2 + i w c) of a unit that turns, real and imaginary [m]."""
+    """Return real and imaginary part of the stroke, s = F/(k - m w^2 + i w c) [m].
+
+    F is the drive's force, k and c stiffness and damping of the leaves, m the mass that the stroke
+    moves (`turning_mass`), w the circular frequency.
+    """
     w = circular_frequency
     real, imag = spring_stiffness - turning_mass * w * w, w * damping
     size = hypot(real, imag)
@@ -66,9 +75,11 @@ def turning_harmonic(
     *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     turning_mass: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the second harmonic of the track over its first, as sine and cosine at 2 tau [1].
+    """Return sine and cosine part, at 2 tau, of the track's second harmonic over its first [1].
 
-    Both move a place along one line: on a free base the turn goes with the stroke.
+    tau is the phase in which the first harmonic of the displacement is A sin(tau), `force_harmonic`
+    the second harmonic of the magnet's force over its first. Both harmonics move a spot of the
+    trough along one line: on a free base the turn goes with the stroke.
     """
     at = [
         turning_response(
@@ -84,7 +95,11 @@ def trough_turn(
     *, stroke: Array, loaded_mass: Array, base_mass: Array, moving_inertia: Array,
     base_inertia: Array, offset_along: Array, offset_upward: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
-    """Return the amplitude of the turning, up in front, phi = -(m_r/I_t) (d x e) s [rad]."""
+    """Return the amplitude of the trough's turning, up in front, -(m_r/I_t) (d x e) s [rad].
+
+    s is the stroke [m], m_r = m1 m2/(m1 + m2), d (`offset_*`) leads from the base's mass centre to
+    the trough's, e is the unit vector along the stroke, I_t = I1 + I2 + m_r d^2.
+    """
     m_r = loaded_mass * (base_mass / (loaded_mass + base_mass))
     arm, inertia = _arm(
         m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle

@@ -62,7 +62,7 @@ def direction(a: Vector, otherwise: Vector) -> Vector:
 
 
 def any_across(axis: Vector) -> Vector:
-    """Return a unit vector that is normal to a unit axis."""
+    """Return some unit vector that is normal to a unit axis."""
     z = axis[2]
     flat = np.abs(z) > 0.5
     zero = np.zeros_like(z)

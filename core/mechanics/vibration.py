@@ -65,9 +65,10 @@ def gravity_across(*, gravity: Array, gamma: Array, delta: Array) -> Array:
 
 
 def normal_acceleration(*, gravity_normal: Array, drive_normal: Array) -> Array:
-    """Return the floor normal force per mass of a part held on the floor, n0 [m s-2].
+    """Return the floor's normal force per mass on a part held on the floor, n0 [m s-2].
 
-    Negative values mean that the part has left the floor.
+    It is gravity less drive, both normal to the floor; negative values mean that the part has left
+    the floor.
     """
     return gravity_normal - drive_normal
 
@@ -80,8 +81,8 @@ def throw_number(*, drive_normal: Array, gravity_normal: Array) -> Array:
 def throw(drive: Array, gravity: Array) -> Array:
     """Return drive over gravity, both normal to the floor: the throw number [1].
 
-    Infinite on an upright floor, with the sign of the drive; NaN there without drive, where the
-    regime is `flight` all the same.
+    On an upright floor, where gravity is 0, it is infinite with the sign of the drive, and NaN
+    without drive; the regime there is `flight`.
     """
     push = np.where(gravity == 0, drive, 1.0)  # the sign matters there only
     limit = np.where(push > 0, np.inf, np.where(push < 0, -np.inf, np.nan))

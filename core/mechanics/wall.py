@@ -28,9 +28,10 @@ def derived_starting_acceleration(
     gravity_across: Array,
     friction_kinetic: Array,
 ) -> Array:
-    """Return acceleration P cb (ca + mu sa) - g (sin gamma + mu cos gamma sin delta) [m s-2].
+    """Return the acceleration of a part at rest between floor and wall, K [m s-2].
 
-    Its sign decides about motion: the sum is compensated.
+    K = P cos(beta) (cos(alpha) + mu sin(alpha)) - g (sin(gamma) + mu cos(gamma) sin(delta)). Its
+    sign decides about motion, so that the sum is compensated for rounding.
     """
     mu = friction_kinetic
     return compensated_sum(drive_along, mu * drive_across, -gravity_along, -mu * gravity_across)
@@ -44,7 +45,11 @@ def printed_starting_acceleration(
     gravity_across: Array,
     friction_kinetic: Array,
 ) -> Array:
-    """Return the starting acceleration as printed in (3.17), where lean lets gravity help."""
+    """Return the acceleration of a part at rest as printed in (3.17) [m s-2].
+
+    There lean lets gravity help: P cos(beta) (cos(alpha) + mu sin(alpha)) - g (sin(gamma) - mu
+    cos(gamma) sin(delta)).
+    """
     mu = friction_kinetic
     return compensated_sum(drive_along, mu * drive_across, -gravity_along, mu * gravity_across)
 
@@ -52,7 +57,10 @@ def printed_starting_acceleration(
 def curved_acceleration_x(
     *, starting_acceleration: Array, friction_kinetic: Array, centripetal_acceleration: Array
 ) -> Array:
-    """Return the acceleration K - mu_k v^2/R, (3.17) [m s-2]."""
+    """Return the acceleration along a curved track, K - mu_k v^2/R, (3.17) [m s-2].
+
+    K is that at zero speed, v^2/R the centripetal acceleration.
+    """
     return starting_acceleration - friction_kinetic * centripetal_acceleration
 
 
@@ -64,23 +72,31 @@ def curved_acceleration_y(*, centripetal_acceleration: Array) -> Array:
 def derived_wall_balance(
     *, centripetal_acceleration: Array, gravity_across: Array, drive_across: Array
 ) -> Array:
-    """Return the load on the wall per mass, B = v^2/R + g_y - W [m s-2]."""
+    """Return the load on the wall per mass, B = v^2/R + g_y - W [m s-2].
+
+    v^2/R is the centripetal acceleration, g_y gravity towards the wall and W the drive off it.
+    """
     return compensated_sum(centripetal_acceleration, gravity_across, -drive_across)
 
 
 def printed_wall_balance(
     *, centripetal_acceleration: Array, gravity_across: Array, drive_across: Array
 ) -> Array:
-    """Return the load on the wall per mass, v^2/R - g_y - W, as printed in (3.16) [m s-2]."""
+    """Return the load on the wall per mass as printed in (3.16), v^2/R - g_y - W [m s-2].
+
+    v^2/R is the centripetal acceleration, g_y gravity towards the wall and W the drive off it; the
+    sign of g_y is wrong.
+    """
     return compensated_sum(centripetal_acceleration, -gravity_across, -drive_across)
 
 
 def top_edge_wall_acceleration(
     *, wall_balance: Array, width: Array, height: Array, friction_static: Array
 ) -> Array:
-    """Return the force per mass b B/(2b - mu_s a), (3.16); NaN at the pole 2b = mu_s a [m s-2].
+    """Return the wall's force per mass at the part's top edge, b B/(2b - mu_s a), (3.16) [m s-2].
 
-    Negative where the wall would have to pull.
+    B is the load on the wall per mass, a and b width and height of the part. Negative where the
+    wall would have to pull, NaN at the pole 2b = mu_s a.
     """
     return ratio(wall_balance * height, 2 * height - friction_static * width, np.nan)
 
@@ -88,9 +104,10 @@ def top_edge_wall_acceleration(
 def top_edge_floor_acceleration(
     *, wall_acceleration: Array, width: Array, height: Array, friction_static: Array
 ) -> Array:
-    """Return the floor force per mass, S/m (1 - mu_s a/b), (3.15b) [m s-2].
+    """Return the floor's force per mass, S/m (1 - mu_s a/b), (3.15b) [m s-2].
 
-    The source defines it by the moment balance; it does not carry the weight (`z_residual`).
+    S/m is the wall's force per mass, a and b are width and height of the part. The source gets it
+    from the balance of moments; it does not carry the weight (`z_residual`).
     """
     return wall_acceleration * (1 - friction_static * (width / height))
 
@@ -103,7 +120,11 @@ def z_residual(
     wall_acceleration: Array,
     friction_static: Array,
 ) -> Array:
-    """Return the residual of (3.14) in the balance normal to the floor, per mass [m s-2]."""
+    """Return the residual of (3.14) in the balance normal to the floor, per mass [m s-2].
+
+    -g_z + P sin(beta) + n - mu_s s, with gravity g_z, floor force n and wall force s per mass: 0 if
+    the forces were in balance.
+    """
     return compensated_sum(
         -gravity_normal, drive_normal, floor_acceleration, -friction_static * wall_acceleration
     )
@@ -115,7 +136,11 @@ def pushing_wall_acceleration(*, wall_balance: Array) -> Array:
 
 
 def chord_cosine(*, length: Array, radius: Array) -> Array:
-    """Return the cosine of sigma, sin(sigma) = h/(2R); NaN where the part is longer than 2R [1]."""
+    """Return cos(sigma) for half the angle sigma that the part spans as a chord of the wall [1].
+
+    sin(sigma) = h/(2R), with the part's length h and the wall's radius R; NaN where the part is
+    longer than 2R.
+    """
     fits = length <= 2 * radius
     half = np.where(fits, length / 2, radius)
     cosine = np.sqrt((radius - half) * (radius + half)) / radius
@@ -130,7 +155,11 @@ def wall_force(*, mass: Array, wall_acceleration: Array) -> Array:
 def wall_force_front(
     *, wall_force: Array, chord_cosine: Array, width: Array, length: Array, friction_kinetic: Array
 ) -> Array:
-    """Return the force S (h + mu_k a)/(2 h c), (3.16) [N]; NaN where the corners do not fit."""
+    """Return the wall's force on the front corner, S (h + mu_k a)/(2 h c), (3.16) [N].
+
+    S is the sum of the wall's forces, h and a length and width of the part, c `chord_cosine`. NaN
+    where the corners do not fit.
+    """
     share = (length + friction_kinetic * width) / length
     return ratio(wall_force, 2 * chord_cosine, np.nan) * share
 
@@ -138,13 +167,20 @@ def wall_force_front(
 def wall_force_rear(
     *, wall_force: Array, chord_cosine: Array, width: Array, length: Array, friction_kinetic: Array
 ) -> Array:
-    """Return the force S (h - mu_k a)/(2 h c), (3.16) [N]; NaN where the corners do not fit."""
+    """Return the wall's force on the rear corner, S (h - mu_k a)/(2 h c), (3.16) [N].
+
+    S is the sum of the wall's forces, h and a length and width of the part, c `chord_cosine`. NaN
+    where the corners do not fit.
+    """
     share = (length - friction_kinetic * width) / length
     return ratio(wall_force, 2 * chord_cosine, np.nan) * share
 
 
 def derived_wall_speed(*, drive_across: Array, gravity_across: Array, radius: Array) -> Array:
-    """Return the least speed with wall contact, sqrt(R max(0, W - g_y)) [m s-1]."""
+    """Return the least speed with wall contact, sqrt(R max(0, W - g_y)) [m s-1].
+
+    W is the drive off the wall, g_y gravity towards it, R the wall's radius.
+    """
     return np.sqrt(radius) * np.sqrt(np.maximum(0.0, drive_across - gravity_across))
 
 
@@ -162,8 +198,9 @@ def supported_acceleration_x(
     friction_kinetic: Array,
     speed: Array,
 ) -> Array:
-    """Return the acceleration of a part that slides, D_x -+ mu_k (n + s), 0 in stick [m s-2].
+    """Return the acceleration of a part between floor and wall along x, 0 in stick [m s-2].
 
+    D_x -+ mu_k (n + s), with drive and gravity D_x, floor force n and wall force s per mass.
     Friction opposes the speed; from rest, the drive.
     """
     load = floor_acceleration + wall_acceleration
@@ -180,7 +217,11 @@ def supported_acceleration_x(
 
 
 def off_wall_acceleration_y(*, centripetal_acceleration: Array, wall_balance: Array) -> Array:
-    """Return the acceleration v^2/R along the wall, W - g_y where the part leaves it [m s-2]."""
+    """Return the acceleration off the wall: v^2/R, or W - g_y where the part leaves it [m s-2].
+
+    v^2/R is the centripetal acceleration; the load on the wall, B = v^2/R + g_y - W, is negative
+    where the part leaves.
+    """
     return centripetal_acceleration + np.maximum(0.0, -wall_balance)
 
 
@@ -194,10 +235,11 @@ def held_pressure_offset_x(
     friction_kinetic: Array,
     speed: Array,
 ) -> Array:
-    """Return the offset of the floor resultant along x, wall force at mid-height [m].
+    """Return the offset of the floor's resultant along x that balances friction's moment [m].
 
-    mu_k b/2 towards the motion in sliding. In stick, floor and wall are taken to share the drive in
-    proportion to their normal forces, which the balance leaves open. NaN in flight.
+    The wall's force acts at mid-height. mu_k b/2 towards the motion in sliding, b being the height.
+    In stick, floor and wall are taken to share the drive in proportion to their normal forces,
+    which the balance leaves open. NaN in flight.
     """
     load = floor_acceleration + wall_acceleration
     stuck = is_held(
@@ -222,7 +264,11 @@ def is_held(
     friction_static: Array,
     speed: Array,
 ) -> Mask:
-    """True where friction of floor and wall holds a part at rest: |D_x| <= mu_s (n + s)."""
+    """True where friction of floor and wall holds a part at rest: |D_x| <= mu_s (n + s).
+
+    D_x is drive and gravity along x, n and s are the forces of floor and wall, all per mass [m
+    s-2]; it holds for speed 0 only.
+    """
     load = floor_acceleration + wall_acceleration
     return (speed == 0) & (np.abs(in_plane_drive_x) <= friction_static * load) & (load > 0)
 

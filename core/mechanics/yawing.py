@@ -32,16 +32,20 @@ def rolling_drive(
 def axial_drive(
     *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
 ) -> Array:
-    """Return the drive at its peak along sigma, D_sigma = P cos(beta) cos(alpha + theta)
-    [m s-2].
-    """  # noqa: D205
+    """Return the drive's peak along sigma, D_sigma = P cos(beta) cos(alpha + theta) [m s-2].
+
+    sigma is the direction of the cylinder's axis, at the yaw theta (`axis_yaw`).
+    """
     return vibration_acceleration * cosine(beta) * cosine(alpha + axis_yaw)
 
 
 def axial_friction_acceleration(
     *, axial_drive: Array, diameter: Array, spin_rate: Array, yaw_rate: Array
 ) -> Array:
-    """Return the friction per mass along the axis, D_sigma - r phi' theta', (4.16) [m s-2]."""
+    """Return the friction per mass along the axis, D_sigma - r phi' theta', (4.16) [m s-2].
+
+    D_sigma is the drive along the axis, r the radius, phi' the spin rate and theta' the yaw rate.
+    """
     return axial_drive - diameter / 2 * spin_rate * yaw_rate
 
 
@@ -63,15 +67,19 @@ def spin_acceleration(*, rolling_drive: Array, diameter: Array) -> Array:
 def yaw_acceleration(
     *, mass: Array, diameter: Array, length: Array, drilling_moment: Array
 ) -> Array:
-    """Return the yaw acceleration, M_z/I1 with I1 = m (3 r^2 + L^2)/12; 0 in (4.18) [rad s-2]."""
+    """Return the yaw acceleration, M_z/I1 with I1 = m (3 r^2 + L^2)/12; 0 in (4.18) [rad s-2].
+
+    M_z is the drilling moment of the floor, r and L radius and length.
+    """
     return 12 * drilling_moment / (mass * (0.75 * np.square(diameter) + np.square(length)))
 
 
 def printed_yaw_rate(*, axial_drive: Array, diameter: Array, spin_rate: Array) -> Array:
-    """Return the yaw rate, theta' = 4 D_sigma/(3 d phi'), (4.20) as printed [rad s-1].
+    """Return the yaw rate as printed, theta' = 4 D_sigma/(3 d phi'), (4.20) [rad s-1].
 
-    It follows only if the floor's resultant is held at mid-length, e = 0. Without spin it has no
-    value, as at every start from rest, and its time derivative contradicts (4.18).
+    D_sigma is the drive along the axis, phi' the spin rate. It follows only if the floor's
+    resultant is held at mid-length. Without spin it has no value, as at every start from rest, and
+    its time derivative contradicts (4.18).
     """
     with np.errstate(over="ignore"):
         return ratio(4 * axial_drive, 3 * diameter * spin_rate, np.nan)
@@ -87,8 +95,9 @@ def pressure_offset_axial(
 ) -> Array:
     """Return the shift of the floor's normal force, r (D_sigma - (3/2) r phi' theta')/n0 [m].
 
-    Friction along the axis tilts the cylinder and the yaw of its spin resists; the floor balances
-    both. The source leaves it out. NaN in flight.
+    D_sigma is the drive along the axis, r the radius, phi' the spin rate, theta' the yaw rate, n0
+    the normal force per mass. Friction along the axis tilts the cylinder and the yaw of its spin
+    resists; the floor balances both. The source leaves it out. NaN in flight.
     """
     tilting = axial_drive - 0.75 * diameter * spin_rate * yaw_rate
     return diameter / 2 * _over_normal(tilting, normal_acceleration, np.nan)
@@ -97,7 +106,11 @@ def pressure_offset_axial(
 def required_friction(
     *, rolling_drive: Array, axial_friction_acceleration: Array, normal_acceleration: Array
 ) -> Array:
-    """Return the least mu_s to roll, hypot(F_eta, F_sigma)/lambda_N; inf in flight [1]."""
+    """Return the least static friction with which the cylinder rolls, hypot(F_eta, F_sigma)/N [1].
+
+    F_eta and F_sigma are the friction forces in rolling direction and along the axis, N the floor's
+    force; infinite in flight.
+    """
     friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return _over_normal(friction, normal_acceleration, np.inf)
 
@@ -110,7 +123,11 @@ def cone_margin(
     axial_friction_acceleration: Array,
     normal_acceleration: Array,
 ) -> Array:
-    """Return the margin mu_s lambda_N - hypot(F_eta, F_sigma); below 0 it slips [N]."""
+    """Return the margin of static friction, mu_s N - hypot(F_eta, F_sigma) [N].
+
+    F_eta and F_sigma are the friction forces in rolling direction and along the axis, N the floor's
+    force; below 0 the cylinder slips.
+    """
     friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return mass * (friction_static * normal_acceleration - friction)
 
@@ -126,9 +143,11 @@ def floor_wrench(
     axial_friction: Array,
     floor_force: Array,
 ) -> Wrench:
-    """Return the wrench of the floor: (N, -F_eta, -F_sigma) and its moment about the centre.
+    """Return the wrench of the floor about the centre, in the axes n, eta, sigma [N, N m].
 
-    The moment about eta, e N - r F_sigma, is the -I3 theta' phi' that turns the spin.
+    The force is (N, -F_eta, -F_sigma): floor force N, friction F_eta in rolling direction and
+    F_sigma along the axis. The moment is (M_z, -I3 theta' phi', r F_eta): drilling moment M_z, then
+    what turns the spin phi' with the yaw rate theta', I3 = m r^2/2.
     """
     force = vector(floor_force, -rolling_friction, -axial_friction)
     precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
@@ -145,10 +164,11 @@ def force_wrench(
     rolling_drive: Array,
     rolling_friction: Array,
 ) -> Wrench:
-    """Return the wrench of drive, gravity and floor together, (4.12), (4.13).
+    """Return the wrench of drive, gravity and floor together about the centre, (4.12), (4.13).
 
-    Drive and gravity act at the centre. What (4.15) to (4.17) cancel is left out instead of
-    subtracted: along n nothing remains, along sigma m r phi' theta'.
+    In the axes n, eta, sigma [N, N m]; drive and gravity act at the centre. What (4.15) to (4.17)
+    cancel is left out instead of subtracted: along n nothing remains, along sigma m r phi' theta',
+    with spin rate phi' and yaw rate theta'.
     """
     turning = mass * (diameter / 2) * spin_rate * yaw_rate
     force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), turning)
@@ -157,12 +177,12 @@ def force_wrench(
 
 
 def floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return pitch F.M/F^2 and axis F x M/F^2 of the floor's wrench."""
+    """Return pitch F.M/F^2 and axis F x M/F^2 of the floor's wrench, force F and moment M."""
     return floor_wrench.reduced()
 
 
 def force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return pitch F.M/F^2 and axis F x M/F^2 of the force system."""
+    """Return pitch F.M/F^2 and axis F x M/F^2 of all forces' wrench, force F and moment M."""
     return force_wrench.reduced()
 
 
@@ -208,9 +228,10 @@ def slips(
     friction_static: Array,
     normal_acceleration: Array,
 ) -> Mask:
-    """True where rolling asks for more than the cone has: hypot(F_eta, F_sigma) > mu_s lambda_N.
+    """True where rolling needs more friction than there is: hypot(F_eta, F_sigma) > mu_s N.
 
-    The condition of theory 7.3, with the turning of the velocity in place of a part of the drive.
+    F_eta and F_sigma are the friction forces in rolling direction and along the axis that rolling
+    and yawing need, N the floor's force.
     """
     return ~is_rolling(
         in_plane_drive_x=axial_friction_acceleration,
