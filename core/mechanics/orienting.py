@@ -115,7 +115,7 @@ def passes_gap(aspect: Aspect, gap_length: Array) -> Array:
 
 
 def passes_aspect(number: int, passed_aspect: Array) -> Array:
-    """Return 1 where the aspect `number`, counted from 1, is the one that may pass a device, else 0."""
+    """Return 1 where the aspect `number`, from 1 on, is the one that may pass a device, else 0."""
     return np.where(passed_aspect == number, 1.0, 0.0)
 
 

@@ -73,11 +73,11 @@ def roll_root(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the root z that gives the slip of a solid cylinder; 0 where it rolls [m s-2].
+    """Return the acceleration z with which a solid cylinder slips; 0 where it rolls [m s-2].
 
     z > 0 solves D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n, with drive and gravity D_x along
-    the axis, D_y across it and the floor's force n, all per mass: z + q is the size of the slip
-    acceleration with friction added.
+    the axis, D_y across it and the floor's force n, all per mass. Accelerations along and across
+    the axis follow from it.
     """
     return slip_root(
         in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,
@@ -89,7 +89,7 @@ def slip_root(
     along: Array, across: Array, rolling_factor: Array | float, friction_static: Array,
     friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the root z that gives the slip of a round part; 0 where it rolls [m s-2].
+    """Return the acceleration z with which a round part slips; 0 where it rolls [m s-2].
 
     z > 0 solves D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_a along the
     axis (`along`), D_c across it (`across`), the floor's force n, all per mass, and the rolling

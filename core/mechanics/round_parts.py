@@ -149,7 +149,7 @@ def roller_root(
     *, push_across_axis: Array, push_along_axis: Array, rolling_factor: Array,
     friction_static: Array, friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the root z that gives the slip of a roller; 0 where it rolls [m s-2].
+    """Return the acceleration z with which a roller slips; 0 where it rolls [m s-2].
 
     z > 0 solves D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_s along and
     D_e across the axis, the floor's force n, all per mass, and kap = m r^2/I.

@@ -44,9 +44,11 @@ def evaluate_in_blocks(
     block_cells: int = BLOCK_CELLS,
     progress: Progress | None = None,
 ) -> None:
-    """Compute a plan block by block into `results`.
+    """Compute a plan on a grid block by block, by numpy, and write the outputs into `results`.
 
-    Outputs of a block share the processor's cache.
+    `results` has an array for each output and `regime`, over the axes that it depends on. A block
+    has about `block_cells` points, so that its arrays stay in the processor's cache; `progress` is
+    called after each block with the share of the grid that it made up.
     """
     depends = plan.depends_on(grid.axes)
     used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, "regime"))))
@@ -61,7 +63,10 @@ def evaluate_in_blocks(
 
 
 def _sliced_axes(used: tuple[str, ...], grid: Grid, block_cells: int) -> tuple[str, ...]:
-    """Return the leading axes to loop over, so that the rest of the grid fits a block."""
+    """Return the leading axes to loop over, so that the rest of the grid fits a block.
+
+    `used` are the axes that any output depends on, in the order of the grid.
+    """
     for count in range(len(used)):
         if grid.size(used[count:]) <= block_cells:
             return used[:count]
@@ -75,7 +80,11 @@ def _levels(
     sliced: tuple[str, ...],
     last_step: int,
 ) -> list[_Level]:
-    """Return the loop levels of the sliced axes, each with the equations computable there."""
+    """Return the loop levels of the sliced axes, each with the equations computable there.
+
+    `depends` has the axes of each quantity. An equation runs at the innermost sliced axis that it
+    depends on. The last axis is taken in slices of `last_step` values, the others value by value.
+    """
     positions = {name: position for position, name in enumerate(grid.axes)}
     levels = []
     for number, axis in enumerate(sliced):
@@ -93,7 +102,11 @@ def _levels(
 def _descend(
     levels: list[_Level], depth: int, known: Known, where: dict[str, slice], writer: _Writer
 ) -> None:
-    """Loop over the slices of one axis and all inner levels; write the block at the innermost."""
+    """Loop over the slices of one axis and all inner levels; write the block at the innermost.
+
+    `depth` is the number of the level, `known` holds the quantities computed so far, `where` the
+    slice of each outer axis.
+    """
     if depth == len(levels):
         writer.write(known, where)
         return
@@ -142,7 +155,7 @@ class _Writer:
     def _put(
         self, name: str, block: NDArray[np.float64] | NDArray[np.int8], where: Mapping[str, slice]
     ) -> None:
-        """Write one array of a block into its region of the result."""
+        """Write one array of a block into its region of the result; `where` has the slices."""
         dims = self.dims[name]
         region = tuple(where.get(axis, slice(None)) for axis in dims)
         if block.ndim:

@@ -62,20 +62,23 @@ class Derived(NamedTuple):
     jumps: NDArray[np.bool_]
 
     def logarithmic(self, at: Array) -> Array:
-        """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN for 0/0."""
+        """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN for 0/0.
+
+        `at` are the values of the parameter, SI units, shape (cells,).
+        """
         with np.errstate(all="ignore"):
             usable = (self.value != 0) & np.isfinite(self.value)
             elasticity: Array = np.where(usable, self.slope / self.value * at, np.nan)
         return elasticity
 
     def at(self, where: NDArray[np.bool_]) -> Derived:
-        """Return the record for a selection of cells."""
+        """Return the record of the cells for which the mask `where` is true."""
         value, slope, error, status, below, above, jumps = self
         told = (value[where], slope[where], error[where], status[where])
         return Derived(*told, below[where], above[where], jumps[where])
 
     def put(self, where: NDArray[np.bool_], part: Derived) -> None:
-        """Write the values of a selection of cells."""
+        """Write the record `part` over the cells for which the mask `where` is true."""
         arrays: tuple[NDArray[Any], ...] = self
         for array, values in zip(arrays, part, strict=True):
             array[where] = values
@@ -139,7 +142,11 @@ def derivatives(
 def values_of(
     plan: Plan, cells: Mapping[str, Any], parameters: Collection[str]
 ) -> dict[str, Array]:
-    """Return every parameter of a plan at cells, shape (cells,); raise for unknown names."""
+    """Return every parameter and default of a plan at cells, SI units, shape (cells,).
+
+    `cells` has the values of the plan's parameters; `parameters` are those to derive by. Raises
+    `StudyError` for one of them that the plan does not use.
+    """
     values = {**plan.defaults, **{name: cells[name] for name in plan.parameters}}
     unknown = [name for name in parameters if name not in values]
     if unknown:
@@ -169,7 +176,11 @@ class _Slope(NamedTuple):
 def _carry_derivative(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> dict[str, _Slope]:
-    """Return value, derivative and status of each output by one parameter."""
+    """Return value, derivative and status of each output by one parameter, from dual numbers.
+
+    `values` are all parameters at the cells; `rules` give the derivatives of equations that dual
+    numbers cannot follow.
+    """
     ties: list[Any] = []
     cells = values[parameter].size
     known: dict[str, Any] = dict(values)
@@ -198,7 +209,10 @@ def _carry_derivative(
 
 
 def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
-    """Return a mask as one entry per cell, broadcast if it has none."""
+    """Return a mask of any shape as one entry per cell, true where any of its entries is.
+
+    A mask without an axis of cells holds for all of them.
+    """
     # Vectors have their components behind the cells; a lone vector is as long as few cells are.
     if where.ndim and where.shape[0] == cells and cells > 4:
         return np.asarray(where.reshape(cells, -1).any(axis=1))
@@ -206,7 +220,11 @@ def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
 
 
 def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> Any:
-    """Return an equation's result for dual numbers; raise `StudyError` without a derivative."""
+    """Return an equation's result for arguments that are dual numbers.
+
+    Raises `StudyError`, with the output and the parameter, if numpy's functions in it have no rule
+    for a derivative.
+    """
     function = equation.derivative or equation.function
     try:
         with np.errstate(all="ignore"):  # of the branches not taken, whose slopes may be anything
@@ -224,7 +242,11 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
 
 
 def _between_switches(carried: _Slope) -> Derived:
-    """Return value and derivative away from any switch of formulas."""
+    """Return the derivative record of cells that are at no switch of formulas.
+
+    The slope is NaN where the status says that no derivative exists, and the status `no_value`
+    where the output is not finite.
+    """
     lost = ~np.isfinite(carried.value) & (carried.status < DERIVATIVE_STATUS["kink"])
     status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), carried.status)
     none = status >= DERIVATIVE_STATUS["kink"]
@@ -245,7 +267,11 @@ def _size(at: Array) -> Array:
 def _derivatives_beside(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> list[dict[str, _Slope]]:
-    """Return the derivatives at two points below and two above each cell, in ascending order."""
+    """Return the derivatives at two points below and two above each cell, in ascending order.
+
+    The points are 16 and 1 steps away; a step is 1e-6 of the parameter. Each result maps outputs to
+    their slopes.
+    """
     at = values[parameter]
     step = SIDE * _size(at)
     return [
@@ -257,7 +283,12 @@ def _derivatives_beside(
 def _from_both_sides(
     value: Array, step: Array, far_below: _Slope, below: _Slope, above: _Slope, far_above: _Slope
 ) -> Derived:
-    """Return the derivative at a switch if both sides tend to one number, else its status."""
+    """Return the derivative at a switch if both sides tend to one number, else NaN and `kink`.
+
+    `value` is the output at the switch, `step` the distance of the near points in the parameter,
+    and the four slopes are those of `_beside`. The output jumps if its values differ by more than
+    the slopes explain.
+    """
     with np.errstate(all="ignore"):
         largest = np.fmax(np.abs(below.slope), np.abs(above.slope))
         apart = np.abs(above.slope - below.slope)

@@ -60,7 +60,10 @@ class Asked:
         return units
 
     def dims(self, grid: Grid, depends: Mapping[str, frozenset[str]]) -> dict[str, tuple[str, ...]]:
-        """Return the axes of each variable; a status has the axes of all outputs."""
+        """Return the axes of each variable of derivatives; a status has the axes of all outputs.
+
+        `depends` has the axes on which each quantity of the plan depends.
+        """
         every = grid.dims(frozenset().union(*(depends[name] for name in self.outputs)))
         dims = dict.fromkeys(self.units, every)
         for output in self.outputs:
@@ -72,9 +75,10 @@ class Asked:
     def arrays(
         self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
     ) -> dict[str, NDArray[Any]]:
-        """Return each derivative variable over its axes, in the units of files.
+        """Return each variable of derivatives over its axes, in the units of files.
 
-        `derivatives` hold every cell.
+        `derivatives` hold every cell of the grid, `dims` the axes of each variable; the status of a
+        parameter is the worst of all outputs.
         """
         shape = tuple(grid.shape.values())
         values: dict[str, Any] = {**plan.defaults, **grid.si()}
@@ -99,7 +103,7 @@ class Asked:
         return arrays
 
     def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
-        """Return the derivative variables, labelled."""
+        """Return the variables of derivatives with axes, values and labels."""
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
             by = QUANTITIES[parameter].label.lower()
@@ -200,13 +204,13 @@ def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
 
 
 def _factor(output: str, parameter: str) -> float:
-    """Return the factor from a derivative in SI units to the units of files."""
+    """Return the factor from a derivative in SI units and radians to the units of files."""
     factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
     return float(factor * (np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0))
 
 
 def _per(output: str, parameter: str) -> str:
-    """Return the unit of a derivative."""
+    """Return the unit of the derivative of an output by a parameter, such as ``m s-1 Hz-1``."""
     factors = [] if QUANTITIES[output].unit == "1" else [QUANTITIES[output].unit]
     if QUANTITIES[parameter].unit != "1":
         for unit, power in _FACTOR.findall(QUANTITIES[parameter].unit):

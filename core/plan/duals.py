@@ -151,7 +151,7 @@ def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return dual numbers broadcast to a common shape."""
+    """Return the arguments broadcast to a common shape, dual numbers with their derivatives."""
     whole = np.broadcast_shapes(*(np.shape(value_of(x)) for x in args))
     return tuple(
         Dual(np.broadcast_to(x.value, whole), np.broadcast_to(x.slope, whole), ties)
@@ -162,7 +162,7 @@ def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _linear(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return a linear function of dual numbers, applied to values and derivatives."""
+    """Return a linear function of dual numbers: its value, and the same function of the slopes."""
     return Dual(
         function(*_map_arguments(value_of, args), **kwargs),
         function(*_slopes(args), **kwargs),

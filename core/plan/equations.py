@@ -28,14 +28,19 @@ def too_large_is_data() -> np.errstate:
 def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None = None) -> Known:
     """Compute all equations of a plan on whole arrays; return every quantity, SI units.
 
-    Equations that take long ask the watch.
+    `parameters` holds the given ones, SI units and radians. Equations that take long, such as
+    motions, ask `watch` whether to stop.
     """
     known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
     return run(plan.equations, known | dict(parameters), watch)
 
 
 def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
-    """Compute equations one after another, adding their results to `known`, which is returned."""
+    """Compute equations one after another, adding their results to `known`, which is returned.
+
+    `known` holds what they need: arrays by name, SI units. Equations that take long ask `watch`
+    whether to stop.
+    """
     with too_large_is_data():
         for equation in equations:
             watched = {"watch": watch} if equation.takes_long else {}
@@ -51,7 +56,11 @@ def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
 
 
 def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
-    """Return the regime of each cell, given conditions and the regime where none holds."""
+    """Return the number of each cell's regime, by the first condition that holds.
+
+    `conditions` are in order of severity, `otherwise` is the regime where none holds, `known` has
+    the quantities that they need.
+    """
     regime: Any = np.int8(REGIMES[otherwise].value)
     with too_large_is_data():
         for condition in reversed(conditions):

@@ -70,9 +70,10 @@ def evaluate(
 
 
 def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> None:
-    """Compute a plan with simulated motion into `into`, on the whole grid at once.
+    """Compute a plan with simulated motion on the whole grid at once, and write into `into`.
 
-    They share out their cells by themselves, and ask the watch; what it stops is not complete.
+    The equations of motion share out their cells among threads themselves, and ask `watch` whether
+    to stop: then cells are left that are not computed.
     """
     depends = plan.depends_on(grid.axes)
     given = grid.si()
@@ -86,7 +87,7 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
-    """Return empty arrays for the outputs of a plan and `regime`."""
+    """Return uninitialised arrays for the outputs of a plan and `regime`, each over its axes."""
     depends = plan.depends_on(grid.axes)
     results: dict[str, NDArray[Any]] = {}
     for name in (*plan.outputs, "regime"):
@@ -96,7 +97,7 @@ def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
 
 
 def _fused(plan: Plan, grid: Grid) -> Fused | None:
-    """Return the compiled form of a plan if it exists and is worth compiling; else None."""
+    """Return the compiled form of a plan; None if there is none or compiling does not pay."""
     cells = grid.size(list(groups_of(plan, grid))[-1])
     if cells <= FEW_CELLS:
         return None
@@ -110,8 +111,10 @@ def _fused(plan: Plan, grid: Grid) -> Fused | None:
 def repays(missing: Iterable[str], seconds: float) -> bool:
     """True if compiling loops is worth its time, given the time that numpy would take.
 
-    They are once numpy has spent as long on the same work as compiling takes: whatever comes after
-    that, nobody has waited more than twice as long as with the better way.
+    `missing` are the sources of loops that are not compiled yet, `seconds` the time of numpy for
+    this evaluation [s]. Times are added up for each source: once numpy has spent as long on it as
+    compiling takes, the loop is compiled. So nobody waits more than twice as long as with the
+    better way.
     """
     missing = tuple(missing)
     if not missing:

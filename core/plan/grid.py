@@ -51,7 +51,7 @@ class Grid:
 
     @classmethod
     def of(cls, values: Mapping[str, Values]) -> Grid:
-        """Return the grid of a study's parameter values."""
+        """Return the grid of a study's parameter values: ranged ones are axes, others fixed."""
         return cls(
             {name: value for name, value in values.items() if not isinstance(value, Fixed)},
             {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
@@ -77,7 +77,10 @@ class Grid:
         return math.prod(self.shape[name] for name in dims)
 
     def within(self, box: Mapping[str, tuple[int, int]]) -> Grid:
-        """Return the part of the grid between start and stop on each named axis."""
+        """Return the part of the grid between two positions on each axis named in `box`.
+
+        `box` has start and stop (exclusive) of an axis by its name; other axes stay whole.
+        """
         axes = {
             name: Points(tuple(axis.array(*box[name]))) if name in box else axis
             for name, axis in self.axes.items()
@@ -87,7 +90,8 @@ class Grid:
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> Grid:
         """Return a part of the grid over the axes of a box, with the named fixed parameters.
 
-        An axis that the box takes whole stays as it is.
+        `box` has start and stop (exclusive) of an axis by its name; an axis that it takes whole
+        stays as it is. Axes not in `box` are left out, as are fixed parameters not in `names`.
         """
         ends = {name: (0, axis.size) for name, axis in self.axes.items()}
         cut = {name: at for name, at in box.items() if at != ends[name]}
@@ -102,7 +106,7 @@ class Grid:
         return self.axes[name].array()
 
     def bounds(self, name: str) -> tuple[float, float]:
-        """Return the smallest and largest value of a parameter, SI units."""
+        """Return the smallest and largest value of a parameter, SI units and radians."""
         if name in self.fixed:
             ends = np.array([self.fixed[name]])
         else:
@@ -129,10 +133,10 @@ class Grid:
     def at(
         self, positions: Mapping[str, NDArray[np.int64]], count: int, names: Iterable[str]
     ) -> dict[str, NDArray[np.float64]]:
-        """Return the named parameters of some cells, SI units, shape (count,).
+        """Return the named parameters of some cells, SI units and radians, shape (count,).
 
-        `positions` has the position on each axis, shape (count,). No axis is made as a whole: it
-        may have a hundred million values.
+        `positions` has, for each axis, the position of every cell on it, shape (count,). No axis is
+        made as a whole: it may have a hundred million values.
         """
         wanted = set(names)
         cells = {
@@ -145,10 +149,10 @@ class Grid:
 
 
 def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
-    """Return the axis positions of random distinct cells; equal seeds give equal cells.
+    """Return the positions, on each axis, of random distinct cells; equal seeds give equal cells.
 
-    There are `count` of them, or as many as the grid has, in random order. A grid of any size
-    costs no more.
+    There are `count` cells, or as many as the grid has, in random order. A grid of any size costs
+    no more.
     """
     chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
     positions: dict[str, NDArray[np.int64]] = {}

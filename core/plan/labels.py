@@ -34,7 +34,10 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
 
 
 def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
-    """Return the requested outputs, labelled; `arrays` are in SI units."""
+    """Return the requested outputs with axes and labels, in the units of files.
+
+    `arrays` are the computed outputs in SI units and radians.
+    """
     plan = prepared.plan
     equations = {equation.gives: equation for equation in plan.equations}
     return {
@@ -57,7 +60,10 @@ def _edge(name: str, value: float) -> float:
 
 
 def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
-    """Return the global attributes of a result; `how` says how it was computed."""
+    """Return the global attributes of a result: study, version, scene, validity, drive.
+
+    `how` says in words how it was computed, behind the version in `source`.
+    """
     study, plan = prepared.study, prepared.plan
     attributes = {
         "Conventions": CONVENTIONS,
@@ -80,7 +86,11 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
 
 
 def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
-    """Return a sentence on the origin of a measured drive's numbers."""
+    """Return a sentence on the origin of a measured drive's numbers.
+
+    It names the recording and its digest, the shares that the fit leaves over, and those drive
+    parameters (`values`) that the study sets otherwise.
+    """
     left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
     told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
     if drive.clock_error is not None:

@@ -59,12 +59,18 @@ class Operation:
 
 
 def _times(factor: Any, slope: Any) -> Any:
-    """Return a product that is 0 where the slope is 0, even for an infinite factor."""
+    """Return a product that is 0 where the slope is 0, even for an infinite factor.
+
+    So the slope of a branch not taken does not become NaN.
+    """
     return np.where(slope == 0, 0.0, factor * slope)
 
 
 def _chain(factor: Callable[[Any, Any], Any]) -> Function:
-    """Return the derivative rule of a one-argument function, from its derivative."""
+    """Return the rule for the slope of a one-argument function f(x), factor(f, x) dx.
+
+    `factor` gives df/dx from the value f and the argument x.
+    """
     return lambda f, x, dx: _times(factor(f, x), dx)
 
 
@@ -76,7 +82,10 @@ def _divide(m: Any, above: Any, below: Any) -> Any:
 
 
 def _power(m: Any, base: Any, exponent: Any) -> Any:
-    """Return a power with floating-point rules: infinite for 0 to a negative power."""
+    """Return a power of numbers of 50 digits by the rules of floats: 0 to a negative is infinite.
+
+    `m` is the context of mpmath.
+    """
     return m.inf if base == 0 and exponent < 0 else base**exponent
 
 
@@ -91,17 +100,26 @@ def _zero(x: Any, dx: Any) -> Any:
 
 
 def _comparison(function: Function, sign: str, digits: Function) -> Operation:
-    """Return the operation of a comparison, which has no derivative."""
+    """Return the operation of a comparison, which has no derivative and ties between equals.
+
+    `sign` is the operator in a compiled loop, `digits` the comparison of numbers of 50 digits.
+    """
     return Operation(function, None, f"{{}} {sign} {{}}", digits, _same, is_flat=True)
 
 
 def _flat(function: Function, loop: str, digits: Function | None) -> Operation:
-    """Return the operation of a piecewise constant function, which has no derivative."""
+    """Return the operation of a piecewise constant function, which has no derivative.
+
+    `loop` is the expression in a compiled loop, `digits` the function for numbers of 50 digits.
+    """
     return Operation(function, None, loop, digits, is_flat=True)
 
 
 def _arc_slope(f: Any, square: Any, root: Any, dsquare: Any, droot: Any) -> Any:
-    """Return the derivative of `arc_quotient`; near 1 by the root, which has the digits there."""
+    """Return the slope of `arc_quotient`, from its value f, its arguments and their slopes.
+
+    Where the square is near 1 it goes by the root, which has the digits there; near 0 by a series.
+    """
     small = np.abs(square) < 0.02
     by_series = sum(k * square ** (k - 1) / (2 * k + 1) for k in range(1, 11))
     apart = np.where(small, 1.0, square)
@@ -113,6 +131,7 @@ def _arc_slope(f: Any, square: Any, root: Any, dsquare: Any, droot: Any) -> Any:
 
 
 def _arc_digits(m: Any, square: Any, root: Any) -> Any:
+    """Return `arc_quotient` of numbers of 50 digits; `m` is the context of mpmath."""
     if square == 0:
         return m.one
     u = m.sqrt(abs(square))
@@ -124,7 +143,10 @@ def _arc_digits(m: Any, square: Any, root: Any) -> Any:
 def _slip_slope(
     z: Any, x: Any, y: Any, s: Any, held: Any, dx: Any, dy: Any, ds: Any, dheld: Any
 ) -> Any:
-    """Return the derivative of `slip_share` by that of its equation."""
+    """Return the slope of `slip_share`, by implicit differentiation of its equation h(z) = 1.
+
+    z is the root, x, y, s, held the arguments, and dx to dheld their slopes.
+    """
     a, b = z + s, z + held * s
     by_a, by_b = np.square(x / a) / a, np.square(y / b) / b
     moved = _times(x / (a * a), dx) + _times(y / (b * b), dy)
@@ -133,7 +155,10 @@ def _slip_slope(
 
 
 def _slip_digits(m: Any, x: Any, y: Any, s: Any, held: Any) -> Any:
-    """Return the root of `slip_share` by Newton's method on its own equation, from below."""
+    """Return the root of `slip_share` in 50 digits, by Newton's method from below.
+
+    `m` is the context of mpmath.
+    """
     z = max(x - s, y - held * s, 1 - held * s, m.zero)
     for _ in range(200):
         a, b = z + s, z + held * s

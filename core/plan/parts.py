@@ -90,7 +90,7 @@ class Parts(ABC):
         return f"{part:06}-of-{self.count:06}"
 
     def ends(self, part: int) -> tuple[int, int]:
-        """Return the first box or tile of a part, and the first one after it."""
+        """Return the number of a part's first box or tile, and the number after its last."""
         return part * self.boxes // self.count, (part + 1) * self.boxes // self.count
 
     def missing(self) -> list[int]:
@@ -99,7 +99,7 @@ class Parts(ABC):
         return [part for part in range(self.count) if self.name(part) not in there]
 
     def begin(self) -> None:
-        """Write the metadata for readers that follow the growing result, if the format has any."""
+        """Write the metadata of a growing result for its readers, if the format has any."""
         return
 
     def digests(self) -> dict[str, str]:
@@ -122,7 +122,7 @@ class Parts(ABC):
         return self._is_ours(self.records.read(self.name(part)), part)
 
     def compute(self, part: int, watch: Watch | None = None) -> bytes:
-        """Compute a part and write its shards; return its record, which is not stored yet.
+        """Compute a part and write its shards; return its record as bytes, not stored yet.
 
         Raises
         ------
@@ -145,14 +145,15 @@ class Parts(ABC):
         self.records.write(self.name(part), record)
 
     def join(self, watch: Watch | None = None, *, history: str | None = None) -> Table:
-        """Join all parts into the result and write it; return its table.
+        """Join all parts into the result and write it; return its table and remove the records.
 
-        That of a Zarr group has no values but those without dimension.
+        The table of a Zarr group has no values but those without dimension. `history` is an
+        attribute of the result.
 
         Raises
         ------
         PartsMissingError
-            If some are missing, or differ from their digest.
+            If parts are missing, or differ from their digest.
         """
         table = self._joined(watch or Watch(), history)
         self.records.clear()
@@ -164,7 +165,7 @@ class Parts(ABC):
         Raises
         ------
         PartsMissingError
-            As in `join`.
+            If parts are missing, or differ from their digest.
         """
         del watch
         return None
@@ -173,11 +174,14 @@ class Parts(ABC):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Return the arrays of some boxes, and the digests of written shards."""
+        """Compute the boxes or tiles from `start` to `stop`; return arrays and shard digests.
+
+        The arrays are for the part's record; the digests are the SHA-256 of written shards, by key.
+        """
 
     @abstractmethod
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        """Write the result of all parts; return its table."""
+        """Write the result of all parts; return its table. `history` is an attribute of it."""
 
     def _is_ours(self, record: Record | None, part: int) -> bool:
         """True if a record belongs to this part of this study."""
@@ -187,7 +191,11 @@ class Parts(ABC):
     def _check(
         self, watch: Watch, is_usable: Callable[[Record], bool] = lambda _: True
     ) -> list[Mapping[str, Any]]:
-        """Return the records of all parts; raise if one is missing, damaged or unusable."""
+        """Return the fields of all parts' records, after checking that each is there and sound.
+
+        `is_usable` checks the content of a record. Raises `PartsMissingError` with the missing and
+        the damaged parts, `StoppedError` if `watch` stops it.
+        """
         missing, damaged, fields = [], [], []
         there = set(self.records.names())
         for part in range(self.count):
@@ -217,7 +225,7 @@ class Parts(ABC):
 
 
 def ranges(numbers: list[int]) -> str:
-    """Return numbers in the notation of job queues: ``3,17-19``."""
+    """Return sorted numbers in the notation of job queues, such as ``3,17-19``."""
     intervals: list[str] = []
     start = before = -2
     for number in [*sorted(numbers), -2]:

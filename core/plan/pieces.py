@@ -50,9 +50,10 @@ def carry_out(
     label: Callable[[Study, Computed, Watch], Table],
     watch: Watch | None = None,
 ) -> Table:
-    """Compute a study and return its labelled results, with cost attributes.
+    """Compute a study and return its labelled results, with cells and seconds as attributes.
 
-    That counts neither verifying, which is a part of the labels, nor compiling, which is done once.
+    `compute` and `label` are those of the study's kind. The seconds count neither verifying, which
+    `label` does, nor compiling, which is done once.
     """
     watch, share = watch or Watch(), prepared.computing_share
     started, compiling = time.perf_counter(), stopwatch.spent
@@ -63,7 +64,11 @@ def carry_out(
 
 
 def cells_of(prepared: Prepared, table: Table) -> int:
-    """Return the number of cells computed for a result, possibly underestimated."""
+    """Return the number of cells computed for a result.
+
+    Some kinds only know it afterwards and note it in the result; else it is the number of the
+    study.
+    """
     return int(table.attributes.get(FOLLOWED, prepared.cells))
 
 
@@ -73,7 +78,11 @@ def price(cells: int, seconds: float) -> dict[str, float]:
 
 
 def cells_of_piece(prepared: Prepared, seconds: float) -> int:
-    """Return the number of cells that take about `seconds` on one core."""
+    """Return the number of cells of a piece that takes about `seconds` on one core.
+
+    It is bounded so that there are at most `MAX_PIECES` pieces, and a piece stores at most
+    `MAX_PIECE_CELLS`.
+    """
     cells = seconds / prepared.seconds_a_cell
     fewest = prepared.cells / MAX_PIECES
     # Of what is reduced a piece holds answers only.
@@ -114,7 +123,7 @@ class Cut:
         return math.prod(self._parts)
 
     def box(self, index: int) -> Box:
-        """Return start and stop of a piece on each axis that is cut."""
+        """Return start and stop (exclusive) of a piece on each axis that is cut."""
         position = np.unravel_index(index, self._parts) if self._parts else ()
         return {
             name: (int(at) * size // parts, (int(at) + 1) * size // parts)
@@ -127,7 +136,8 @@ class Cut:
 def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed:
     """Join the arrays of pieces into those of the whole study.
 
-    The pieces are taken one after another, so that they need not all be in memory.
+    Each piece comes with its box: start and stop on the axes that are cut. They are taken one after
+    another, so that they need not all be in memory.
     """
     arrays: dict[str, NDArray[Any]] = {}
     notes: dict[str, str] = {}

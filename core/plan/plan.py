@@ -67,7 +67,7 @@ class Plan:
         return known[output]
 
     def part(self, outputs: Collection[str], conditions: Collection[Condition]) -> Plan:
-        """Return the part of the plan that some outputs and conditions need."""
+        """Return the part of the plan that some of its outputs and conditions need."""
         wanted = [*outputs, *(name for condition in conditions for name in condition.inputs)]
         needed = behind(wanted, {e.gives: e for e in self.equations}.get)
         return replace(
@@ -125,9 +125,10 @@ def find_scene(
 def choose_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str, list[Problem]]:
-    """Return the named scene, the variant, and problems of the variant's name.
+    """Return the named scene, the variant in force, and problems of the variant's name.
 
-    An unknown variant gives way to the default, so that the rest of a study can be looked at.
+    An unknown variant gives way to the default, so that the rest of a study can be checked. Raises
+    `StudyError` if there is no such scene.
     """
     scene = scenes.get(name)
     if scene is None:
@@ -158,7 +159,11 @@ def make_plan(
 def plan_scene(
     scene: Scene, variant: str, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
-    """Return the plan for outputs of a scene, given the names of a study's parameters."""
+    """Return the plan for outputs of a scene, given the names of a study's parameters.
+
+    Raises `StudyError` with every problem: unknown outputs, parameters that are missing, unused, or
+    set twice.
+    """
     scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
@@ -216,7 +221,10 @@ class _Walk:
         )
 
     def visit(self, name: str, user: str = "") -> None:
-        """Visit a quantity and everything that it depends on; record problems."""
+        """Visit a quantity and all that it depends on, noting equations, defaults and gaps.
+
+        `user` is the quantity or regime that needs it, named if it is missing.
+        """
         if name in self.visited:
             return
         self.visited.add(name)
@@ -233,7 +241,12 @@ class _Walk:
             self.missing[name] = user
 
     def _producer(self, name: str) -> Equation | None:
-        """Return the equation for a quantity that the study does not set; None without one."""
+        """Return the equation that gives a quantity; None if there is none or a default stands in.
+
+        An alternative parameter of the study (a stroke for an amplitude) comes first. Where a
+        quantity has a default, its equation runs only if the study asks for it or sets one of its
+        inputs.
+        """
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter}
             if alias.gives == name and asked <= set(self.parameters):
@@ -246,7 +259,7 @@ class _Walk:
         return equation
 
     def _tells(self, names: Collection[str]) -> bool:
-        """True if the study sets one of the parameters, directly or by an alternative."""
+        """True if the study sets one of the named parameters, or an alternative to it."""
         parameters = set(self.parameters)
         followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
         return any(one is not None and set(one.inputs) <= parameters for one in followed)
@@ -274,7 +287,7 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
 
 
 def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
-    """Return the problem of an output that another kind of study gives; None otherwise."""
+    """Return the problem of an output that another kind of study gives; None if none does."""
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -293,7 +306,10 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 
 
 def _doubled(parameters: Collection[str]) -> list[Problem]:
-    """Return problems of parameters set twice, or without others that they need."""
+    """Return the problems of parameters set twice, or without others that they need.
+
+    Twice means by two alternatives, such as amplitude and stroke.
+    """
     problems = []
     for name, others in ALTERNATIVES.items():
         doubled = [other for other in others if name in parameters and other in parameters]
@@ -312,10 +328,10 @@ def _doubled(parameters: Collection[str]) -> list[Problem]:
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
-    """Return the problem of a missing parameter: what needs it, and an example.
+    """Return the problem of a missing parameter, with what needs it and an example.
 
-    A parameter has the name that studies have for it. A quantity that users do not know, such as a
-    bundle of several, is not named as what needs it.
+    The parameter has the name that studies use. `needed_by` is named only if users know it: not a
+    bundle of several quantities.
     """
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]

@@ -52,7 +52,10 @@ class Prepared:
         return Problem("kind", "it is computed as a whole, not where read", "Sweep closed forms")
 
     def check_lazy(self, fix: str) -> Self:
-        """Return the study; raise `StudyError` if cells cannot be computed when they are read."""
+        """Return the study; raise `StudyError` if cells cannot be computed when they are read.
+
+        `fix` says what the user can do instead.
+        """
         if self.not_lazy is not None:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
@@ -236,7 +239,7 @@ class Prepared:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
     def what_fits(self, share: float) -> str:
-        """Return a sentence that says how to shrink the study to a share of its size."""
+        """Return a sentence on a grid that fits, at a given share of the present size."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
         if fitting >= 2:
@@ -259,9 +262,10 @@ def plan_study(
     chosen: Chosen,
     more: Mapping[str, Values] | None = None,
 ) -> tuple[Plan, Grid]:
-    """Return the plan and grid of any study; raise `StudyError` with every problem.
+    """Return the plan and grid of a study of any kind; raise `StudyError` with every problem.
 
-    `more` holds values of parameters that the study gives elsewhere.
+    `chosen` is scene, variant and problems of their names; `more` holds values of parameters that
+    the study gives elsewhere than under `parameters`.
     """
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
@@ -278,7 +282,10 @@ def plan_study(
 
 
 def names_intended(parameters: Iterable[object]) -> list[str]:
-    """Return the parameters that a user intended, misspelt ones corrected, unknown ones dropped."""
+    """Return the parameters that a user intended, misspelt ones corrected.
+
+    `parameters` are names as written; those without a near match are dropped.
+    """
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]
     meant = {name: nearest(name, PARAMETERS) for name in unknown[:SEARCHED]}

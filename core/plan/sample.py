@@ -54,12 +54,15 @@ class Sample:
     chosen: int
 
     def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
-        """Return the values of an array at the sampled cells, shape (count,)."""
+        """Return the values of an array at the sampled cells, shape (count,).
+
+        `dims` are the axes of the array.
+        """
         chosen = values[tuple(self.positions[name] for name in dims)]
         return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
-        """Return the position of a cell in words, such as ``at frequency 50 Hz, beta 30 deg``."""
+        """Return the position of a sampled cell in words: ``at frequency 50 Hz, beta 30 deg``."""
         parts = []
         for name, axis in self.grid.axes.items():
             k = int(self.positions[name][cell])
@@ -108,7 +111,8 @@ def sample_of(
 ) -> Sample:
     """Return the cells of a study that are to be verified.
 
-    `unfinished` are the status, among what was computed, and its value where a stop left a cell.
+    `unfinished` names the status in `arrays` and its value at cells that a stop left without a
+    result: these are taken out. None if no stop can leave any.
     """
     positions, chosen = chosen_positions(prepared)
     sample = Sample(prepared.grid, positions, chosen, chosen)

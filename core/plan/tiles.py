@@ -52,7 +52,8 @@ class Tiled:
     def at(self, positions: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
         """Return the outputs at some cells in SI units, shape (count,), computed one by one.
 
-        `positions` has the position on each axis of the study, shape (count,).
+        `positions` has, for each axis of the study, the position of every cell on it, shape
+        (count,).
         """
         cells = [
             self._evaluated(
@@ -66,7 +67,7 @@ class Tiled:
         }
 
     def _pulled(self, names: tuple[str, ...]) -> Plan:
-        """Return the part of the plan that the arrays of a field need."""
+        """Return the part of the plan that the arrays named (outputs, `regime`) need."""
         outputs = tuple(name for name in names if name != "regime")
         return self._plan.part(outputs, self._plan.conditions if "regime" in names else ())
 

@@ -23,7 +23,11 @@ _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}
 
 
 def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
-    """Return the dimensions of every variable of a reduction."""
+    """Return the dimensions of every variable of a reduction, by the variable's name.
+
+    `units` are the boxes of the reduction. A quantile has the dimension `quantile` before the axes
+    that stay.
+    """
     dims: dict[str, tuple[str, ...]] = {}
     for boxes in units.boxes:
         kept = tuple(dim for dim in boxes.field.dims if dim not in asked.over)
@@ -36,7 +40,11 @@ def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
 def reduced_arrays(
     units: Units, grid: Grid, asked: Reduction, states: Iterable[tuple[int, int, State]]
 ) -> Arrays:
-    """Return the variables of a reduction, from the states of all its blocks."""
+    """Return the variables of a reduction, in the units of files, by name.
+
+    `states` are the number of a field, the number of a block and the state of that block, for all
+    blocks.
+    """
     dims = dims_of(units, asked)
     sizes = {**grid.shape, QUANTILE: len(asked.quantiles)}
     arrays: Arrays = {}
@@ -57,7 +65,7 @@ def reduced_arrays(
 
 
 def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
-    """Yield the names of the variables of a field."""
+    """Yield the names of a field's variables: statistics, quantiles, regimes, shares, levels."""
     field = boxes.field
     for name in field.outputs:
         yield f"{name}_count"
@@ -77,7 +85,10 @@ def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
 def _arrays_of_block(
     boxes: Boxes, grid: Grid, asked: Reduction, state: State
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the variables of a block, each of shape (slots,), or (quantiles, slots)."""
+    """Yield name and values of each variable of a block, in the units of files.
+
+    Values have the shape (slots,), or (quantiles, slots); a slot is a point of the axes that stay.
+    """
     field = boxes.field
     for name in field.outputs:
         yield from _statistics(name, boxes, grid, asked, state)
@@ -100,7 +111,10 @@ def _arrays_of_block(
 def _statistics(
     name: str, boxes: Boxes, grid: Grid, asked: Reduction, state: State
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the count and the statistics of one output in a block."""
+    """Yield name and values of the count and each statistic of one output in a block.
+
+    Values have the shape (slots,), NaN where no cell counts; `state` is that of the block.
+    """
     ends: NDArray[np.int64] = state[f"{name}.ends"]
     count = ends[4]
     largest, least = (np.where(count > 0, values_of(ends[row]), np.nan) for row in (0, 2))
@@ -122,9 +136,10 @@ def _statistics(
 def _points(
     boxes: Boxes, grid: Grid, asked: Reduction, number: NDArray[np.int64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the positions of numbered cells on each axis that is reduced.
+    """Return the values of each reduced axis at the cells with given numbers, by axis.
 
-    Along an axis that the output does not depend on, all cells are alike, and it is the first.
+    `number` counts the cells of a slot, the last axis fastest. Along an axis that the output does
+    not depend on all cells are alike, and the first is taken.
     """
     points = {}
     for axis in reversed(asked.over):
@@ -145,8 +160,9 @@ def binned_quantiles(
 ) -> NDArray[np.float64]:
     """Return quantiles of one slot from its histogram, shape (quantiles, 1).
 
-    Within a bin its values are taken to lie evenly between its ends, and none lies beyond the least
-    and the largest of all. A bin is at most 1/512 of its value wide, which is the error at most.
+    `bins` are the bins that are not empty, `filled` the number of values in each, `ends` the keys
+    of the largest (row 0) and the least (row 2) of all values. Within a bin values are taken to lie
+    evenly. A bin is at most 1/512 of its value wide, which is the error at most.
     """
     result = np.full((len(quantiles), 1), np.nan)
     total = int(filled.sum())

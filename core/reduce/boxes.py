@@ -102,7 +102,7 @@ class Boxes:
         return self._loop
 
     def seen(self, box: Box, watch: Watch | None = None) -> State:
-        """Return the statistics' state of the cells in a box.
+        """Compute the cells of a box; return their state: counts, sums, extremes by slot.
 
         Raises
         ------
@@ -169,14 +169,17 @@ class Boxes:
         return state
 
     def _wider(self, box: Box) -> Box:
-        """Return a box extended by the cells before it along the axes of crossings."""
+        """Return a box with one cell more before it along the axes of crossings.
+
+        A crossing lies between two cells, of which the first may be in the box before.
+        """
         return tuple(
             (start - (dim in self.field.along and start > 0), stop)
             for dim, (start, stop) in zip(self.field.dims, box, strict=True)
         )
 
     def _narrowed(self, wide: Buffers, wider: Box, box: Box) -> Buffers:
-        """Return the values of a box out of those of the extended box."""
+        """Return the values of a box out of those of the box that `_wider` made."""
         if wider == box:
             return wide
         lengths = [stop - start for start, stop in wider]
@@ -187,7 +190,10 @@ class Boxes:
         return {name: array.reshape(lengths)[here].reshape(-1) for name, array in wide.items()}
 
     def _evaluated(self, box: Box, watch: Watch) -> Buffers:
-        """Return outputs and regimes of all cells of a box, in the units of files."""
+        """Return outputs and regimes of all cells of a box, flat, in the units of files.
+
+        The arrays are buffers of this thread, which the next box uses again.
+        """
         field = self.field
         ends = dict(zip(field.dims, box, strict=True))
         piece = self._grid.piece(ends, field.plan.parameters)
@@ -225,7 +231,11 @@ class Boxes:
         return held[name][:cells].reshape(shape)
 
     def _statistics(self, name: str, values: Buffers, box: Box) -> State:
-        """Return the statistics of stored cells, summed in the order of the compiled loop."""
+        """Return the state of one output in a box from its stored cells.
+
+        Sums are made in the order of the compiled loop, so that both give the same bits. `values`
+        has outputs and regimes of the box.
+        """
         lanes, totals = self._lanes(), Totals(self._slots(box), 1)
         ends = self._ends(box)
         cells = self._counted(name, values, box)
@@ -247,13 +257,17 @@ class Boxes:
         return state
 
     def _counted(self, name: str, values: Buffers, box: Box) -> NDArray[np.float64]:
-        """Return the cells of a box, NaN where they do not count."""
+        """Return an output's cells of a box, NaN where their regime keeps them from counting."""
         cells = self._buffer("masked", tuple(stop - start for start, stop in box))
         others.masked(values[name], values["regime"], self._valid, cells.reshape(-1))
         return cells
 
     def _quantiles(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
-        """Return exact quantiles of a box, or its histogram."""
+        """Return the state of an output's quantiles: final values, or a histogram.
+
+        Final values are possible where a box holds all cells of its slots. `rows` tell which cells
+        go to which slot.
+        """
         if not self.is_exact:
             counts = self._buffer("bins", (others.BINS,), np.int64)
             counts[:] = 0
@@ -269,7 +283,7 @@ class Boxes:
     def _met(
         self, conditions: tuple[ShareCondition, ...], values: Buffers, rows: Rows
     ) -> NDArray[np.int64]:
-        """Return the number of cells of each slot that meet all conditions."""
+        """Return the number of cells of each slot that meet all conditions of a share."""
         met = np.ones(values["regime"].size, np.int8)
         for condition in conditions:
             if condition.name == "regime":
@@ -283,7 +297,11 @@ class Boxes:
         return _counted(met, 1, rows)
 
     def _crossings(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
-        """Return the crossings of a level in each slot."""
+        """Return the state of a level: its smallest or largest crossing in each slot.
+
+        `values` are those of the box that `_wider` made, which is `box` here. Infinite where
+        nothing crosses.
+        """
         level, dims = self.field.levels[name], self.field.dims
         at = dims.index(level.along)
         stride = math.prod(stop - start for start, stop in box[at + 1 :])
@@ -300,7 +318,7 @@ class Boxes:
 def exact_quantiles(
     lines: NDArray[np.float64], quantiles: tuple[float, ...], times: int = 1
 ) -> NDArray[np.float64]:
-    """Return quantiles of each line, ignoring NaN, shape (quantiles, lines), as numpy's `linear`.
+    """Return quantiles of each line, ignoring NaN, shape (quantiles, lines).
 
     Each value counts `times`: it stands for so many cells. A quantile between two cells is given by
     the straight line between their values.
@@ -324,7 +342,7 @@ def exact_quantiles(
 
 
 def _counted(flags: NDArray[np.int8], wanted: int, rows: Rows) -> NDArray[np.int64]:
-    """Return the number of cells of each slot with a flag."""
+    """Return the number of cells of each slot whose flag is `wanted`, shape (slots,)."""
     counts = np.zeros(rows.count, np.int64)
     count: Callable[..., None] = others.count_across if rows.spread else others.count_along
     count(flags, wanted, rows.slots, rows.length, counts)
@@ -332,12 +350,15 @@ def _counted(flags: NDArray[np.int8], wanted: int, rows: Rows) -> NDArray[np.int
 
 
 def values_of(keys: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the floats that belong to ordered integer keys."""
+    """Return the floats that belong to integer keys, which have the same order as the floats."""
     return (keys ^ ((keys >> 63) & MAGNITUDE)).view(np.float64)
 
 
 def stored_order(field: ReducedField, grid: Grid, asked: Reduction) -> LaneOrder:
-    """Return the order of tiles for stored cells; with quantiles, one slot per tile."""
+    """Return the tiles for a field whose cells are stored before they are reduced.
+
+    With quantiles, the axes that stay come first, so that a tile has few slots with many cells.
+    """
     dims = field.dims
     if asked.quantiles:
         dims = tuple(sorted(dims, key=lambda dim: dim in asked.over))

@@ -16,7 +16,10 @@ from core.suggestions import Suggestions
 def problems_of_names(
     asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
 ) -> list[Problem]:
-    """Return the problems of names in a reduction, given the names in its study."""
+    """Return the problems of the names in a reduction, given outputs and axes of its study.
+
+    `outputs` are those of the study, `values` its parameters, of which the ranged ones are axes.
+    """
     axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
     suggest = Suggestions()
     problems = [
@@ -39,7 +42,7 @@ def problems_of_names(
 
 
 def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
-    """Yield problems of statistics of flags, which have no order."""
+    """Yield the problems of statistics of outputs that are codes, such as a status."""
     fix = "Ask for shares or regimes"
     named = [(f"reduce.of.{k}", name) for k, name in enumerate(asked.of)]
     named += [(f"reduce.levels.{key}.output", level.output) for key, level in asked.levels.items()]
@@ -77,7 +80,11 @@ def _of_levels(
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
-    """Return the problems of a reduction, given the plan of its study."""
+    """Return the problems of a reduction that only the plan of its study can tell.
+
+    They are regimes that no cell can have, and levels along axes that their output does not depend
+    on.
+    """
     return [*_regimes(asked, plan), *_levels(asked, plan, grid)]
 
 

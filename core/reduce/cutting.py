@@ -54,7 +54,8 @@ class Cutting:
     ) -> Cutting:
         """Return the cut of a field into boxes of at most `cells`, in blocks of at most `slots`.
 
-        No box cuts a `tile`, of which one is larger if need be: it has so many values of each axis.
+        `shape` are the lengths of the axes, `goes` is true for those that are reduced. `tile` has a
+        number of values of each axis; boxes hold whole tiles, one at least.
         """
         tile = tuple(tile) or (1,) * len(shape)
         steps = [min(n, step) for n, step in zip(shape, tile, strict=True)]
@@ -100,7 +101,10 @@ class Cutting:
         return math.prod(self.shape)
 
     def box(self, block: int, turn: int) -> Box:
-        """Return the box of a round in a block."""
+        """Return the box of a round in a block: start and stop on each axis.
+
+        `block` and `turn` are the numbers of the block and of the round.
+        """
         at = dict.fromkeys(range(len(self.shape)), 0)
         for gone, number in ((False, block), (True, turn)):
             axes = [axis for axis in at if self.goes[axis] == gone]
@@ -112,11 +116,14 @@ class Cutting:
         )
 
     def kept(self, box: Box) -> Box:
-        """Return the region of slots that a box contributes to."""
+        """Return the slots that a box contributes to: start and stop on each axis that stays."""
         return tuple(ends for ends, gone in zip(box, self.goes, strict=True) if not gone)
 
     def order(self, box: Box, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the numbers of a box's cells among all cells of their slots."""
+        """Return the numbers of a box's cells among all cells of their slots.
+
+        `cells` are their positions in the box, flat.
+        """
         lengths = [stop - start for start, stop in box]
         at = np.unravel_index(cells, lengths) if box else ()
         number = np.zeros_like(cells)
@@ -149,7 +156,10 @@ class Rows:
 
     @classmethod
     def of(cls, lengths: tuple[int, ...], goes: tuple[bool, ...]) -> Rows:
-        """Return the longest possible rows of a box, along axes of one kind at its end."""
+        """Return the longest possible rows of a box, along axes of one kind at its end.
+
+        `lengths` are the values of the box on each axis; `goes` is true for axes that are reduced.
+        """
         axes = [(n, gone) for n, gone in zip(lengths, goes, strict=True) if n > 1]
         spread = bool(axes) and not axes[-1][1]
         length = 1

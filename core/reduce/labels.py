@@ -33,7 +33,10 @@ class ReducedVariable:
 
 
 def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
-    """Return statistic, output and axis of a reduction's variable, by its name."""
+    """Return statistic, output and axis of a reduction's variable, by its name.
+
+    Raises `KeyError` for a name that the reduction does not give.
+    """
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")
         if name != rest and rest in named:
@@ -59,7 +62,10 @@ def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
 def attributes_of(
     name: str, asked: Reduction, outputs: Collection[str], *, is_exact: bool
 ) -> dict[str, Any]:
-    """Return the CF attributes of a reduction's variable."""
+    """Return the CF attributes of a reduction's variable: unit, name, method, comment.
+
+    `is_exact` is true if its quantiles come from all cells, false if from a histogram.
+    """
     parts = variable_of(name, asked, outputs)
     attributes: dict[str, Any] = {"units": unit_of(name, asked, outputs)}
     label = QUANTITIES[parts.of].label if parts.of in QUANTITIES else parts.of

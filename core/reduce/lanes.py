@@ -83,7 +83,10 @@ class BoxLanes:
         self._layouts = lru_cache(maxsize=64)(self._placed)
 
     def buffer(self, kind: str, lanes: int) -> Array:
-        """Return the lanes of a kind as they were left, empty at first."""
+        """Return the array of `lanes` lanes of a kind (a key of `EMPTY`), as it was left.
+
+        At first its lanes are empty; whoever folds them into totals empties them again.
+        """
         of = kind.split(".")[-1]
         name = f"{kind} {lanes}"
         if name not in self._held:
@@ -102,7 +105,10 @@ class BoxLanes:
         return map(dict, itertools.product(*ranges))
 
     def layout(self, tile: Ends, box: Ends) -> tuple[TileLayout, int]:
-        """Return the lane layout of a tile, and the tile's offset in its box."""
+        """Return the lane layout of a tile, and its offset among the slots of its box.
+
+        `tile` and `box` are start and stop on each axis.
+        """
         kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
         strides = _strides(kept)
         lengths = tuple((name, tile[name][1] - tile[name][0]) for name in self._dims)
@@ -110,7 +116,10 @@ class BoxLanes:
         return self._layouts(lengths, tuple(strides.items())), offset
 
     def _placed(self, lengths: Shape, slot_strides: Shape) -> TileLayout:
-        """Return the lane layout of tiles with these lengths."""
+        """Return the lane layout of tiles with given lengths on each axis.
+
+        `slot_strides` are the slots from one value to the next, for each axis that stays.
+        """
         lanes = self.order.lanes(dict(lengths), self._goes)
         of_slot = dict(slot_strides)
         count = math.prod(lanes.values())
@@ -130,7 +139,11 @@ class BoxLanes:
     def gather(
         self, cells: Array, tile: Ends, layout: TileLayout, lanes: Mapping[str, Array]
     ) -> None:
-        """Add stored cells of a tile to the lanes of every kind."""
+        """Add stored cells of a tile to lanes, each kind of statistic in an array of its own.
+
+        `cells` has the axes of the field, NaN where a cell does not count; `lanes` has the arrays
+        by kind, as in `EMPTY`.
+        """
         axes = (*self.order.outer, *self.order.inner)
         rows = cells.transpose([self._dims.index(name) for name in axes])
         outer = rows.shape[: len(self.order.outer)]
@@ -176,7 +189,11 @@ class Totals:
     def fold_sum(
         self, name: str, lanes: Array, layout: TileLayout, offset: int, line: Array
     ) -> None:
-        """Add the sums in the lanes of an output to the totals."""
+        """Add the sums in the lanes of an output to the totals of their slots; empty the lanes.
+
+        `offset` is that of the tile among the slots of the box, `line` room for the lanes of a
+        slot.
+        """
         if name not in self._sums:
             digits = np.zeros((LEVELS, self._slots), np.int64)
             self._sums[name] = digits, np.zeros(self._slots), np.array([LEVELS, -1])
@@ -185,9 +202,10 @@ class Totals:
     def fold_extremes(
         self, name: str, kind: str, lanes: Array, at: Array, layout: TileLayout, offset: int
     ) -> None:
-        """Update the largest or least values of an output from its lanes.
+        """Update the largest or least values of an output from its lanes; empty the lanes.
 
-        `at` is empty if unknown.
+        `at` has the number of the row in which each lane's extreme lies, and is empty if nobody
+        asks; `offset` is that of the tile among the slots of the box.
         """
         ends, row = self._ends_of(name), 2 if kind == "least" else 0
         folding.fold_extremes(
@@ -198,11 +216,17 @@ class Totals:
     def fold_counts(
         self, lanes: Array, layout: TileLayout, offset: int, first: int, last: int
     ) -> None:
-        """Add packed counts in lanes to the totals."""
+        """Add packed counts in lanes to the counters `first` to `last`; empty the lanes.
+
+        `offset` is that of the tile among the slots of the box.
+        """
         folding.fold_counts(lanes, layout.order, layout.own_slots, offset, self.counts[first:last])
 
     def state(self, name: str, counter: int) -> State:
-        """Return the state of an output, whose cells a counter has counted."""
+        """Return the state of an output after all tiles: extremes, count and sum by slot.
+
+        `counter` is the row of `counts` that counts its cells.
+        """
         ends = self._ends_of(name)
         state: State = {f"{name}.ends": np.concatenate([ends, self.counts[counter : counter + 1]])}
         if name in self._sums:
@@ -215,7 +239,10 @@ class Totals:
         return state
 
     def _ends_of(self, name: str) -> Integers:
-        """Return the extremes of an output, created if missing."""
+        """Return the extremes of an output, shape (4, slots), created empty if missing.
+
+        Rows: key and number of the largest, then of the least.
+        """
         if name not in self._ends:
             self._ends[name] = np.zeros((4, self._slots), np.int64)
             self._ends[name][0], self._ends[name][2] = LEAST, MOST
@@ -223,7 +250,10 @@ class Totals:
 
 
 def _strides(sizes: Mapping[str, int]) -> dict[str, int]:
-    """Return the distance of neighbours along each axis, 1 along the last."""
+    """Return the distance of neighbours along each axis in a flat array, the last axis fastest.
+
+    `sizes` are the lengths of the axes, in order.
+    """
     strides: dict[str, int] = {}
     stride = 1
     for name in reversed(tuple(sizes)):

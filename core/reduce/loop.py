@@ -110,7 +110,10 @@ class FieldLoop:
         return self._loop.missing
 
     def gather(self, box: Ends, lanes: BoxLanes, totals: Totals) -> None:
-        """Compute the cells of a box and add them to the totals."""
+        """Compute the cells of a box and add them to the totals of its slots.
+
+        `box` is start and stop on each axis, `lanes` the buffers of this thread.
+        """
         for tile in lanes.tiles(box):
             layout, offset = lanes.layout(tile, box)
             held = [
@@ -137,7 +140,10 @@ class FieldLoop:
         return [name for name in names if name != "regime"]
 
     def _by_regime(self, values: Mapping[int, Any], otherwise: Any) -> Any:
-        """Return a value by each cell's regime: a special one, or that of all others."""
+        """Return the node that chooses a value by each cell's regime.
+
+        `values` has values for some regimes, by number; all others get `otherwise`.
+        """
         plan = self._field.plan
         chosen = values.get(int(REGIMES[plan.otherwise].value), otherwise)
         for condition, holds in zip(
@@ -148,7 +154,7 @@ class FieldLoop:
         return chosen
 
     def _counted(self, name: str) -> Any:
-        """Return an output in the units of files, NaN where it does not count."""
+        """Return the node of an output in the units of files, NaN where it does not count."""
         value = self._traced.known[name]
         if QUANTITIES[name].is_angle:
             value = self._traced.graph.apply(np.multiply, (value, 180 / np.pi))
@@ -160,10 +166,11 @@ class FieldLoop:
     def _counts(
         self, counted: Mapping[str, Any], flags: Sequence[int]
     ) -> list[tuple[Gathering, Any]]:
-        """Return the packed counts of cells: each condition adds its own power of 2.
+        """Return the packed counts of cells, each with the lanes that gather it.
 
-        They are those of outputs, then of regimes, then of shares. Of the regimes of a cell at most
-        one holds: all that are in one number are chosen at once.
+        They are counts of outputs, then of regimes, then of shares; several go into one number, in
+        which each adds its own power of 2. Of the regimes of a cell at most one holds, so that all
+        regimes in one number are chosen at once.
         """
         field = self._field
         counters: list[Any] = [counted[name] == counted[name] for name in field.outputs]
@@ -186,7 +193,7 @@ class FieldLoop:
         return pairs
 
     def _met(self, conditions: Sequence[ShareCondition], counted: Mapping[str, Any]) -> Any:
-        """Return the condition that a cell meets all of some conditions."""
+        """Return the node that is true where a cell meets all conditions of a share."""
         met: Any = True
         for condition in conditions:
             if condition.name == "regime":
@@ -204,7 +211,10 @@ class FieldLoop:
 def _statistics(
     name: str, counted: Mapping[str, Any], asked: Reduction
 ) -> list[tuple[Gathering, Any]]:
-    """Return the statistics of an output that lanes gather."""
+    """Return the lanes and the node for each statistic that is asked of an output.
+
+    `counted` has the outputs' nodes, NaN where a cell does not count.
+    """
     value, wanted = counted[name], asked.statistics
     pairs = []
     if "mean" in wanted:
@@ -220,7 +230,11 @@ def _statistics(
 def field_loop(
     field: ReducedField, grid: Grid, asked: Reduction, valid: int, flags: Sequence[int]
 ) -> FieldLoop | None:
-    """Return the compiled loop of a field; None if cells have to be stored."""
+    """Return the compiled loop of a field; None if its cells have to be stored.
+
+    That is for quantiles, for levels, and where the plan cannot be traced. `valid` has a bit for
+    each regime that counts, `flags` are the regimes to count.
+    """
     if not field.dims or field.levels or (field.outputs and asked.quantiles):
         return None
     traced = traced_plan(field.plan, grid.axes)

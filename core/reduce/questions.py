@@ -47,9 +47,9 @@ class ReducedField:
 
 
 def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, ...]:
-    """Return the fields of a reduction, each with the statistics asked of it.
+    """Return the fields of a reduction: outputs over the same axes, with what is asked of them.
 
-    Crossings have fields of their own, unless cells take long: those are computed once for all.
+    Levels have fields of their own, unless cells take long: those are computed once for all.
     """
     fields: dict[tuple[tuple[str, ...], tuple[str, ...]], ReducedField] = {}
     needed: dict[tuple[tuple[str, ...], tuple[str, ...]], set[str]] = {}
@@ -84,7 +84,7 @@ def has_invalid(plan: Plan, asked: Reduction) -> bool:
 
 
 def valid_regimes(plan: Plan, asked: Reduction) -> int:
-    """Return the regimes of cells that count, as bits."""
+    """Return the regimes of cells that count, as an integer with a bit for each number."""
     if not has_invalid(plan, asked):
         return EVERY_REGIME
     return sum(1 << REGIMES[name].value for name in plan.regimes if REGIMES[name].valid)
@@ -97,7 +97,10 @@ def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
 
 
 def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
-    """Yield each asked statistic and the arrays that it needs."""
+    """Yield what is asked, one by one: the arrays that it needs, and a field with it alone.
+
+    A statistic of an output, the count of regimes, a share, or a level.
+    """
     if asked.statistics or asked.quantiles:
         for name in outputs_of(plan, asked):
             yield {name}, ReducedField((), plan, outputs=(name,))
@@ -110,6 +113,6 @@ def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], Reduced
 
 
 def _pulled(plan: Plan, names: Iterable[str]) -> Plan:
-    """Return the part of the plan that some arrays need."""
+    """Return the part of the plan that the arrays named (outputs, `regime`) need."""
     outputs = tuple(name for name in plan.outputs if name in set(names))
     return plan.part(outputs, plan.conditions if "regime" in names else ())

@@ -128,7 +128,11 @@ class Reduced(Prepared):
         return self.joined(self.work.states(0, len(self.work), watch))
 
     def joined(self, states: Iterable[tuple[int, int, State]]) -> Computed:
-        """Return the variables from the states of all blocks."""
+        """Return the variables of the reduction in the units of files.
+
+        `states` are the number of a field, the number of a block and the block's state, for all
+        blocks.
+        """
         return Computed(reduce.arrays.reduced_arrays(self.work, self.grid, self.asked, states))
 
     def label(self, computed: Computed, watch: Watch) -> Table:
@@ -201,7 +205,11 @@ class ReducedParts(Parts):
     scheme: ClassVar[str] = "tree of tiles"
 
     def joined_table(self, watch: Watch | None = None) -> Table:
-        """Return the result of all parts as one table."""
+        """Return the result of all parts as one table, verified and with its cost.
+
+        Raises `PartsMissingError` if a part is missing or damaged, `StoppedError` if `watch` stops
+        it.
+        """
         watch, records = watch or Watch(), list[Mapping[str, Any]]()
         self._check(watch)
         computed = self.whole.joined(self._states(records))
@@ -211,7 +219,11 @@ class ReducedParts(Parts):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Return the states of some boxes as arrays."""
+        """Compute the boxes from `start` to `stop`; return the states of their blocks as arrays.
+
+        An array is named ``field/block/name``; there are no digests, since nothing but the record
+        is written.
+        """
         arrays: State = {}
         if stop > start:
             for field, block, state in self.whole.work.states(start, stop, watch):
@@ -225,7 +237,10 @@ class ReducedParts(Parts):
         return table
 
     def _states(self, records: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
-        """Yield the states of each block from all parts, and collect their records."""
+        """Yield field, block and joined state of each block, from the records of all parts.
+
+        The fields of the records are appended to `records`.
+        """
         known: tuple[int, int] | None = None
         state: State = {}
         for record in self._records():
@@ -242,7 +257,7 @@ class ReducedParts(Parts):
 
 
 def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
-    """Return the states in a record, by field and block, in order."""
+    """Return the states in a record's arrays, by field and block, in order."""
     found: dict[tuple[int, int], State] = {}
     for name, values in arrays.items():
         field, block, of = name.split("/", 2)
@@ -251,9 +266,10 @@ def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
 
 
 def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
-    """Return the axes that stay, and the middle and range of those that are reduced.
+    """Return the coordinates of a result: axes that stay, reduced axes, quantiles.
 
-    Bounds would say it in CF's own words, but its checker knows none of a scalar.
+    A reduced axis has its middle as value and its range as attribute. Bounds would say it in CF's
+    own words, but its checker knows none of a scalar.
     """
     asked, grid = prepared.asked, prepared.grid
     coordinates = coordinates_of(prepared.plan, grid)

@@ -76,7 +76,7 @@ class Units:
         return self._ends[-1]
 
     def __getitem__(self, index: int) -> ReductionBox:
-        """Return a box by its number."""
+        """Return a box by its number, from 0 in the order of fields, blocks and rounds."""
         field = next(k for k, end in enumerate(self._ends) if index < end)
         own = self.boxes[field].cutting
         start = self._ends[field] - own.blocks * own.rounds
@@ -84,7 +84,9 @@ class Units:
         return ReductionBox(field, block, own.box(block, turn))
 
     def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
-        """Yield the combined state of each block that the boxes from `start` to `stop` belong to.
+        """Yield field, block and state of each block, from the boxes `start` to `stop`.
+
+        The state is that of those boxes of the block that are among them. They are computed by threads, and joined in order.
 
         Raises
         ------
@@ -126,7 +128,10 @@ class Units:
             yield before.field, before.block, state
 
     def _seen(self, unit: ReductionBox, watch: Watch) -> State:
-        """Return the state of one box, with threads for its cells if boxes are few."""
+        """Return the state of one box; raise `StoppedError` if `watch` stops it.
+
+        Where boxes are fewer than threads, the cells of the box get several.
+        """
         if watch.stopped():
             raise StoppedError(STOPPED)
         # Boxes are shared out among threads; where there are few, so are the cells of each.
@@ -135,10 +140,10 @@ class Units:
         return self.boxes[unit.field].seen(unit.box, silent)
 
     def seconds(self) -> float:
-        """Return the estimated time of all boxes [s], by trying a few of each field.
+        """Return the estimated time of all boxes with all cores [s], by trying a few of each field.
 
-        They are spread over the field and run side by side, as all will be; more than once, since
-        a loop is compiled only when numpy has worked as long as that takes.
+        They are spread over the field and run side by side, as all will be; more than once, since a
+        loop is compiled only when numpy has worked as long as that takes.
         """
         threads, total, start = cores(), 0.0, 0
         with ThreadPoolExecutor(threads) as pool:

@@ -34,7 +34,7 @@ def merge_states(first: State, second: State) -> State:
     Raises
     ------
     ValueError
-        Of quantiles, for which all cells have to be seen at once.
+        For quantiles, which need all cells of a slot at once.
     """
     result: State = {}
     for name in first:
@@ -72,7 +72,10 @@ def size(state: Mapping[str, NDArray[Any]]) -> int:
 
 
 def _ends(mine: NDArray[np.int64], yours: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the combined extremes of two states; of equal values the first cell in the grid."""
+    """Return the combined extremes and counts of two states, shape (5, slots).
+
+    Of equal values the cell with the lower number, first in the grid, is taken.
+    """
     higher = (yours[0] > mine[0]) | ((yours[0] == mine[0]) & (yours[1] < mine[1]))
     lower = (yours[2] < mine[2]) | ((yours[2] == mine[2]) & (yours[3] < mine[3]))
     result = mine.copy()

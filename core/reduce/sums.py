@@ -37,7 +37,10 @@ def add_sums(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple
 
 
 def means(low: int, sums: Integers, counts: Integers) -> NDArray[np.float64]:
-    """Return exact sums over counts, rounded once; NaN without counted cells."""
+    """Return exact sums over counts, rounded once, shape (slots,); NaN where the count is 0.
+
+    `low` is the lowest level of `sums`, whose digits have the shape (levels, slots).
+    """
     result = np.full(counts.shape, np.nan)
     unit = LOWEST + DIGIT * low
     for slot in np.flatnonzero(counts).tolist():

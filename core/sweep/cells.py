@@ -16,7 +16,10 @@ from core.watch import Watch
 
 
 def compute(prepared: Prepared, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a sweep in SI units."""
+    """Return the outputs and `regime` of a sweep in SI units, with derivatives if asked for.
+
+    `watch` has the number of threads and is told of progress.
+    """
     plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
     arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
     if asked is not None:

@@ -55,10 +55,11 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
 def wished_shape(
     dims: Sequence[str], shape: Sequence[int], wishes: Wishes, most: int
 ) -> tuple[int, ...]:
-    """Return the chunk shape of an array as asked for, with at most `most` values.
+    """Return the chunk shape of an array as a reader wishes it, with at most `most` values.
 
-    Numbers come first, then the axes that are wanted whole: if all of them do not fit, they are cut
-    alike. What room is left the other axes share.
+    `dims` and `shape` are the axes of the array and their lengths. Wished lengths come first, then
+    the axes that are wanted whole: if they do not fit, all of them are cut alike. The other axes
+    share what room is left.
     """
     sizes = dict(zip(dims, shape, strict=True))
     lengths = {dim: n for dim, n in wishes.items() if dim in sizes and n is not None}

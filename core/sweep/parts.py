@@ -24,7 +24,10 @@ TRIED = 3  # tiles from which the time of all is told
 
 
 def seconds_in_shards(sweep: Prepared) -> float:
-    """Return the time to compute and pack all tiles on one core [s], from trying a few."""
+    """Return the time to compute and pack all tiles on one core [s], from trying three.
+
+    Packing is taken to last as long as computing.
+    """
     tiled = Tiled(sweep)
     count = len(tiled.tiles)
     tried = [tiled.tiles[count * k // (TRIED + 1)] for k in range(min(count, TRIED + 1))]
@@ -66,7 +69,10 @@ class Shards(Parts):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Compute and write some tiles; return the digests of their shards."""
+        """Compute and write the tiles from `start` to `stop`; return the digests of their shards.
+
+        Raises `StoppedError` if `watch` stops it before all are written.
+        """
         sweep = self.sweep.unverified()
         growing = self._growing(outline_table(sweep))
         try:

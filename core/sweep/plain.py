@@ -45,7 +45,7 @@ class Sweep(Prepared):
         return min(super().width(name), 4) if self.is_single else super().width(name)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values of an output in the units of files, rounded to 32 bits if asked for."""
+        """Return values of an output in the units of files, in 32 bits if the study asks."""
         values = super().in_files(name, values)
         if not self.is_single or values.dtype != np.float64:
             return values

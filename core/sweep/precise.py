@@ -51,7 +51,10 @@ class NotPreciseError(VibrafeedError):
 
 
 def _mpf(value: Any) -> Any:
-    """Return a value as an mpmath number; NaN if it is complex."""
+    """Return a value as an mpmath number; NaN if it is complex.
+
+    Floats that stand for pi, 2 pi, 1/3 or 2/3 in an equation become these numbers.
+    """
     if isinstance(value, Number):
         return value.value
     if isinstance(value, CONTEXT.mpf | CONTEXT.mpc):
@@ -122,7 +125,7 @@ def _apply_operation(operation: Operation, inputs: Sequence[Any]) -> Any:
 
 @cache
 def _of_elements(operation: Operation, count: int) -> Any:
-    """Return a numpy function that applies an operation to each element of arrays."""
+    """Return a numpy function that applies an operation to each element of `count` arrays."""
     digits, truth = operation.digits, operation.gives_truth
     assert digits is not None
 
@@ -195,10 +198,12 @@ def exact_values(
 def sensitivities(
     plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
 ) -> dict[str, NDArray[np.object_]]:
-    """Return the condition sum |x dF/dx| of each output over the parameters, to 50 digits.
+    """Return the sum |x dF/dx| over the parameters x, for each output F, to 50 digits.
 
-    Over |F| it is the condition number: a change of every parameter by a share h moves the output
-    by up to that share times it. Central differences.
+    `cells` has the parameters in SI units, shape (n,); `partial` leaves out outputs that an
+    equation rounds, instead of an error. Over |F| the sum is the condition number: if every
+    parameter changes by a share h, the output changes by at most h times that number of itself.
+    Central differences.
     """
     watch = watch or Watch()
     columns, size = _columns(cells)
@@ -240,7 +245,11 @@ _AS_NUMBER = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1
 def _outputs(
     plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
 ) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs at columns of numbers; raise if an equation rounds to floats."""
+    """Return the outputs of a plan at cells to 50 digits, shape (size,).
+
+    `columns` has a number for each parameter and cell. An output that an equation rounds to floats
+    is left out with `partial`; else `NotPreciseError` is raised.
+    """
     rounds: dict[str, str] = {}
     outputs = {name: np.empty(size, dtype=object) for name in plan.outputs}
     for start in range(0, size, PIECE):
@@ -267,7 +276,11 @@ def _outputs(
 
 
 def _run(plan: Plan, known: dict[str, Any], rounds: dict[str, str]) -> None:
-    """Add the results of equations to `known`; names that cannot be computed go to `rounds`."""
+    """Add the results of a plan's equations to `known`, in numbers of 50 digits.
+
+    A quantity that an equation rounds to floats goes to `rounds` instead, with the reason, as do
+    those that need it.
+    """
     for equation in plan.equations:
         lost = [name for name in equation.inputs if name in rounds]
         if lost:
@@ -313,11 +326,13 @@ def errors_of(
     Parameters
     ----------
     got : ndarray, shape (n,)
-        What the floats gave.
+        Values as the floats gave them.
     exact : ndarray of object, shape (n,)
         Exact values, numbers of mpmath.
     moved : ndarray of object, shape (n,)
-        Sum of |x dF/dx| over the parameters, likewise.
+        Sum of |x dF/dx| over the parameters x, numbers of mpmath, for the condition number.
+    dtype : type
+        The floating-point type, by whose last place errors are counted.
     """
     count = len(exact)
     relative, ulps, conditioned, condition = (np.full(count, np.nan) for _ in range(4))

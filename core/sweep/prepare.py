@@ -12,7 +12,9 @@ from core.sweep.reduced import ReducedSweep
 
 
 def prepare(study: SweepStudy) -> Sweep | DerivedSweep | ReducedSweep:
-    """Return the prepared sweep of a study; raise `StudyError` with every problem.
+    """Return the sweep that a study describes, ready to be computed.
+
+    It holds every cell, derivatives too, or reductions of them, as the study asks.
 
     Raises
     ------

@@ -34,7 +34,7 @@ class ReducedSweep(Reduced):
         return attributes_of(self)
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return the verification result as attributes; cells are computed one by one."""
+        """Return the verification result as attributes; random cells are computed one by one."""
         whole = Sweep(self.study, self.plan, self.grid)
         tiled = Tiled(whole)
 

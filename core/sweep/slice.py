@@ -81,7 +81,11 @@ def cut(
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> SliceCut:
-    """Return the sweep that computes a slice; same arguments and errors as `cut`."""
+    """Return the slice of a sweep that a request names, not computed yet.
+
+    Arguments and errors are those of `cut`: `StudyError` with every problem, `LimitError` if it has
+    more than `most` values.
+    """
     problems = list(_problems(sweep, output, axes, at))
     if problems:
         raise StudyError(problems)
@@ -132,7 +136,10 @@ def compute_slice(prepared: SliceCut) -> dict[str, Any]:
 
 
 def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
-    """Return a slice as a table, with the attributes of its sweep."""
+    """Return a slice as a table, with the attributes of its sweep.
+
+    `piece` is the document that `cut` returns.
+    """
     output = piece["output"]
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
     fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
@@ -153,7 +160,7 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
 def _problems(
     sweep: Prepared, output: str, axes: Sequence[str], at: Mapping[str, str]
 ) -> Iterator[Problem]:
-    """Yield problems of the names in a request for a slice."""
+    """Yield the problems of the names in a request for a slice: output, axes, fixed axes."""
     known, suggest = sweep.grid.axes, Suggestions()
     if output not in sweep.dims:
         fix = suggest(output, sweep.dims)
@@ -173,7 +180,11 @@ def _problems(
 
 
 def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
-    """Return the value of an axis that a text means; raise `UnitError` if the axis lacks it."""
+    """Return the value of an axis that the text `at[name]` names, in the unit of studies.
+
+    Raises `UnitError` if the axis does not have that value, or the text is missing or no number
+    with a known unit.
+    """
     values = grid.coordinate(name)
     if name not in at:
         raise UnitError(

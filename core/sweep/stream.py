@@ -58,8 +58,8 @@ class Target(Protocol):
 def outline_table(sweep: Prepared, watch: Watch | None = None) -> Table:
     """Return the table of a sweep of any size without the values of its arrays.
 
-    Shapes, types and attributes are those of `tabulate`, with cells verified that are evaluated
-    for it, and a price that is not known yet; `watch` may stop verifying.
+    Shapes, types and attributes are those of the finished result, but for its cost, which is not
+    known yet. The cells to verify are evaluated and verified here; `watch` may stop that.
     """
     corner = sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified()
     first = carry_out(corner, compute, label)
@@ -100,7 +100,10 @@ class Passed:
     cells: int = 0
 
     def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], flags: tuple[int, ...]) -> None:
-        """Add the statistics of a tile; `flags` are the possible regimes."""
+        """Add the extremes and the counts of regimes of a tile.
+
+        `arrays` are its outputs and `regime`, `flags` the numbers of the possible regimes.
+        """
         self.cells += tile.cells
         for name, values in arrays.items():
             if name == "regime":
@@ -188,7 +191,7 @@ class _Expected:
             self._values = tiled.at(self._sample.positions, self._sample.count)
 
     def check(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Raise `VibrafeedError` if a tile differs from the verified value of a cell."""
+        """Raise `VibrafeedError` if a tile differs from a verified value of one of its cells."""
         if self._sample is None:
             return
         positions = [self._sample.positions[dim] for dim in tile.field.dims]

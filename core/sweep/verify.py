@@ -173,9 +173,11 @@ def _judged(
     worst: Value | None,
     watch: Watch,
 ) -> tuple[Value | None, float, tuple[str, ...]] | None:
-    """Return the worst value, and the numbers of judged cells, for some cells; None if stopped.
+    """Return the results of verifying some cells by 50 digits; None if `watch` stopped it.
 
-    `worst` is that of the cells before.
+    A triple: the value with the largest error over its condition number, given that of earlier
+    cells (`worst`); the largest float whose exact value is 0; the outputs that are not known to 50
+    digits. `got` are the outputs as computed, `piece` the numbers of the cells.
     """
     from core.sweep.precise import VANISHES, exact_values  # mpmath, for those who verify
 
@@ -201,10 +203,11 @@ def _worst(
     piece: NDArray[np.intp],
     worst: Value | None,
 ) -> Value | None:
-    """Return the value with the largest error over its condition number, in a piece.
+    """Return the value of an output with the largest error over its condition number.
 
-    The plan has one output; `exact` is of the piece of the cells. Condition numbers take long, and
-    are at least 1: those of errors that are no larger than the worst are not computed.
+    `plan` has this one output, `exact` are its exact values at the cells numbered `piece`, `got`
+    the computed ones at all cells, `worst` the largest error found before. Condition numbers take
+    long, and are at least 1: those of errors that cannot exceed the worst are not computed.
     """
     from core.sweep.precise import CONTEXT, errors_of, sensitivities
 

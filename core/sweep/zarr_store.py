@@ -89,7 +89,7 @@ class ViewStore(Store):
 
 
 def _part(wanted: ByteRequest | None) -> slice:
-    """Return the slice that a byte range means."""
+    """Return the slice of a key's bytes that zarr's request for a range means."""
     if isinstance(wanted, RangeByteRequest):
         return slice(wanted.start, wanted.end)
     if isinstance(wanted, OffsetByteRequest):

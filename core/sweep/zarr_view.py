@@ -91,7 +91,10 @@ class ZarrView:
         return self._chunk(name, index)
 
     def length(self, key: str) -> int:
-        """Return the length of a key's bytes without computing them; raises as `read` does."""
+        """Return the number of bytes of a key without computing them.
+
+        Raises `KeyError` if the group does not have the key.
+        """
         name, index = self._find(key)
         return len(self._documents[name]) if index is None else self._arrays[name].chunk_bytes
 
@@ -135,7 +138,11 @@ class ZarrView:
         }
 
     def _find(self, key: str) -> tuple[str, tuple[int, ...] | None]:
-        """Return the array and the chunk position that a key names."""
+        """Return the name of the array and the chunk position that a key names.
+
+        The position is None for a metadata document, the name empty for that of the group. Raises
+        `KeyError` for other keys.
+        """
         if key == "zarr.json":
             return "", None
         name, _, rest = key.partition("/")
@@ -150,7 +157,7 @@ class ZarrView:
         raise KeyError(key)
 
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
-        """Return the bytes of a chunk."""
+        """Compute a chunk of an array; return its bytes, filled up at the end of an axis."""
         array = self._arrays[name]
         box = {
             dim: (i * c, min((i + 1) * c, n))
@@ -164,7 +171,10 @@ class ZarrView:
         return filled.tobytes()
 
     def _values(self, name: str, box: Mapping[str, tuple[int, int]]) -> NDArray[Any]:
-        """Return the values of an array in a box, in the units of files."""
+        """Return the values of an array in a box, in the units of files.
+
+        `box` has start and stop of each axis of the array.
+        """
         axes, plan = self._grid.axes, self._arrays[name].plan
         if plan is None:
             if name in axes:

@@ -93,7 +93,7 @@ class Fused:
                         array[...] = self._values.over(self._traced.results[name], dims)
 
     def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
-        """Return the program of loops for outputs over some axes."""
+        """Return the loops that compute the outputs `names` over the axes `dims`."""
         shape = tuple((name, self._grid.shape[name]) for name in dims)
         special = self._values.special(edge_of(self._traced, names, shape))
         return program_of(self._traced, names, shape, special)
@@ -105,7 +105,11 @@ class Fused:
         threads: int,
         progress: Progress | None,
     ) -> None:
-        """Compute arrays with common axes, task by task."""
+        """Compute arrays with the common axes `dims`, task by task, on several threads.
+
+        `results` are the arrays, in the order of the program's outputs; `progress` is called with
+        the share of each task.
+        """
         program, grid = self._programs[dims], self._grid
         operands = lay_out_operands(program, self._traced, self._values, grid)
         sizes = [grid.shape[name] for name in dims]
@@ -132,7 +136,7 @@ class Fused:
 
 
 def missing(program: Program) -> frozenset[str]:
-    """Return the sources of a program's loops that are not compiled in this process."""
+    """Return the sources of a program's loops that are not compiled in this process yet."""
     return frozenset(program.sources) - _compiled
 
 
@@ -156,7 +160,8 @@ def run_stages(
     operands : mapping of int to ndarray or number
         What numpy has made for them, by `lay_out_operands`.
     ranges : tuple of ndarray
-        Ends of the row and of each loop around it, strides, and with lanes the numbers of cells.
+        Start and stop along the row and along each outer loop, then the strides of the loops in the
+        results, and with lanes the strides of the numbers of cells.
     results : sequence of ndarray
         Flat arrays that the last loop fills.
     """
@@ -207,7 +212,10 @@ def lay_out_operands(
 
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
-    """Return the outputs of a plan and ``regime``, grouped by axes; the largest group last."""
+    """Return the outputs of a plan and ``regime`` grouped by the axes that they depend on.
+
+    The groups are in order of their number of points, the largest last.
+    """
     depends = plan.depends_on(grid.axes)
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in (*plan.outputs, "regime"):
@@ -229,7 +237,7 @@ class Values:
                 self._known[node.number] = np.asarray(value)
 
     def of(self, operand: Any) -> Any:
-        """Return the value of a node over all axes of the grid; a plain number itself."""
+        """Return the value of a node over all axes of the grid; return a plain number itself."""
         if not isinstance(operand, Node):
             return operand
         if operand.number not in self._known:
@@ -237,7 +245,7 @@ class Values:
         return self._known[operand.number]
 
     def over(self, operand: Any, axes: Iterable[str]) -> Array:
-        """Return the value of a node over some axes, which include all that it depends on."""
+        """Return the value of a node over `axes`, which include all that it depends on."""
         value, kept = np.asarray(self.of(operand)), set(axes)
         if not value.ndim:
             return value
@@ -245,7 +253,10 @@ class Values:
         return value.squeeze(dropped)
 
     def special(self, nodes: Iterable[Node]) -> tuple[tuple[int, float | bool], ...]:
-        """Return those nodes whose values simplify other steps, with their values."""
+        """Return the nodes that are 0, 1, infinite, true or false everywhere, with the value.
+
+        Each is a pair of the node's number and its value; such values make other steps superfluous.
+        """
         constants: list[tuple[int, float | bool]] = []
         for node in nodes:
             value = np.asarray(self.of(node))
@@ -258,7 +269,11 @@ class Values:
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
-    """Yield the index ranges of each call of a loop: on the row and on each outer loop."""
+    """Yield the index ranges of each call of a loop: on the row and on each outer loop.
+
+    Each is an array of start and stop, shape (loops + 1, 2); a call has at most `most` cells.
+    `shape` is that of the grid.
+    """
     row = math.prod(shape[name] for name in order.inner)
     sizes = [row, *(shape[name] for name in order.outer)]
     steps = [inside := min(row, most)]

@@ -77,7 +77,12 @@ class LaneOrder:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ) -> LaneOrder:
-        """Return the loop order and tiles for a grid, in tiles of at most `most` cells."""
+        """Return the tiles and lanes for loops over a grid.
+
+        `outer` and `inner` are the axes of loops and row, `shape` the lengths of all axes, `over`
+        the axes that are reduced away. A tile has at most `most` cells, and there are at least
+        `FEWEST_TILES`.
+        """
         goes = set(over)
         depth = DEPTH
         cells = math.prod(shape[name] for name in (*outer, *inner))
@@ -115,7 +120,7 @@ class LaneOrder:
     def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
         """Return the number of lanes of a tile on each axis, outermost first.
 
-        `shape` is that of the tile.
+        `shape` is the length of the tile on each axis, `over` are the axes that are reduced away.
         """
         goes = set(over)
         lanes = {name: shape[name] for name in self.outer if name not in goes or name in self.apart}
@@ -126,7 +131,10 @@ class LaneOrder:
         return lanes
 
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
-        """Return the number of lanes of the largest tile of a grid."""
+        """Return the number of lanes of the largest tile of a grid.
+
+        `shape` is the length of the grid on each axis, `over` are the axes that are reduced away.
+        """
         tile = {name: min(step, shape[name]) for name, step in self.steps.items()}
         return math.prod(self.lanes(tile, over).values())
 
@@ -178,7 +186,7 @@ class LaneLoop:
         return missing(self._program)
 
     def prepare(self) -> None:
-        """Compute with numpy the inputs of the loop; call it once before any run."""
+        """Compute by numpy the inputs of the loop; to be called once before any `run`."""
         with np.errstate(all="ignore"):
             self._inputs = lay_out_operands(self._program, self._traced, self._values, self._grid)
 
@@ -194,13 +202,15 @@ class LaneLoop:
         Parameters
         ----------
         tile : mapping of str to (int, int)
-            Where it starts and ends on each axis.
+            Start and stop of the tile on each axis.
         strides : mapping of str to int
-            Lanes from one value of an axis to the next: of outer axes, and of a row's first.
+            Lanes from one value of an axis to the next, for outer axes and the first axis of a
+            row; an axis that is not named stays in the same lanes.
         numbers : mapping of str to int
-            The same of the numbers by which cells that go to one place are told apart.
+            The same for the numbers of cells, by which `first_largest` and `first_least` name
+            a cell.
         lanes : sequence of ndarray
-            As many flat arrays as the updates take.
+            Flat arrays, as many as the updates take.
         """
         assert self._inputs is not None
         order = self.order

@@ -47,7 +47,7 @@ class Order:
     inner: tuple[str, ...]
 
     def level(self, node: Node) -> int:
-        """Return the number of loops around a node, without the innermost one."""
+        """Return the number of outer loops within which a node is computed, for its axes."""
         return max((k + 1 for k, name in enumerate(self.outer) if name in node.axes), default=0)
 
     def is_row(self, node: Node) -> bool:
@@ -67,8 +67,8 @@ def order_of(
 ) -> Order:
     """Return the loop order over some axes that minimises the work of a graph.
 
-    `nodes` are its steps, and the leaves that they need. A row has at most `longest` cells for each
-    value of its first axis.
+    `nodes` are its steps and the leaves that they need, `shape` has the length of each axis. A row
+    has at most `longest` cells for each value of its first axis.
     """
     steps = [node for node in nodes if node.function]
     orders = []
@@ -84,10 +84,11 @@ def order_of(
 def _outwards(
     axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
 ) -> tuple[str, ...]:
-    """Return axes in loop order, outermost first.
+    """Return axes in loop order, outermost first, so that little work is repeated.
 
-    From within outwards, the next loop is that over the axis on which least work depends: all other
-    work then stands outside of it.
+    From within outwards, the next loop is that over the axis on which the least work depends: all
+    other work then stands outside of that loop. `steps` are the nodes to compute, `shape` has the
+    length of each axis.
     """
     left, outer = list(axes), list[str]()
     work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
@@ -105,7 +106,10 @@ def _outwards(
 
 
 def work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
-    """Return the cost of a graph in a loop order, in additions of a row."""
+    """Return the cost of computing a graph in a loop order, in additions of a row.
+
+    `nodes` are its steps and leaves, `shape` has the length of each axis.
+    """
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.
     along = row + (LANES - 1) * (row % UNROLLED)

@@ -85,9 +85,10 @@ def edge_of(
 ) -> tuple[Node, ...]:
     """Return the nodes that numpy computes and the loops take as inputs.
 
-    numpy computes what has few values, what no loop can and has not too many, and what these need.
-    Of what depends on axes of a row and on others, a loop would be given a row for each of the
-    others: it makes them itself, if it can. An array has at most so many values if `most` is given.
+    `names` are the results, `shape` axes and lengths. By numpy goes what has few values, what no
+    loop can compute unless it has too many values, and what these need. A value that depends on
+    axes of the row (`row`) and on others would be laid out as a row for each of the others: loops
+    compute it themselves, if they can. With `most`, no array has more values than that.
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
@@ -126,9 +127,11 @@ def program_of(
     special: tuple[tuple[int, float | bool], ...],
     updates: tuple[str, ...] = (),
 ) -> Program:
-    """Return the loops that compute some results, simplified by special values.
+    """Return the loops that compute the results `names` over axes of given lengths.
 
-    With `updates`, a name of `UPDATES` for each result, they take cells into lanes.
+    `special` holds numbers of nodes and their values where these are the same everywhere: steps
+    that they make superfluous are left out. With `updates`, a name of `UPDATES` for each result,
+    the loops gather cells in lanes instead of storing them.
     """
     lengths = dict(shape)
     most = MAX_VALUES if updates else None
@@ -154,7 +157,11 @@ def _is_called(node: Node) -> bool:
 def _stages(
     order: Order, nodes: Sequence[Node], results: Sequence[Any], lanes: Lanes | None
 ) -> tuple[Stage, ...]:
-    """Return the loops that compute some results, and the numpy steps between them."""
+    """Return the loops that compute some results, and the numpy steps between them.
+
+    `nodes` are all steps and leaves that are needed. Numpy steps that are ready at the same time
+    follow the same loop.
+    """
     ready = _ready(results)
     leaves = [node for node in nodes if node.function is None]
     turns = [(ready[node.number], node) for node in nodes if _is_called(node)]
@@ -178,7 +185,11 @@ def _renewed(
     edge: Iterable[Node],
     special: tuple[tuple[int, float | bool], ...],
 ) -> tuple[list[Any], list[Node]]:
-    """Return results in a new graph whose leaves are given nodes, and the nodes needed."""
+    """Return results in a new graph, in which given nodes are leaves, and all nodes needed.
+
+    `edge` are those nodes; `special` holds numbers of nodes and the plain values that replace them,
+    which simplifies the graph.
+    """
     graph = Graph()
     new: dict[int, Any] = {
         node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
@@ -201,7 +212,10 @@ def _renewed(
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return, for each node, the number of numpy steps between loops before it is known."""
+    """Return, for each node by number, how many numpy steps in sequence it has to wait for.
+
+    Loops up to that many numpy steps can use it.
+    """
     ready: dict[int, int] = {}
 
     def visit(node: Node) -> int:

@@ -114,8 +114,8 @@ def write_loop(
         Nodes whose values numpy has made for each cell.
     results : sequence of Node or number
         What to compute.
-    in_place : bool
-        Whether results are written where the grid has them, or one after another.
+    is_last : bool
+        True if results are written where the grid has them, False if one after another.
     lanes : Lanes, optional
         How cells are taken into lanes; they are stored if left out. A lane is found by a stride for
         each loop, then one for the row, and an offset; the number of a cell likewise.
@@ -153,7 +153,7 @@ class _Writer:
         self.here: set[int] = set()
 
     def _need(self, node: Node) -> None:
-        """Collect a node and all nodes that it depends on."""
+        """Collect a node and all nodes that it depends on, each after its inputs."""
         if node.number in self.steps or node.number in self.used:
             return
         if node.number in self.leaves | self.columns:
@@ -166,7 +166,7 @@ class _Writer:
         self.steps[node.number] = node
 
     def _level(self, node: Node) -> int:
-        """Return the loop level of a node."""
+        """Return the number of outer loops within which a node is computed."""
         return self.deepest if node.number in self.deep else self.order.level(node)
 
     def _is_row(self, node: Node) -> bool:
@@ -174,7 +174,7 @@ class _Writer:
         return node.number in self.deep or self.order.is_row(node)
 
     def _kept(self) -> dict[int, Node]:
-        """Return the rows that a loop stores for the loops inside it."""
+        """Return the rows that one loop stores because a loop inside it uses them, by number."""
         used = [(operand, self._level(node)) for node in self.nodes for operand in node.before]
         used += [(operand, self.deepest) for operand in self.results if isinstance(operand, Node)]
         kept = {
@@ -306,7 +306,7 @@ class _Writer:
 
 
 def _literal(value: Any) -> str:
-    """Return a number as source text."""
+    """Return a number or truth value as source text, with infinity, NaN and -0.0."""
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)

@@ -84,10 +84,10 @@ class Node(NDArrayOperatorsMixin):
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        """Add `np.where` to the graph; other functions are not elementwise.
+        """Add `np.where` to the graph; other functions are not elementwise and raise.
 
-        Whether any cell is left to work on, nobody knows before: an iteration that ends when none
-        is goes on to its last step, which changes no cell that had ended.
+        `np.any` gives True: an iteration that ends when no cell is left goes on to its last step,
+        which changes no cell that had ended.
         """
         if func is np.any and len(args) == 1 and not kwargs:
             return True
@@ -126,7 +126,7 @@ class Graph:
         self._known: dict[Any, Any] = {}
 
     def leaf(self, name: str, axes: Iterable[str], dtype: Any = np.float64) -> Node:
-        """Return the node of a given value over some axes."""
+        """Return the node of a parameter over some axes; the same name gives the same node."""
         key = (None, name)
         if key not in self._known:
             self._known[key] = Node(self, None, (), frozenset(axes), np.dtype(dtype), name)
@@ -153,7 +153,7 @@ class Graph:
 
 
 def _number(value: Any) -> Any:
-    """Return a number, taken out of an array without dimensions."""
+    """Return a plain number, also from an array without dimensions; raise for other arrays."""
     if isinstance(value, np.ndarray):
         if value.ndim:
             raise UntraceableError("it makes an array of its own")
@@ -170,7 +170,7 @@ def _identity(operand: Any) -> Any:
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    """Return the type of a function's result, as numpy computes it."""
+    """Return the type of a function's result, found by running it on one sample."""
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -180,7 +180,10 @@ def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
 
 
 def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the result of `where` if its condition is a number or its choices are equal."""
+    """Return the result of `where` if no choice is left, in a tuple; else None.
+
+    That is where the condition is a number or both choices are equal.
+    """
     condition, first, second = operands
     if not isinstance(condition, Node):
         return (first if condition else second,)
@@ -188,7 +191,11 @@ def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
-    """Return the result of a logical operation with a constant or with equal operands."""
+    """Return the result of a logical operation that needs no step, in a tuple; else None.
+
+    One operand is a constant, or both are equal. `neutral` is the constant that changes nothing:
+    True for `and`, False for `or`.
+    """
     for first, second in (operands, operands[::-1]):
         if isinstance(first, bool | np.bool_):
             return (second if bool(first) == neutral else first,)
@@ -196,7 +203,7 @@ def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
 
 
 def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the other operand of a multiplication by 1."""
+    """Return the other operand of a multiplication by 1, in a tuple; None for other factors."""
     for first, second in (operands, operands[::-1]):
         if _is(first, 1.0) and isinstance(second, Node) and second.dtype == np.float64:
             return (second,)
@@ -204,7 +211,10 @@ def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _unchanged(operands: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
-    """Return the first operand if the second leaves it unchanged."""
+    """Return the first operand, in a tuple, if the second is the number `by`; else None.
+
+    `by` is the number that leaves it unchanged: 1 for a quotient, 0 for a difference.
+    """
     return (operands[0],) if _is(operands[1], by) and operands[0].dtype == np.float64 else None
 
 
@@ -253,7 +263,10 @@ class TracedPlan:
 
 
 def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return a new graph of a plan over some axes; None if the plan cannot be traced."""
+    """Return a new graph of a plan over some axes, with every quantity and condition.
+
+    None if the plan cannot be traced.
+    """
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
     leaves = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
@@ -271,7 +284,8 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
     """Return the graph of a plan with outputs and ``regime``; None if it cannot be traced.
 
-    It does not depend on values: parameters without an axis are nodes too.
+    It does not depend on values, so that equal plans share it: parameters without an axis are nodes
+    too.
     """
     ranged = tuple(name for name in axes if name in plan.parameters)
     return _traced(
@@ -293,7 +307,10 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[str, ...],
 ) -> Traced | None:
-    """Return the graph of equations and conditions, cached; None if it cannot be traced."""
+    """Return the graph of equations and conditions; None if it cannot be traced.
+
+    `ranged` are the parameters that are axes. The result is cached by all arguments.
+    """
     graph = Graph()
     leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
     try:

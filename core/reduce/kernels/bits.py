@@ -11,10 +11,11 @@ MAGNITUDE = 2**63 - 1
 
 @borrowing
 def key(value: float) -> int:
-    """Return an integer in the order of floats; the same function inverts it on bits.
+    """Return an integer with the order of floats, so that larger floats have larger keys.
 
-    Compilers vectorise the largest of integers, and not that of floats, which may be NaN. Zeros
-    are one value if they are `value + 0.0`.
+    Compilers vectorise the largest of integers, and not that of floats, which may be NaN. Zeros of
+    both signs have one key if `value + 0.0` is given. The same steps on the bits of a key give back
+    the float.
     """
     own: int = bits(value)
     return own ^ ((own >> 63) & MAGNITUDE)
@@ -22,7 +23,10 @@ def key(value: float) -> int:
 
 @borrowing
 def counted(value: float, regime: int, valid: int) -> bool:
-    """True if a cell counts: its regime is in `valid` and its value is not NaN."""
+    """True if a cell counts: its regime is in `valid` and its value is not NaN.
+
+    `valid` has a bit for each number of a regime.
+    """
     return ((valid >> regime) & 1 != 0) & (value == value)
 
 

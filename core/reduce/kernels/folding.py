@@ -81,7 +81,10 @@ def fold_sums(
 
 @borrowing
 def _add(value: float, digits: Integers, levels: Integers) -> None:
-    """Add a float to an exact sum: its 53 bits go into at most three digits."""
+    """Add a float to the exact sum of one slot: its 53 bits go into at most three digits.
+
+    `digits` are the slot's digits by level, `levels` the lowest and highest level in use.
+    """
     own = bits(value)
     exponent = (own >> 52) & 0x7FF
     fraction = own & 0xFFFFFFFFFFFFF
@@ -123,8 +126,12 @@ def fold_extremes(
         The number of the row that it lies in, infinite where there is none; empty if nobody asks.
     least : bool
         Whether the least is wanted; else the largest.
-    order, slots, offset
-        As in `fold_sums`.
+    order : ndarray of int64, shape (lanes,)
+        The lanes of the first slot, then of the second: as many of each.
+    slots : ndarray of int64, shape (slots,)
+        Slots of the tile among those of the box, but for an offset.
+    offset : int
+        That offset.
     own_numbers : ndarray of int64, shape (lanes,)
         What the place of a lane in the row adds to the number.
     keys, held_numbers : ndarray of int64, shape (slots of the box,)
@@ -158,8 +165,10 @@ def fold_counts(
 ) -> None:
     """Add the counts in lanes, packed several to a number, to those of their slots.
 
-    `counts` has a row for each count; lanes hold 0 afterwards. Every other count has room for twice
-    as many bits: so many lanes are added before counts come apart.
+    `packed` has the shape (lanes,) and is 0 afterwards; `order` has the lanes of the first slot,
+    then of the second; `slots` are the tile's slots among those of the box, but for `offset`;
+    `counts` has a row for each count. Every other count has room for twice as many bits, so that
+    256 lanes are added before counts are taken apart.
     """
     each = order.size // slots.size
     for slot in range(slots.size):

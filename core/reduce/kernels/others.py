@@ -21,7 +21,11 @@ Flags = NDArray[np.int8]
 
 @borrowing
 def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
-    """Count the cells of each row that have a flag; each row is one slot."""
+    """Count the cells of each row that have a flag; each row is one slot.
+
+    `flags` are the cells, row after row of `length`, `slots` the slot of each row; the number of
+    cells equal to `wanted` is added to `counts`.
+    """
     for row in range(slots.size):
         mine = flags[row * length : (row + 1) * length]
         count = 0
@@ -32,7 +36,11 @@ def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts:
 
 @borrowing
 def count_across(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
-    """Count the cells of each row that have a flag; each cell is in its own slot."""
+    """Count the cells of each row that have a flag; each cell is in its own slot.
+
+    `flags` are the cells, row after row of `length`, `slots` the slot of a row's first cell; 1 is
+    added to `counts` for each cell equal to `wanted`.
+    """
     for row in range(slots.size):
         mine = flags[row * length : (row + 1) * length]
         here = counts[slots[row] : slots[row] + length]
@@ -44,9 +52,10 @@ def count_across(flags: Flags, wanted: int, slots: Integers, length: int, counts
 def meet(
     values: Array, regimes: Flags, valid: int, comparison: int, level: float, met: Flags
 ) -> None:
-    """Clear the flag of cells that do not count, or whose value fails a comparison.
+    """Clear the flag `met` of cells that do not count, or whose value fails a comparison.
 
-    `comparison` has a bit each for a value below the level, equal to it, and above it.
+    `comparison` has a bit each for a value below the level (1), equal to it (2) and above it (4);
+    `valid` has a bit for each regime that counts.
     """
     below, equal, above = comparison & 1 != 0, comparison & 2 != 0, comparison & 4 != 0
     for k in range(values.size):
@@ -57,7 +66,10 @@ def meet(
 
 @borrowing
 def masked(values: Array, regimes: Flags, valid: int, result: Array) -> None:
-    """Fill in the values of cells that count, and NaN for others."""
+    """Fill `result` with the values of cells that count, and NaN for others.
+
+    `valid` has a bit for each regime that counts.
+    """
     for k in range(values.size):
         value = values[k] + 0.0
         result[k] = value if counted(value, regimes[k], valid) else math.nan
@@ -65,7 +77,10 @@ def masked(values: Array, regimes: Flags, valid: int, result: Array) -> None:
 
 @borrowing
 def histogram(values: Array, regimes: Flags, valid: int, counts: Integers) -> None:
-    """Add the cells of a box to a histogram by the leading bits of their values."""
+    """Add the cells of a box that count to a histogram by the leading bits of their values.
+
+    `valid` has a bit for each regime that counts; `counts` has `BINS` bins, in the order of values.
+    """
     for k in range(values.size):
         value = values[k] + 0.0
         if counted(value, regimes[k], valid):
@@ -90,8 +105,10 @@ def crossings(
 
     Parameters
     ----------
-    values, regimes, valid
-        As in `rows`.
+    values, regimes : ndarray, shape (cells,)
+        Values and regimes of the cells of a box, flat.
+    valid : int
+        A bit for each regime that counts.
     level : float
         The level.
     axis : ndarray
@@ -100,10 +117,14 @@ def crossings(
         Cells from one neighbour to the next.
     largest : bool
         Whether the largest of several crossings is wanted; else the smallest.
-    slots, length, spread
-        Rows; whether the cells of a row go to slots one after another.
-    found : ndarray, shape (slots,)
-        The crossing so far of each slot.
+    slots : ndarray of int64, shape (rows,)
+        The slot of each row, or of its first cell.
+    length : int
+        Cells of a row.
+    spread : bool
+        Whether the cells of a row go to slots one after another; else all to one.
+    extremes : ndarray, shape (slots,)
+        The crossing so far of each slot; infinite if there is none.
     """
     lines = values.size // (axis.size * stride)
     for line in range(lines):
@@ -133,7 +154,11 @@ def crossings(
 def _between(
     lower: float, upper: float, level: float, first: float, last: float, largest: bool
 ) -> float:
-    """Return the point where a straight line between two values crosses a level."""
+    """Return the point on an axis where a straight line between two values crosses a level.
+
+    `lower` and `upper` are the values at the points `first` and `last`. If both are the level, it
+    is the larger or smaller point, by `largest`.
+    """
     if lower == level and upper == level:
         return max(first, last) if largest else min(first, last)
     if lower == level or math.isinf(upper):
