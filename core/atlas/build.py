@@ -108,12 +108,18 @@ def _round_up_error(error: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _errors(cells: Cells, axes: Axes) -> list[NDArray[np.float64]]:
-    """Return, for each axis, the largest error of linear interpolation next to each node."""
+    """Return, for each axis, the largest error of linear interpolation beside each node.
+
+    It is that of the velocity number; NaN where no two neighbours tell it.
+    """
     return [_bend(cells.velocity, cells.pattern, axes[k], k) for k in range(len(axes))]
 
 
 def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
-    """Return the largest interpolation error of any share next to each node, over all axes."""
+    """Return the largest interpolation error of any share of the period beside each node.
+
+    For each share, the errors along all axes are added.
+    """
     largest = np.zeros(cells.pattern.shape)
     for name in SHARES:
         values = getattr(cells, name)
@@ -125,10 +131,12 @@ def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
 def _bend(
     values: NDArray[np.float64], pattern: NDArray[np.int8], nodes: NDArray[np.float64], axis: int
 ) -> NDArray[np.float64]:
-    """Return the interpolation error |f[x-, x, x+]| h^2/4 at each node, h the larger gap beside it.
+    """Return the error of linear interpolation along one axis beside each node.
 
-    A node that has no neighbours of its pattern on both sides takes what a neighbour of its pattern
-    has; NaN where there is none.
+    It is |f[x-, x, x+]| h^2/4: the second divided difference of the `values` f over a node x and
+    its neighbours, and the larger gap h beside it. Nodes of different patterns of motion are not
+    compared: a node without neighbours of its own pattern on both sides takes the value of one that
+    has them; NaN where there is none.
     """
     f, same = np.moveaxis(values, axis, 0), np.moveaxis(pattern, axis, 0)
     gap = np.diff(nodes).reshape(-1, *[1] * (values.ndim - 1))
@@ -153,7 +161,11 @@ def _label_table(
     errors: dict[str, NDArray[np.float64]],
     share_error: NDArray[np.float64],
 ) -> Table:
-    """Return the table of an atlas: axes, values, errors and attributes."""
+    """Return the table of an atlas: axes, values, errors and attributes.
+
+    `resolution` is its name, `errors` are those of the velocity by axis, `share_error` is that of
+    the shares.
+    """
     dims = tuple(AXES)
 
     def stored(values: NDArray[Any], **attributes: Any) -> TableVariable:

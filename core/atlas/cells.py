@@ -40,12 +40,16 @@ class Cells(NamedTuple):
 
 
 def follow(numbers: Numbers, watch: Watch | None = None) -> Motion:
-    """Return the exact motion of parts with these dimensionless numbers."""
+    """Return the exact motion of parts, given by the four numbers of the atlas."""
     return planar_motion(groups_at(numbers), **EVENTS.defaults, watch=watch)
 
 
 def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
-    """Return the exact velocities, shares and patterns of parts with these numbers."""
+    """Return the exact velocities, shares of the period and patterns of motion.
+
+    The parts are given by the four numbers of the atlas; velocities are in units of the drive's
+    speed as friction sees it (`numbers_of`).
+    """
     motion = follow(numbers, watch)
     unit = np.hypot(numbers.throw_number, numbers.throw_number / numbers.angle_number)
     shares = [getattr(motion, name) for name in SHARES]
@@ -53,9 +57,9 @@ def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
 
 
 def pattern_of(motion: Motion) -> NDArray[np.int8]:
-    """Return the pattern of motions as bits of the modes that occur.
+    """Return the pattern of each motion: a bit for each way of moving that occurs.
 
-    0 if a motion does not repeat.
+    0 if a motion does not repeat in one period.
     """
     bits = sum(np.where(getattr(motion, name) > 0, bit, 0) for name, bit in BITS.items())
     sound = np.isin(motion.status, [STATUS["periodic"], STATUS["at_rest"]])
@@ -64,7 +68,7 @@ def pattern_of(motion: Motion) -> NDArray[np.int8]:
 
 
 def _regime(pattern: int) -> int:
-    """Return the regime of a pattern of modes."""
+    """Return the number of the regime of a pattern, whose bits are ways of moving."""
     name = "slip"
     if pattern == 0:
         name = "unresolved"

@@ -72,7 +72,7 @@ def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
 
 
 def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
-    """Return the interpolated values of an atlas at a piece of the numbers."""
+    """Return the interpolated values of an atlas at some numbers, few enough for the cache."""
     count = numbers.throw_number.size
     outside = np.logical_or.reduce(list(out_of_range(numbers).values()))
     base = np.zeros(count, dtype=np.intp)
@@ -105,7 +105,12 @@ def _corners(
     steps: list[int],
     pattern: NDArray[np.int8],
 ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.bool_]]:
-    """Return interpolated values, the largest errors at the corners, and where patterns agree."""
+    """Return interpolated values, the largest errors at the corners, and where patterns agree.
+
+    `base` is the index of each cell's lowest corner, `fractions` its place between the nodes of
+    each axis (0 to 1), `steps` the distance in the index from one node of an axis to the next,
+    `pattern` that of the nearest node. Patterns agree where all corners with weight have it.
+    """
     count = base.size
     values = np.zeros((count, len(VALUES)))
     errors = np.zeros((count, len(ERRORS)), dtype=np.float32)
@@ -140,9 +145,10 @@ def _with_status(
     atlas: Atlas,
     nearest: NDArray[np.intp],
 ) -> AtlasValues:
-    """Return the values with their status.
+    """Return the values of cells with a status: NaN where the atlas does not answer.
 
-    NaN outside the atlas, 0 where friction holds the part.
+    `outside` is true beyond the axes, `agrees` where all corners have one pattern, `nearest` is the
+    index of the nearest node. Velocity and error are 0 where friction holds the part.
     """
     status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
     held = rests(numbers) & ~outside

@@ -203,7 +203,10 @@ def lookup_rows(
 
 
 def advice(looked_up: Table) -> list[str]:
-    """Return sentences on cells that the atlas could not answer and what to do; empty if none."""
+    """Return sentences on cells that the atlas could not answer, and the way out.
+
+    Empty if there are none; `looked_up` is the table of a look-up.
+    """
     status = looked_up.variables["lookup_status"].values
     lines = []
     near = int((status == STATUS["near_border"]).sum())
@@ -273,7 +276,7 @@ def _prepare_simulation(parameters: Mapping[str, Any]) -> Simulation:
 def _readable(
     parameters: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the values of those named parameters that are valid."""
+    """Return the valid values of the named parameters, as arrays; leave out invalid ones."""
     columns = {}
     for name in names:
         with suppress(UnitError):
@@ -306,7 +309,10 @@ def _refuse(problems: list[Problem]) -> None:
 
 
 def _before_motion(prepared: Simulation, parameters: Mapping[str, Array]) -> Known:
-    """Return the quantities of a plan that are computed before the motion."""
+    """Return the quantities of a plan that need no simulated motion, SI units.
+
+    `parameters` has values of the plan's parameters, which broadcast.
+    """
     known: Known = {name: np.asarray(value) for name, value in prepared.plan.defaults.items()}
     known |= {name: parameters[name] for name in prepared.plan.parameters}
     for equation in prepared.plan.equations:
@@ -326,7 +332,23 @@ def _look_up_cells(
     coordinates: Mapping[str, TableVariable],
     simulate: bool,
 ) -> Table:
-    """Return the table of a look-up for cells of some shape."""
+    """Return the table of a look-up: velocity, error, regime, status, shares and numbers.
+
+    Parameters
+    ----------
+    atlas : Atlas
+        The atlas.
+    prepared : Simulation
+        The simulation whose parameters are looked up.
+    known : mapping
+        Its quantities before the motion, which broadcast to the cells.
+    dims, shape : tuple
+        Names and lengths of the axes of the cells.
+    coordinates : mapping
+        The coordinates of the table.
+    simulate : bool
+        Whether cells that the atlas does not answer are followed exactly.
+    """
     groups: Groups = known["groups"]
     rows, _ = table((*groups.numbers, np.zeros(shape)))
     flat, _ = groups_of(rows[:, :-1], waved=False)
@@ -376,7 +398,10 @@ def _look_up_cells(
 
 
 def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
-    """Return values in the axes of the track; mirrored cells are turned back."""
+    """Return values in the axes of the track: where `unit` is below 0, forward is backward.
+
+    There the drive points back, and the atlas holds the mirror image.
+    """
     back = unit < 0
     return values._replace(
         velocity=np.where(back, -values.velocity, values.velocity) + 0.0,

@@ -24,10 +24,9 @@ Axes = tuple[NDArray[np.float64], ...]
 
 
 def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
-    """Return the nodes of the four axes for a grid of at most `most` nodes.
+    """Return the nodes of the four axes, for a grid of at most `most` nodes in all.
 
-    `probes` is the number of lines along each axis on which it is measured what interpolation
-    leaves.
+    `probes` is the number of lines along each axis on which the error of interpolation is measured.
     """
     watch = watch or Watch()
     axes = list(_first())
@@ -60,7 +59,7 @@ def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
 
 
 def _first() -> Axes:
-    """Return the nodes to begin with; the level track and one friction are among them."""
+    """Return the nodes to begin with, for each axis: the level track and one friction are among them."""
     throw, angle, slope, ratio = AXES.values()
     edges = (
         throw.least, 0.1, 0.3, 0.6, HOP, HOP + NODE_OFFSET, 1.5, 2.2,
@@ -77,7 +76,10 @@ def _first() -> Axes:
 def _middles(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the midpoints of intervals, geometric ones for the angle number."""
+    """Return the midpoints of intervals of an axis; geometric ones for the angle number.
+
+    `axis` is the number of the axis, `lower` and `upper` are the ends of the intervals.
+    """
     if list(AXES)[axis] == "angle_number":
         return np.asarray(np.sqrt(lower * upper))
     return np.asarray((lower + upper) / 2.0)
@@ -86,7 +88,12 @@ def _middles(
 def _costs(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64], lines: Numbers
 ) -> NDArray[np.float64]:
-    """Return the cost of each interval of an axis in look-ups: interpolation errors and borders."""
+    """Return the cost of each interval of an axis: the mean interpolation error in look-ups.
+
+    `axis` is its number, `lower` and `upper` are the ends of the intervals. The error is taken
+    halfway between them, on the lines through the points `lines`; a line on which the pattern of
+    motion changes costs `BORDER`.
+    """
     middle = _middles(axis, lower, upper)
     stops = np.stack([lower, middle, upper], axis=-1)
     fields = [np.broadcast_to(one[:, None, None], (one.size, *stops.shape)) for one in lines]
@@ -101,5 +108,8 @@ def _costs(
 
 
 def _often(asked: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the share of look-ups that fall into each interval between the nodes of an axis."""
+    """Return the share of look-ups that fall into each interval between the nodes of an axis.
+
+    `asked` are the values of the axis in typical look-ups.
+    """
     return np.asarray(np.histogram(asked, nodes)[0] / asked.size)

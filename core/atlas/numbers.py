@@ -73,8 +73,8 @@ HOP_AFTER_HOP = float(np.hypot(1.0, np.pi))
 def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
     """Return the four atlas numbers of parts, and the unit of their velocity in g/w.
 
-    The unit is below 0 where the drive points back: that is the mirror image, in which forward and
-    backward are exchanged. Where the numbers have no value they are infinite or NaN.
+    The unit is negative where the drive points back: the part is then the mirror image, in which
+    forward and backward are exchanged. Numbers without a value are infinite or NaN.
     """
     c, s = np.asarray(groups.drive_number_along), np.asarray(groups.drive_number_normal)
     slope, load = np.asarray(groups.gravity_number_along), groups.gravity_number_normal
@@ -94,7 +94,10 @@ def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
 
 
 def groups_at(numbers: Numbers) -> Groups:
-    """Return the groups of parts with these numbers, with unit load and unit kinetic friction."""
+    """Return dimensionless groups of parts that have the four numbers of an atlas.
+
+    Many parts have; these have unit load and unit kinetic friction.
+    """
     throw, angle, slope, ratio = numbers
     return Groups(
         drive_number_along=throw / angle,

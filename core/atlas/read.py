@@ -54,7 +54,7 @@ class Atlas:
 
 
 def of_table(table: Table) -> Atlas:
-    """Return the atlas in a table.
+    """Return the atlas that a table holds, ready for look-ups.
 
     Raises
     ------

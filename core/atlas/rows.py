@@ -53,7 +53,10 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
 
 
 def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
-    """Return heading, rows, and column separator of a CSV file."""
+    """Return heading, rows and column separator of a CSV file.
+
+    Raises `StudyError` if it is no UTF-8 text, or has no rows or too many.
+    """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -68,7 +71,7 @@ def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
 
 
 def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
-    """Return names and units of columns, and what is wrong with them."""
+    """Return names and units of columns from their headings, and problems of unknown names."""
     names, units, problems = [], [], []
     for cell in cells:
         match = _HEADING.fullmatch(cell)
@@ -86,7 +89,11 @@ def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
 def _column(
     name: str, unit: str, cells: list[str], decimal_commas: bool, problems: list[Problem]
 ) -> tuple[float, ...]:
-    """Return the values of a column, adding problems of single cells to `problems`."""
+    """Return the values of a column, in the unit of studies; NaN where a cell is wrong.
+
+    `unit` is that of the heading, `decimal_commas` true if a comma is a decimal point; problems of
+    cells are added to `problems`.
+    """
     quantity, known, values = QUANTITIES[name], {}, []
     for number, cell in enumerate(cells, 1):
         if cell not in known:  # columns repeat values: a text with a unit takes long to read

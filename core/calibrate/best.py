@@ -37,10 +37,12 @@ class LeastSquares:
     def polished(self, start: Array) -> Array:
         """Return the best point near `start` by least squares; `start` if none is better.
 
+        Points are values of the unknowns, shape (unknowns,), in the units of studies.
+
         Raises
         ------
         StoppedError
-            If the watch says so.
+            If the watch stops it.
         """
         model = self.model
         if not model.runs.measured.any():
@@ -64,7 +66,12 @@ class LeastSquares:
         return model.lower + optimum.x * model.width
 
     def _residuals(self, shares: Array) -> Array:
-        """Return the residuals over their errors at points, shape (points, runs + unknowns)."""
+        """Return the residuals over their errors at points, shape (points, runs + unknowns).
+
+        `shares` are the points, as shares of the way between the bounds, shape (points, unknowns).
+        Behind the residuals of the measured runs stand the distances of the unknowns from their
+        prior means, in standard deviations.
+        """
         model, where = self.model, self.model.runs.measured
         points = model.lower + shares * model.width
         found = model.predict(points, Watch(stop=self.watch.stop, deadline=self.watch.deadline))
@@ -78,7 +85,10 @@ class LeastSquares:
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
 
     def _slopes(self, share: Array) -> Array:
-        """Return the derivatives of residuals, shape (runs + unknowns, unknowns)."""
+        """Return the derivatives of the residuals at a point, shape (runs + unknowns, unknowns).
+
+        `share` is the point, as shares of the way between the bounds; central differences.
+        """
         steps = STEP * np.eye(share.size)
         ahead, behind = np.minimum(share + steps, 1.0), np.maximum(share - steps, 0.0)
         residuals = self._residuals(np.concatenate([ahead, behind]))

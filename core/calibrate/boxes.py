@@ -76,7 +76,7 @@ class PosteriorBoxes:
         return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
 
     def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> PosteriorBoxes:
-        """Return a selection of the boxes."""
+        """Return a selection of the boxes, by mask or by index."""
         return PosteriorBoxes(*(getattr(self, field.name)[where] for field in fields(self)))
 
     def joined(self, other: PosteriorBoxes) -> PosteriorBoxes:
@@ -113,10 +113,13 @@ class Explored:
 def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
     """Return the adaptive grid of a posterior, of at most `most` points.
 
+    Boxes that hold much mass over which predictions change are halved along each unknown, until
+    little is left to refine.
+
     Raises
     ------
     StoppedError
-        If the watch says so.
+        If the watch stops it.
     """
     count = len(likelihood.model.unknowns)
     boxes = _first(likelihood, most, watch)
@@ -142,14 +145,20 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
 
 
 def points_of(likelihood: Likelihood, centre: Array) -> Array:
-    """Return the values of the unknowns at shares of the way between their bounds."""
+    """Return the values of the unknowns, in the units of studies, shape (points, unknowns).
+
+    `centre` are the points as shares of the way between the bounds of each unknown.
+    """
     model = likelihood.model
     points: Array = model.lower + centre * model.width
     return points
 
 
 def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
-    """Return the first, regular grid of boxes."""
+    """Return the first, regular grid of boxes, with predictions and slopes at the centres.
+
+    It takes at most a quarter of the `most` points.
+    """
     count = len(likelihood.model.unknowns)
     halvings = int(np.log2(most / FIRST_SHARE) / count)
     halvings = max(2, min(FINEST_FIRST, halvings))
@@ -176,7 +185,10 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
 
 
 def _bend(values: Array, axis: int) -> Array:
-    """Return the deviation of values from a straight line between neighbours, over half a cell."""
+    """Return the distance of values from the straight line between neighbours, over half a cell.
+
+    `values` are those on the first grid; neighbours are taken along `axis`.
+    """
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
     bend: Array = 0.25 * np.diff(near, 2, axis=axis)
@@ -184,7 +196,11 @@ def _bend(values: Array, axis: int) -> Array:
 
 
 def _softened(shown: Array) -> Array:
-    """Return the probability of the observed regimes in the first boxes, blurred across borders."""
+    """Return the shares of boxes with the observed regime, blurred over neighbouring boxes.
+
+    `shown` is 1 or 0 at the centre of each box of the first grid, its last axis the watched runs.
+    So a box at the border of a regime is neither certain nor excluded.
+    """
     soft = shown
     for axis in range(shown.ndim - 1):
         near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
@@ -194,7 +210,7 @@ def _softened(shown: Array) -> Array:
 
 
 def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
-    """Return both halves of some boxes along each unknown."""
+    """Return the halves along each unknown of some boxes, with predictions at their centres."""
     count = parents.centre.shape[1]
     signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
     step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
@@ -230,14 +246,20 @@ def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> Pos
 
 
 def _log_mass(likelihood: Likelihood, boxes: PosteriorBoxes) -> Array:
-    """Return the logarithm of the mass of each box, for each size of the discrepancy."""
+    """Return the logarithm of the posterior mass of each box, shape (boxes, sizes).
+
+    A size is one of the standard deviations that the discrepancy of the model may have.
+    """
     points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
     log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
     return log + boxes.log_volume[:, np.newaxis]
 
 
 def _sizes(log: Array) -> Array:
-    """Return the probability of each size of the discrepancy, from the masses of the boxes."""
+    """Return the probability of each size of the discrepancy, shape (sizes,).
+
+    `log` are the logarithms of the masses, shape (boxes, sizes).
+    """
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
@@ -246,7 +268,11 @@ def _sizes(log: Array) -> Array:
 
 
 def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
-    """Return the expected gain from halving each box, shape (boxes,)."""
+    """Return the expected gain from halving each box, shape (boxes,).
+
+    It is the mass of a box times how far predictions change in it, over their errors; `log` are the
+    logarithms of the masses, shape (boxes, sizes).
+    """
     runs = likelihood.model.runs
     top = log.max()
     if not np.isfinite(top):

@@ -19,7 +19,10 @@ BIT = np.log(2.0)
 
 
 def columns_of(grid: Grid) -> dict[str, Array]:
-    """Return the parameters of every candidate run, in the units of studies, of shape (count,)."""
+    """Return the parameters of every candidate run, in the units of studies, shape (count,).
+
+    `grid` spans the candidates; one with several axes has all combinations.
+    """
     axes = [grid.coordinate(name) for name in grid.axes]
     mesh = np.meshgrid(*axes, indexing="ij") if axes else []
     found = {name: values.ravel() for name, values in zip(grid.axes, mesh, strict=True)}
@@ -27,7 +30,10 @@ def columns_of(grid: Grid) -> dict[str, Array]:
 
 
 def typical_error(posterior: Posterior) -> float:
-    """Return the standard deviation expected of one more measurement."""
+    """Return the standard deviation expected of one more measurement, in the output's unit.
+
+    It is that of the known errors and of the discrepancy together.
+    """
     runs = posterior.likelihood.model.runs
     known = runs.error[runs.measured]
     scatter = float(posterior.sizes @ np.square(posterior.likelihood.scatter.sizes))
@@ -72,10 +78,11 @@ def information(
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
-    """Return the information of candidates in bits, and the remaining deviations of the unknowns.
+    """Return the information of candidates in bits, and the remaining deviations of unknowns.
 
-    Arrays have shape (ensemble, some), `points` (ensemble, unknowns); the deviations have shape
-    (unknowns, some), as shares of those before.
+    `value` and `spread` are predicted speed and its standard deviation, shape (ensemble,
+    candidates), `points` the unknowns of the ensemble, shape (ensemble, unknowns). The deviations
+    have the shape (unknowns, candidates), as shares of those before.
     """
     known = ~np.isnan(value)
     count = known.sum(axis=0)
@@ -103,11 +110,12 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:
-    """Return the remaining deviations after measurements, over those before, (unknowns, values).
+    """Return the deviations expected after a measurement over those before, (unknowns, values).
 
-    E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2 / sum_i p_i(y)), with the
-    density p_i(y) of the measured speed y that point i of the ensemble predicts, shape (ensemble,
-    speeds, some). Points without a speed keep their share of the variance.
+    E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2 / sum_i p_i(y)), where
+    p_i(y) is the density (`density`, shape (ensemble, speeds, candidates)) of the measured speed y
+    that point i of the n points predicts, x_i the unknowns there (`points`) and dy the steps of the
+    speed. Points without a speed keep their share of the variance.
     """
     away = points - points.mean(axis=0)
     before = np.square(away).mean(axis=0)

@@ -26,7 +26,7 @@ LITTLE = 0.1  # bit
 
 
 def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
-    """Return a value with its unit as readable text."""
+    """Return a value with a readable unit as text; `unit` is the value's own."""
     shown = units.of(unit, abs(value))
     return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
 
@@ -82,7 +82,7 @@ class Findings:
         return float(self.arrays[name])
 
     def _explained(self) -> Iterator[str]:
-        """Yield sentences if no values explain the runs or the grid is too coarse."""
+        """Yield sentences if no values explain the runs, or if the grid is too coarse."""
         if not np.isfinite(self.posterior.explored.log_mass.max()):
             yield "No values of the unknowns explain the observations: widen their ranges"
         if self.posterior.explored.left > 0.3:
@@ -106,7 +106,7 @@ class Findings:
             yield f"{unknown.label} ({unknown.name}): {told_best}{low} to {high} with 95 %"
 
     def _modes(self) -> Iterator[str]:
-        """Yield a sentence on separate regions that explain the runs equally."""
+        """Yield a sentence if several separate regions of the unknowns explain the runs."""
         shares = self.arrays["mode_share"]
         if len(shares) < 2:
             return
@@ -135,7 +135,7 @@ class Findings:
         return {name for names in self._pairs for name in names}
 
     def _alone(self) -> Iterator[str]:
-        """Yield a sentence for each unknown that the runs do not determine."""
+        """Yield a sentence for each unknown, or pair of them, that the runs do not determine."""
         yield from self._pairs.values()
         named = self.unsettled
         for one in self.model.unknowns:
@@ -144,7 +144,11 @@ class Findings:
                 yield f"The runs say next to nothing about {one.name}: it is as it was given"
 
     def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
-        """Return a sentence on two correlated unknowns: their ratio, product or correlation."""
+        """Return a sentence on two unknowns that the runs cannot separate; empty if they can.
+
+        `j` and `k` are their positions among the unknowns. It tells that only ratio or product is
+        known, or that both are correlated.
+        """
         points, weights = self.posterior.points, self.posterior.weights
         correlation = self._value(f"correlation_{unknown.name}_{other.name}")
         first, second = points[:, j], points[:, k]
@@ -173,7 +177,7 @@ class Findings:
         return ""
 
     def _bounds(self) -> Iterator[str]:
-        """Yield a sentence for each unknown whose likely values reach a bound."""
+        """Yield a sentence for each unknown whose density is high at one of its bounds."""
         for unknown in self.model.unknowns:
             axis, density = self.arrays[unknown.name], self.arrays[f"density_{unknown.name}"]
             for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
@@ -252,7 +256,10 @@ class Findings:
         )
 
     def _narrower(self, candidate: int) -> str:
-        """Return the interval expected after a measurement, for the unknown that narrows most."""
+        """Return words on the interval expected after measuring a candidate run.
+
+        `candidate` is its number; the unknown is the one whose interval narrows most.
+        """
         shares = {
             narrowest: self.arrays[f"{LEFT}{narrowest.name}"].ravel()[candidate]
             / self._value(f"deviation_{narrowest.name}")
@@ -268,7 +275,7 @@ class Findings:
 
 
 def _deviation_before(unknown: Unknown) -> float:
-    """Return the standard deviation of an unknown before the runs."""
+    """Return the standard deviation of an unknown by its prior and bounds alone."""
     uniform = unknown.width / np.sqrt(12.0)
     return float(
         min(uniform, unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf)
@@ -282,7 +289,7 @@ def _deviation(values: Array, weights: Array) -> float:
 
 
 def _joint_unit(first: str, second: str, mark: str) -> str:
-    """Return the unit of a ratio or a product of two quantities."""
+    """Return the unit of the ratio (`mark` "/") or product of two quantities, after a space."""
     read = ["" if unit == "1" else SI.get(unit, unit) for unit in (first, second)]
     if mark == "/" and read[0] == read[1]:
         return ""

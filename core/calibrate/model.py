@@ -95,7 +95,7 @@ class Unknown:
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
-        """Return the bounds of the unknown; those of a normal prior are cut."""
+        """Return the bounds of the unknown; a normal prior is cut at five deviations or less."""
         if not isinstance(self.prior, Normal):
             return self.prior.lower, self.prior.upper
         quantity = quantity_of(self.table, self.parameter)
@@ -107,9 +107,9 @@ class Unknown:
         return max(lower, mean - far), min(upper, mean + far)
 
     def deviations_from_mean(self, values: Array) -> Array:
-        """Return the distance of values from the prior mean in deviations.
+        """Return the distance of values from the prior mean, in standard deviations.
 
-        0 without a normal prior.
+        0 if the prior is not normal.
         """
         if not isinstance(self.prior, Normal):
             return np.zeros(np.shape(values))
@@ -205,7 +205,7 @@ class Model:
     shared : mapping of str to float
         Parameters that all runs share, in the units of studies.
     unknowns : tuple of Unknown
-        The criterion: which output is maximised or minimised.
+        The numbers that are looked for.
     runs : Runs
         What was measured.
     """
@@ -262,7 +262,10 @@ class Model:
     def _predict(
         self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
     ) -> Predicted:
-        """Return the predictions at a piece of the points."""
+        """Return the predictions of `count` runs at some points of the unknowns.
+
+        `columns` has the parameters in which the runs differ, shape (count,).
+        """
         given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
             known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
@@ -290,7 +293,11 @@ class Model:
         )
 
     def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
-        """Return the parameters of the plan in SI units, which broadcast to (points, runs)."""
+        """Return the parameters of the plan in SI units, which broadcast to (points, runs).
+
+        An unknown is set to its value at a point, added to what is given (offset) or multiplied
+        with that (factor).
+        """
         known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
         known |= {name: values[np.newaxis] for name, values in columns.items()}
         for k, unknown in enumerate(self.unknowns):
@@ -304,7 +311,10 @@ class Model:
         return {name: parameter_to_si(name, np.asarray(value)) for name, value in known.items()}
 
     def log_prior(self, points: Array) -> Array:
-        """Return the logarithm of the prior density, up to a constant, shape (points,)."""
+        """Return the logarithm of the prior density at points, up to a constant, shape (points,).
+
+        Minus infinity where kinetic friction would exceed static friction.
+        """
         log: Array = np.zeros(len(points))
         for k, one in enumerate(self.unknowns):
             log = log + one.log_prior(points[:, k])

@@ -65,13 +65,16 @@ class Posterior:
     sizes: Array
 
     def quantiles(self, values: Array, shares: Sequence[float]) -> Array:
-        """Return quantiles of values over the posterior, shape (shares, ...)."""
+        """Return quantiles of values over the posterior, shape (shares, ...).
+
+        `values` has the points along its first axis; `shares` are the shares of the mass below.
+        """
         columns = values.reshape(len(values), -1)
         found = [weighted_quantiles(column, self.weights, shares) for column in columns.T]
         return np.stack(found, axis=-1).reshape(len(shares), *values.shape[1:])
 
     def mean(self, values: Array) -> Array:
-        """Return the posterior mean of values."""
+        """Return the posterior mean of values, which have the points along their first axis."""
         mean: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
         return mean
 
@@ -81,7 +84,7 @@ class Posterior:
         return np.einsum("p,pi,pj->ij", self.weights, away, away)
 
     def ensemble(self, count: int) -> Array:
-        """Return a sample of points with equal weights, shape (count, unknowns)."""
+        """Return points of equal weight that represent the posterior, shape (count, unknowns)."""
         places = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
         chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
@@ -90,7 +93,10 @@ class Posterior:
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
-    """Return the posterior as weighted points, several in each box that has mass."""
+    """Return the posterior as weighted points, several in each box that has mass.
+
+    Predictions at the points follow from those at the centre of the box, and its slopes.
+    """
     boxes, log_mass = explored.boxes, explored.log_mass
     top = log_mass.max()
     mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(boxes))
@@ -118,9 +124,10 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
 
 def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return points relative to the centres of their boxes, and each point's box.
+    """Return points relative to the centres of their boxes, and the index of each point's box.
 
-    A set that fills a cube evenly is shifted by other numbers in every box.
+    There are `each` in a box: a set that fills a cube evenly, shifted by other numbers in every
+    box.
     """
     count = boxes.centre.shape[1]
     if each == 1:
@@ -134,7 +141,10 @@ def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
-    """Return quantiles of weighted values, shape (points,); NaN values are ignored."""
+    """Return quantiles of weighted values, shape (shares,); NaN values are ignored.
+
+    `values` and `weights` have the shape (points,).
+    """
     order = np.argsort(values)
     values, weights = values[order], weights[order]
     finite = np.isfinite(values)
@@ -166,7 +176,8 @@ def axes_of(posterior: Posterior) -> list[Array]:
 def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
     """Return the logarithm of the posterior density on a grid of the unknowns, at most 0.
 
-    The values of motions follow from the box that a point lies in, and its slopes.
+    `axes` are the values of each unknown, in the units of studies. Predictions follow from those of
+    the box in which a point lies, and its slopes.
     """
     likelihood, boxes = posterior.likelihood, posterior.explored.boxes
     model = likelihood.model
@@ -189,7 +200,10 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
 
 
 def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
-    """Return the index of the box in which each point lies."""
+    """Return the index of the box in which each point lies, shape (points,).
+
+    `share` are the points as shares of the way between the bounds, shape (points, unknowns).
+    """
     box = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(boxes.halvings).tolist():
         ours = np.flatnonzero(boxes.halvings == halvings)
@@ -203,7 +217,11 @@ def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
-    """Return the key of the box, of this many halvings, in which each point lies."""
+    """Return an integer for the cell of a regular grid in which each point lies.
+
+    The grid has 2^halvings cells along each unknown; `share` are the points as shares of the way
+    between the bounds, shape (points, unknowns).
+    """
     keys = np.zeros(len(share), dtype=np.int64)
     for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
         keys = (keys << halvings) + column
@@ -226,8 +244,8 @@ def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -
 def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
     """Return the mass in the cells of a grid of some unknowns.
 
-    Each point shares its weight among the values beside it, so that the density is as smooth as
-    the points allow.
+    `axes` are their values, `which` their positions. Each point shares its weight among the nodes
+    beside it, so that the density is as smooth as the points allow.
     """
     shape = tuple(len(axis) for axis in axes)
     mass = np.zeros(int(np.prod(shape)))
@@ -277,7 +295,8 @@ class PosteriorMode:
 def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]:
     """Return the separate modes of a posterior, the heaviest first; at least one.
 
-    All points belong to one: those between the modes to the one that they rise to.
+    `axes` are evenly spaced values of each unknown, on whose grid modes are told apart. All points
+    belong to one: those between the modes to the mode that they rise to.
     """
     count = len(axes)
     nodes = np.stack(
@@ -307,7 +326,10 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    """Return labels from 1 on for modes of sufficient mass, 0 elsewhere."""
+    """Return labels from 1 on for modes of sufficient mass, 0 elsewhere.
+
+    `labels` numbers the connected regions of a grid, 0 between them, `mass` is that of each node.
+    """
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
     heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]

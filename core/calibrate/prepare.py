@@ -30,7 +30,7 @@ MAX_UNKNOWNS = 4
 
 
 def prepare(study: CalibrateStudy) -> Calibration:
-    """Return the prepared calibration of a study; raise `StudyError` with every problem.
+    """Return the calibration that a study describes, ready to be computed.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield problems of sections that a calibration cannot have."""
+    """Yield problems of what a calibration cannot have: verification, ranged parameters."""
     if study.verify is not None:
         message = "a calibration is not verified cell by cell"
         fix = "Leave it out, and simulate the best values with verify"
@@ -127,7 +127,10 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
-    """Return the parameters that differ between runs, and problems of runs that lack them."""
+    """Return the parameters that differ between runs, and problems of runs that lack them.
+
+    Each has the shape (runs,), in the units of studies, NaN where a run lacks it.
+    """
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
     problems = []
@@ -148,7 +151,7 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    """Return the measured output, and problems of runs with none or several outputs."""
+    """Return the name of the measured output, and problems of runs with none or several."""
     problems = []
     for k, row in enumerate(rows, 1):
         given = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -207,7 +210,11 @@ def _open(
 def _spans(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> tuple[dict[str, Values], list[Problem]]:
-    """Return all that the parameters that are not fixed may be, and which leave their bounds."""
+    """Return the range of every parameter that is not fixed, and problems of their bounds.
+
+    It is that of the runs (`columns`), of an unknown, or of the given values (`shared`, `columns`)
+    with an unknown offset or factor.
+    """
     spans: dict[str, Values] = {}
     problems = []
     for name, column in columns.items():
@@ -243,7 +250,10 @@ def _spans(
 def _problems_of_candidates(
     asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of candidate runs: unknown parameters, or too many."""
+    """Yield problems of candidate runs: parameters that do not differ, or too many runs.
+
+    `asked` has the values of the candidates' parameters.
+    """
     for name in asked:
         if name not in columns:
             fix = "Range over parameters that differ between the runs"
@@ -268,7 +278,10 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    """Return the scene without the constraint that static friction is the larger."""
+    """Return the scene without the constraint that static friction is the larger.
+
+    Only where either is an unknown: then the prior sees to it.
+    """
     names = STATIC_ABOVE_KINETIC.parameters
     both = [spans.get(name) for name in names]
     if not any(isinstance(one, Span) for one in both):

@@ -43,7 +43,7 @@ SHARES = (0.16, 0.84, 0.025, 0.975)
 
 
 def compute(prepared: Calibration, watch: Watch) -> Computed:
-    """Return the arrays of every variable of a calibration, in the units of studies."""
+    """Carry out a calibration; return every variable of its result, in the units of studies."""
     share = prepared.points * len(prepared.model.runs) / prepared.cells
     likelihood = prepared.likelihood
     explored = explore(likelihood, prepared.points, watch.part(share))
@@ -124,7 +124,10 @@ def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str
 def _best(
     prepared: Calibration, posterior: Posterior, axes: list[Array], watch: Watch
 ) -> dict[str, Array]:
-    """Return the most likely point of each mode, refined by least squares, and the best of all."""
+    """Return the most likely point of each mode, refined by least squares, and the best of all.
+
+    `axes` are evenly spaced values of each unknown, on whose grid modes are told apart.
+    """
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
     if model.runs.errors_known and posterior.sizes[0] > 0.5:
@@ -141,7 +144,10 @@ def _best(
 def _by_run(
     prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return measured and predicted values of each run."""
+    """Return measured and predicted values, residuals and errors of each run, shape (runs,).
+
+    `arrays` has the best values of the unknowns and the discrepancy.
+    """
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
@@ -172,7 +178,7 @@ def _by_run(
 
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
-    """Return the posterior densities of each unknown and of pairs."""
+    """Return the posterior densities of each unknown, of pairs, and of all, on the axes' grid."""
     names = prepared.model.names
     densities = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
     for one, other in prepared.pairs:
@@ -247,7 +253,7 @@ _RUNS = {
 
 
 def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
-    """Return the CF attributes of every variable."""
+    """Return the CF attributes of every variable: unit, name and comment."""
     model, attributes = prepared.model, dict[str, dict[str, Any]]()
     for unknown in model.unknowns:
         lowered = unknown.label[0].lower() + unknown.label[1:]

@@ -45,7 +45,10 @@ class Scatter:
 
     @classmethod
     def of(cls, model: Model, *, wanted: bool) -> Scatter:
-        """Return the sizes of the discrepancy to consider; only 0 unless `wanted`."""
+        """Return the sizes that the discrepancy may have, and their prior probabilities.
+
+        Only size 0 if no value is measured, or errors are known and a discrepancy is not `wanted`.
+        """
         runs = model.runs
         if not runs.measured.any() or (runs.errors_known and not wanted):
             return cls(np.zeros(1), np.zeros(1))
@@ -62,9 +65,10 @@ class Scatter:
         return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
 
     def finer(self, likely: Array) -> Scatter:
-        """Return discrepancy sizes that are denser where they are likely.
+        """Return sizes of the discrepancy that are denser where they are likely.
 
-        `likely` are shares of the sizes after something was measured, shape (sizes,).
+        `likely` are the probabilities of the present sizes after something was measured, shape
+        (sizes,).
         """
         sizes, before = self.sizes[self.sizes > 0], self.log_before[self.sizes > 0]
         likely = likely[self.sizes > 0]
@@ -148,7 +152,10 @@ class Likelihood:
         return np.asarray(log)
 
     def shown(self, predicted: Predicted) -> Array:
-        """Return 1 where parts show the observed regime of a run, else 0."""
+        """Return 1 where the part shows the observed regime of a run, else 0.
+
+        Shape (points, watched runs).
+        """
         columns = [
             predicted.shows(word)[:, k] for k, word in enumerate(self.model.runs.seen) if word
         ]

@@ -18,11 +18,14 @@ def clipping_problems(
 ) -> list[Problem]:
     """Return a problem for each end of the range at which a channel is clipped.
 
+    `path` is that of the column in the study, `name` its name, `values` are its samples and `lines`
+    their lines in the file.
+
     A smooth crest, rounded to steps of the sensor, rests on its last step as well. Near its top it
     is a parabola: the time spent on the last step is at most 1/(sqrt(2) - 1) = 2.4 times that on
-    the last but one. Extreme values that hold 4 times as many samples as the next value are thus
-    no crest, if they come in runs. Single samples may hold it at the same phase of each period,
-    where the rate is a multiple of the frequency: then the crests between them are all alike.
+    the last but one. Extreme values that hold 4 times as many samples as the next value are thus no
+    crest, if they come in runs. Single samples may hold it at the same phase of each period, where
+    the rate is a multiple of the frequency: then the crests between them are alike.
     """
     if np.ptp(values) == 0.0:  # a channel that never moves has no range
         return []
@@ -49,9 +52,9 @@ def clipping_problems(
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
     """True if samples of the highest value belong to crests of different heights.
 
-    A crest is the parabola through a sample and its neighbours. Rounding moves its height by no
-    more than a step or two; a period may have two crests, so that the widest gap between heights
-    does not count.
+    `held` is true at samples that have it. A crest is the parabola through a sample and its
+    neighbours. Rounding moves its height by no more than a step or two; a period may have two
+    crests, so that the widest gap between heights does not count.
     """
     crests = np.flatnonzero(held[1:-1]) + 1
     if crests.size < VISITS:

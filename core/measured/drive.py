@@ -148,7 +148,10 @@ class Fit:
         return np.where(self.amplitudes > 0.0, errors, np.inf)
 
     def _turned(self, part: int) -> Array:
-        """Return the variance of displacements, in phase (0) or a quarter period ahead (1)."""
+        """Return the variance of each harmonic's displacement, shape (axes, orders) [m2].
+
+        `part` is 0 for that in phase with the harmonic, 1 for that a quarter period ahead.
+        """
         blocks = self.covariance[1:, 1:].reshape(*self.phases.shape, 2, *self.phases.shape, 2)
         own = np.einsum("jkajkb->jkab", blocks)
         cosine, sine = np.cos(self.phases), np.sin(self.phases)
@@ -160,9 +163,10 @@ class Fit:
         return self._named(self.frequency, self.amplitudes * np.exp(1j * self.phases))
 
     def draw(self, rng: np.random.Generator, count: int) -> list[dict[str, float]]:
-        """Return random drives that are consistent with the recording, as study parameters.
+        """Return `count` random drives that are consistent with the recording.
 
-        They are normal about it with its covariance; `parameters` of each.
+        They are normally distributed about the fit with its covariance; each is a mapping as
+        `parameters` gives it.
         """
         displacement = self.amplitudes * np.exp(1j * self.phases)
         parts = np.stack([displacement.real, displacement.imag], axis=-1)
@@ -179,7 +183,11 @@ class Fit:
         ]
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
-        """Return frequency and harmonics as named parameters."""
+        """Return frequency and significant harmonics as parameters of a study.
+
+        `displacement` holds complex amplitudes A exp(i phi), shape (axes, orders) [m]; phases
+        become degrees.
+        """
         named = {"frequency": frequency}
         for axis, row, kept in zip(self.axes, displacement, self.significant, strict=True):
             for order, wave, significant in zip(self.orders, row, kept, strict=True):
@@ -210,7 +218,7 @@ class Fit:
         return np.einsum("jk,jkn->jn", self.amplitudes, np.sin(angles))
 
     def fold(self) -> Fold:
-        """Return all samples, folded into one period."""
+        """Return all samples folded into one period, without constant and drift."""
         phase = np.mod(self._phase(self.signal.times), 2.0 * np.pi)
         residual = self.signal.accelerations - self.model(self.signal.times)
         return Fold(phase, self.periodic(phase) + residual, residual)

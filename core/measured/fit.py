@@ -74,7 +74,7 @@ def _solve_weighted(
 def _significant(
     samples: Samples, solution: Solution, noise: Noise
 ) -> tuple[NDArray[np.bool_], int]:
-    """Return the significant orders of each axis, and the degree of the drift."""
+    """Return a mask of the significant harmonics, shape (axes, orders), and the drift's degree."""
     covariance = covariance_of(samples, solution, noise)
     axes, size = solution.coefficients.shape
     first, fine = solution.degree + 1, hurdle(samples.size)
@@ -95,7 +95,11 @@ def _stated(
     noise: Noise,
     significant: NDArray[np.bool_],
 ) -> Fit:
-    """Return the fit as displacements, with the origin of time chosen."""
+    """Return the fit as displacements of the track, with the origin of time chosen.
+
+    `significant` is the mask of the harmonics that the recording tells from zero; the first of them
+    has phase 0 in the axis where it is largest.
+    """
     covariance = covariance_of(samples, solution, noise)
     error = float(np.sqrt(covariance[0, 0]))
     line = signal.line_frequency
@@ -146,8 +150,10 @@ def _covariance_of_displacements(
 ) -> Array:
     """Return the covariance of frequency and displacements, from that of accelerations.
 
-    With z = -c exp(i k theta)/(k w)^2 and theta = -arg(-c_ref)/k_ref:
-    dz = -dc exp(i k theta)/(k w)^2 - i k z Im(dc_ref/c_ref)/k_ref - 2 z df/f.
+    With the complex displacement z = -c exp(i k theta)/(k w)^2 of order k, the acceleration c, and
+    the turn of the time origin theta = -arg(-c_ref)/k_ref by the harmonic `reference` (axis,
+    order): dz = -dc exp(i k theta)/(k w)^2 - i k z Im(dc_ref/c_ref)/k_ref - 2 z df/f. A known
+    frequency `line` has no error.
     """
     axes, size = solution.coefficients.shape
     first = solution.degree + 1
@@ -175,7 +181,10 @@ def _covariance_of_displacements(
 
 
 def _tilt(axes: tuple[str, ...], constant: Array) -> Tilt | None:
-    """Return the tilt of the track if the constant acceleration can be gravity."""
+    """Return the tilt of the track from its constant acceleration, shape (axes,) [m s-2].
+
+    None unless there are three axes and the constant has the size of gravity within 10 %.
+    """
     size = float(np.linalg.norm(constant))
     if axes != AXES or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:
         return None

@@ -51,12 +51,13 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
     """Return the frequency of which all strong lines are multiples [Hz].
 
     From the strongest line downwards: if what its harmonics leave over has a line that stands out
-    and is a multiple of a whole part of the frequency, that part is the fundamental. Lines with
-    less than a hundredth of the drive's acceleration are taken for something else.
+    and is a multiple of an integer fraction of the frequency, that fraction is the fundamental.
+    Lines with less than a hundredth of the drive's acceleration are taken for something else.
 
-    With a guess it is the whole part of the strongest line that lies within a tenth of the guess;
-    if none does, the strongest line there. A known frequency of the line settles it likewise, if
-    its orders hold most of the recording: the drive may run at a part of it.
+    With a `guess` [Hz] it is the integer fraction of the strongest line that lies within a tenth of
+    the guess; if none does, the strongest line there. A known frequency of the drive (`line`) [Hz]
+    settles it likewise, if its orders hold most of the recording: the drive may run at a fraction
+    of it.
     """
     start = samples._replace(values=_without_drift(samples))
     frequency = strongest_line(start).frequency
@@ -76,13 +77,20 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
 
 
 def _part_near(frequency: float, expected: float) -> float | None:
-    """Return the integer fraction of a frequency that is near an expected one."""
+    """Return the integer fraction of a frequency that is within a tenth of an expected one.
+
+    None if there is none; both in Hz.
+    """
     part = frequency / max(round(frequency / expected), 1)
     return part if abs(part / expected - 1.0) <= GUESS else None
 
 
 def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
-    """Return the strongest spectral line between two frequencies, drift removed [Hz]."""
+    """Return the strongest spectral line between two frequencies [Hz].
+
+    Drift is to be removed from the samples before; lines of fewer than two turns over the recording
+    are not looked at.
+    """
     count, rate = samples.size, samples.size / samples.duration
     size = next_fast_len(PADDING * count, real=True)
     spectrum = np.fft.rfft(samples.values * np.hanning(count), size)
@@ -107,7 +115,10 @@ def stands_out(line: Line, count: int) -> bool:
 
 
 def _lower(samples: Samples, solution: Solution) -> Solution | None:
-    """Return the solution at a fraction of the frequency, if it explains a line left over."""
+    """Return the solution at an integer fraction of the frequency, if it explains a line left over.
+
+    None if nothing that stands out is left, or no fraction explains it.
+    """
     left = samples._replace(values=solution.residual)
     line = strongest_line(left)
     power = (np.abs(solution.waves) ** 2).sum() / 2.0

@@ -80,7 +80,10 @@ class Solution(NamedTuple):
 
 
 def columns(samples: Samples, frequency: float, orders: tuple[int, ...], degree: int) -> Array:
-    """Return the columns of the fit: polynomials of the drift, sine and cosine of each order."""
+    """Return the columns of the fit: polynomials of the drift, sine and cosine of each order.
+
+    Shape (n, degree + 1 + 2 orders); the frequency is in Hz, `degree` that of the drift.
+    """
     phase = np.outer(samples.times, 2.0 * np.pi * frequency * np.array(orders))
     waves = np.stack([np.sin(phase), np.cos(phase)], axis=-1).reshape(samples.size, -1)
     return np.hstack([legvander(samples.times / samples.half, degree), waves])
@@ -97,18 +100,22 @@ def solve_least_squares(
 ) -> Solution:
     """Return the least-squares solution of all axes, from an approximate frequency.
 
-    Minimises sum_j w_j |y_j - C(f) b_j|^2 by variable projection: the coefficients b follow from
-    the frequency f, and f moves by Gauss-Newton steps along what C cannot imitate of the change
-    of C(f) b (Golub and Pereyra 2003, doi 10.1088/0266-5611/19/2/201; Kaufman's step). Waves and
-    Legendre polynomials are nearly orthogonal, so that normal equations lose no digits.
+    Minimises sum_j w_j |y_j - C(f) b_j|^2 over the axes j, with samples y, columns C and coefficients b,
+    by variable projection: the coefficients b follow from the frequency f, and f moves by Gauss-Newton
+    steps along what C cannot imitate of the change of C(f) b (Golub and Pereyra 2003, doi
+    10.1088/0266-5611/19/2/201; Kaufman's step). Waves and Legendre polynomials are nearly orthogonal,
+    so that normal equations lose no digits.
 
     Parameters
     ----------
     samples : Samples
+        What is fitted.
     frequency : float
         [Hz], within about a tenth of a turn over the recording, for the highest order.
     orders : tuple of int
+        The harmonic orders.
     degree : int
+        Of the drift, a series of Legendre polynomials.
     weights : ndarray, shape (axes,), optional
         One over the variance of each axis; equal if left out.
     free : bool
@@ -137,7 +144,10 @@ def solve_least_squares(
 
 
 def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
-    """Return the derivative of the model by frequency, shape (axes, n)."""
+    """Return the derivative of the fitted accelerations by frequency, shape (axes, n).
+
+    `basis` are the columns of the fit.
+    """
     waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]
     turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves

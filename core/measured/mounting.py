@@ -26,8 +26,9 @@ FIX = (
 def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] | None:
     """Return the rotation matrix of a sensor's mounting; None, with problems, if it is invalid.
 
-    Components in the track's axes are R times those in the sensor's; of angles it is
-    R_z(yaw) R_y(pitch) R_x(roll), of a matrix the rotation nearest to it.
+    Components in the track's axes are R times those in the sensor's. `mounting` is three angles,
+    yaw, pitch and roll, with R = R_z(yaw) R_y(pitch) R_x(roll); or a matrix, of which the nearest
+    rotation is taken; or None for the axes of the track.
     """
     if mounting is None:
         return np.eye(3)

@@ -39,7 +39,10 @@ class Noise(NamedTuple):
 
 
 def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
-    """Return the noise of a fit, at least the rounding of the values."""
+    """Return the noise of a fit, at least the rounding of the values.
+
+    `resolution` are the steps of the recorder for each axis [m s-2].
+    """
     count = samples.size
     # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
     floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
@@ -82,21 +85,22 @@ def density_near(
 
 
 def hurdle(count: int) -> float:
-    """Return the threshold of a wave's power over its variance for being significant, halved.
+    """Return the threshold that a wave's square over its variance, halved, must exceed.
 
-    m (n^(1/m) - 1), which noise exceeds with the probability 1/n: the square of a wave is
-    exponential, and its variance the mean of m such squares. For many bins m it is ln(n), the
-    price of a coefficient in Schwarz's criterion (1978, doi 10.1214/aos/1176344136).
+    m (n^(1/m) - 1) for n (`count`) samples or waves, and the number m of bins from which a density
+    is estimated: noise exceeds it with the probability 1/n, since the square of a wave is
+    exponential, and its variance the mean of m such squares. For many bins it is ln(n), the price
+    of a coefficient in Schwarz's criterion (1978, doi 10.1214/aos/1176344136).
     """
     return float(BINS * (count ** (1.0 / BINS) - 1.0))
 
 
 def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
-    """Return the covariance of frequency [Hz] and coefficients, axis after axis.
+    """Return the covariance of frequency [Hz] and coefficients [m s-2], axis after axis.
 
     H^-1 M H^-1 with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where
-    J_jg is the derivative of the model of axis j by all unknowns, of which g takes the drift or
-    one order, and S(g) is the density there.
+    w_j is the weight of axis j, J_jg the derivative of its model by all unknowns, of which g takes
+    the drift or one order, and S(g) the spectral density of the noise there.
     """
     axes, size = solution.coefficients.shape
     first = solution.degree + 1

@@ -69,7 +69,10 @@ class RecordingTable:
     lines: NDArray[np.int64]
 
     def column(self, name: str, path: str, problems: list[Problem]) -> RecordingColumn | None:
-        """Return a valid column; otherwise add its problems and return None."""
+        """Return a column without faults; otherwise add its problems and return None.
+
+        `path` is that of the name in the study, for the problems.
+        """
         column = self.columns.get(name)
         if column is None:
             message = f"the recording has no column '{name[:60]}'"
@@ -130,7 +133,7 @@ def read_table(source: str | Path) -> RecordingTable:
 
 
 def _check_header(header: list[str]) -> None:
-    """Raise if the first row does not name the columns."""
+    """Raise `StudyError` if the first row is empty, too long, or does not name the columns."""
     if not header:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
     if len(header) > MAX_COLUMNS:
@@ -145,7 +148,10 @@ def _check_header(header: list[str]) -> None:
 
 
 def _text_of(source: str | Path) -> str:
-    """Return the text of a recording without byte order mark; raise if it is too long."""
+    """Return the text of a recording without byte order mark.
+
+    Raises `StudyError` if it is too long or the file is not text.
+    """
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
             raise _too_long(len(source))
@@ -164,7 +170,10 @@ def _text_of(source: str | Path) -> str:
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of each row, without blank lines and comments."""
+    """Yield line number and cells of each row, without blank lines and comments.
+
+    Decimal commas become points where the cells are not separated by commas.
+    """
     delimiter = ""
     # A cell of several lines is no number; each line is a row of its own, and keeps its number.
     for number, line in enumerate(StringIO(text, newline=None), start=1):
@@ -190,7 +199,7 @@ def _quoted(number: int, line: str, delimiter: str) -> list[str]:
 
 
 def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns."""
+    """Return names and units of the columns from their headings; raise for a name given twice."""
     names, units = [], []
     for cell in header:
         name, unit = name_and_unit(cell)
@@ -203,9 +212,9 @@ def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:
-    """Return name and unit of a heading such as ``time (s)``.
+    """Return name and unit of a heading such as ``time (s)``; an empty unit without brackets.
 
-    The time it takes is that of reading the heading, whatever it holds.
+    It takes no longer than reading the heading, whatever that holds.
     """
     heading = heading.strip()
     start = max(heading.rfind("["), heading.rfind("("))
@@ -234,7 +243,10 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
 
 
 def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> RecordingColumn:
-    """Return a column with its values, unit and faulty cells."""
+    """Return a column with its values, unit and faulty cells.
+
+    `texts` are its cells, `lines` the lines of the file on which they stand.
+    """
     try:
         values = np.fromiter(map(float, texts), np.float64, len(texts))
     except ValueError:

@@ -160,7 +160,7 @@ class _Channel(NamedTuple):
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
-    """Return path and name of each column of accelerations."""
+    """Return path in the study and name of each column of accelerations; note problems."""
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
     if sensor is None:
@@ -184,7 +184,10 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 def _channel(
     table: RecordingTable, path: str, name: str, unit: str | None, problems: list[Problem]
 ) -> _Channel | None:
-    """Return a channel in m s-2; None, with problems, if it is invalid."""
+    """Return a channel in m s-2, and its smallest step; None, with problems, if it is invalid.
+
+    `name` is its column, with a minus sign to reverse it; `unit` holds where the header says none.
+    """
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
     column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
     if column is None:
@@ -227,7 +230,7 @@ def _plain(unit: str) -> str:
 
 
 def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
-    """Return a number in its unit; None, with a problem, if it is invalid."""
+    """Return a frequency [Hz] that a user wrote; None, with a problem, if it is invalid."""
     if raw is None:
         return None
     try:

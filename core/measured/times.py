@@ -25,8 +25,9 @@ def read_times(
 ) -> NDArray[np.float64] | None:
     """Return the times of the rows [s]; None, with problems, if they cannot be determined.
 
-    Times that differ from even ones by no more than their own rounding are made even; others are
-    kept, since least squares needs no even times.
+    They come from `rate`, samples a second, or from the column `time`. Times that differ from even
+    ones by no more than their own rounding are made even; others are kept, since least squares
+    needs no even times.
     """
     usual = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
     if rate is not None:
@@ -61,7 +62,10 @@ def read_times(
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return the problem of uneven time steps."""
+    """Return the problem of time steps that are not positive or differ much; None without one.
+
+    `name` is the column, `lines` are the lines of its values in the file.
+    """
     steps = np.diff(times)
     if not steps.size:
         return None

@@ -88,7 +88,10 @@ def _out_of_range(signal: Signal) -> list[Problem]:
 
 
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
-    """Raise `StudyError` if orders cannot be resolved, or the recording has too few periods."""
+    """Raise `StudyError` if orders cannot be resolved, or the recording has too few periods.
+
+    `frequency` is the fundamental [Hz].
+    """
     able = orders_below(samples, frequency)
     wanted = signal.harmonics or 1
     rate = samples.size / samples.duration
@@ -108,6 +111,8 @@ def check_fit(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, stated: bool
 ) -> None:
     """Raise `StudyError` if a fit does not determine a drive.
+
+    `stated` is true if any harmonic is significant.
 
     Raises
     ------
@@ -129,7 +134,10 @@ def check_fit(
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
-    """Return the problem of a recording with too few periods."""
+    """Return the problem of a recording with too few periods of a frequency [Hz].
+
+    `key` is the path in the study, `duration` that of the recording [s].
+    """
     another = ", or give frequency, if it is another" if key == "recording" else ""
     return Problem(
         key,
@@ -139,7 +147,10 @@ def _too_short(key: str, frequency: float, duration: float) -> Problem:
 
 
 def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
-    """Return the problem of a signal that is not periodic."""
+    """Return the problem of a signal that is not periodic.
+
+    `left` and `periodic` are the rms of the residual and of the harmonics [m s-2].
+    """
     line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
@@ -164,7 +175,10 @@ class _Third(NamedTuple):
 def _unsteady(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, periodic: float
 ) -> list[Problem]:
-    """Return a problem for each axis whose harmonics grow or fade."""
+    """Return a problem for each axis whose harmonics grow or fade during the recording.
+
+    `periodic` is the rms of the harmonics of all axes [m s-2].
+    """
     third = samples.size // 3
     thirds = [
         _of_part(samples, part, solution, noise) for part in (slice(third), slice(-third, None))
@@ -184,7 +198,7 @@ def _unsteady(
 
 
 def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
-    """Return the harmonics' rms with its variance in a part of the samples, for each axis."""
+    """Return, for each axis, the rms of the harmonics and its variance in a part of the samples."""
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
     fit = solve_least_squares(
@@ -200,7 +214,7 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
 
 
 def _off(line: float | None, frequency: float) -> list[Problem]:
-    """Return a problem if measured and given frequency differ by more than clocks do."""
+    """Return a problem if measured and given frequency [Hz] differ by more than clocks do."""
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)

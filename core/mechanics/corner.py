@@ -429,7 +429,7 @@ def impact_impulse_tangential(
 
 
 def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direction) -> Array:
-    """Return 1/mu_c = kappa s c/(1 + kappa c^2) for slip to the right [1].
+    """Return the inverse of mu_c for slip to the right, kappa s c/(1 + kappa c^2) [1].
 
     mu_c is the friction at which the normal response vanishes: beyond it a contact may have two
     solutions or none. s and c are sine and cosine of the diagonal's angle. Where the inverse is

@@ -130,7 +130,10 @@ def floor_force(
 
 
 def linear_amplitude(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the amplitude of the track, X1 [m]: the third entry of `stroke_response`."""
+    """Return the amplitude of the track, X1 [m].
+
+    It is the third entry of `stroke_response`, the amplitude of the trough.
+    """
     return stroke_response[2]
 
 

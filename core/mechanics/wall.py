@@ -136,7 +136,7 @@ def pushing_wall_acceleration(*, wall_balance: Array) -> Array:
 
 
 def chord_cosine(*, length: Array, radius: Array) -> Array:
-    """Return cos(sigma) for half the angle sigma that the part spans as a chord of the wall [1].
+    """Return the cosine of sigma, half the angle that the part spans as a chord of the wall [1].
 
     sin(sigma) = h/(2R), with the part's length h and the wall's radius R; NaN where the part is
     longer than 2R.

@@ -86,7 +86,8 @@ class Units:
     def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
         """Yield field, block and state of each block, from the boxes `start` to `stop`.
 
-        The state is that of those boxes of the block that are among them. They are computed by threads, and joined in order.
+        The state is that of the block's boxes that are among them. They are computed by threads,
+        and joined in order.
 
         Raises
         ------

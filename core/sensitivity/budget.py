@@ -124,7 +124,11 @@ class Budget:
         }
 
     def budget_of(self, values: Array) -> BudgetValues:
-        """Return the tolerance budget from an output's values, shape (cells, points)."""
+        """Return the tolerance budget of an output from its values, shape (cells, points).
+
+        The points are those of `values`, in their order. The derivative is NaN where differences at
+        two steps tell of a kink or a jump.
+        """
         count = len(self.middle)
         values = values.T
         parts = values[1 : 1 + 7 * count].reshape(7, count, -1)

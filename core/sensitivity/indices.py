@@ -46,12 +46,13 @@ class Indices(NamedTuple):
 
 
 def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> Array:
-    """Return the sample points for Sobol indices.
+    """Return the sample points for Sobol indices, `count` in each of several scramblings.
 
     Returns
     -------
     ndarray, shape (inputs, inputs + 2, replicates, count)
-        The points a, b, and ab_i for each input.
+        The points a and b between 0 and 1, then for each input i the points ab_i: those of a with
+        input i taken from b.
     """
     both = points(2 * inputs, count, seed, replicates)
     a, b = both[:inputs], both[inputs:]

@@ -42,7 +42,7 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
 
 
 def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
-    """Return the dimensions that occur besides the grid's axes."""
+    """Return the dimensions of a result besides the grid's axes: parameters, quantiles, levels."""
     names = [*prepared.uncertain]
     ends = np.linspace(0.0, 1.0, LEVELS)
     uncertain = {

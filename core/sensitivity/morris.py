@@ -56,7 +56,10 @@ class Paths(NamedTuple):
 
 
 def paths(inputs: int, count: int, seed: int) -> Paths:
-    """Return random paths for Morris's screening; equal seeds give equal paths."""
+    """Return `count` random paths for Morris's screening; equal seeds give equal paths.
+
+    Each begins at a random point and changes one of the inputs at each step.
+    """
     random = np.random.default_rng((seed, 1991))
     level = random.integers(LEVELS, size=(count, inputs))
     start = (level + 0.5) / LEVELS
@@ -72,12 +75,14 @@ def paths(inputs: int, count: int, seed: int) -> Paths:
 
 
 def effects_of(values: Array, along: Paths) -> Effects:
-    """Return the elementary effects from values at the points of paths.
+    """Return the elementary effects of each input from values at the points of paths.
 
     Parameters
     ----------
     values : ndarray, shape (..., paths, inputs + 1)
-        NaN where there is none: then the steps from and to it are left out.
+        NaN where there is none: then the steps from and to that point are left out.
+    along : Paths
+        The paths, as `paths` gives them.
     """
     steps = np.diff(values, axis=-1) * along.signs / STEP
     order = np.broadcast_to(np.argsort(along.changed, axis=-1), steps.shape)

@@ -153,7 +153,7 @@ class Sensitivity(Prepared):
 
 
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
-    """Return the number of evaluations per design that a study needs."""
+    """Return the number of evaluations per design that the analyses of a study need."""
     count, total = len(study.distributions()), 1
     if {"distribution", "sobol"} & set(study.analyses) or study.demands:
         total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
@@ -163,7 +163,7 @@ def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
 
 
 def prepare(study: SensitivityStudy) -> Sensitivity:
-    """Return the prepared sensitivity study; raise `StudyError` with every problem.
+    """Return the sensitivity study that a user's study describes, ready to be computed.
 
     Raises
     ------
@@ -200,7 +200,10 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
 
 
 def choose(sketch: Sketch) -> Chosen:
-    """Return the closed-form scene, or the system of motion if a method or output needs it."""
+    """Return scene, variant or method, and problems of their names.
+
+    It is the closed-form scene, or the system of motion if a method or an output asks for motion.
+    """
     if sketch.method is None:
         return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
     scene, chosen, problems = choose_system(sketch.scene, sketch.method, sketch.names)
@@ -217,7 +220,7 @@ def _span(name: str, distribution: Distribution) -> Values:
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    """Yield problems between the sections of a study."""
+    """Yield problems between the sections of a study, before its scene is looked at."""
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
@@ -255,7 +258,7 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
 
 
 def _unclear(demand: Demand) -> tuple[str, str] | None:
-    """Return the problem of a demand without bounds or regime; None if it is clear."""
+    """Return message and fix for a demand without bounds or regime; None if it is clear."""
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"

@@ -27,7 +27,9 @@ def student_factor(replicates: int = REPLICATES) -> float:
 
 
 def jackknife(sums: Array, estimate: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Return an estimate from sums over all replicates, with its jackknife error.
+    """Return an estimate from sums over all replicates, and half its 95 % interval.
+
+    The error comes from leaving out one replicate after the other.
 
     Parameters
     ----------

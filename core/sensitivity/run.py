@@ -49,7 +49,7 @@ class SampledOutputs:
     regime: NDArray[np.int8]
 
     def shaped(self, *shape: int) -> SampledOutputs:
-        """Return the outputs with the points in another shape."""
+        """Return the outputs with their points in another shape; designs stay the first axis."""
         return SampledOutputs(
             {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
             self.regime.reshape(-1, *shape),
@@ -93,12 +93,18 @@ class _Evaluator:
         self.long = sum(one.takes_long for one in prepared.plan.equations)
 
     def at(self, shares: Array) -> SampledOutputs:
-        """Return the outputs at points of the unit box, shape (parameters, ...)."""
+        """Return the outputs at points of the unit box, shape (parameters, ...).
+
+        A coordinate is the share of the parameter's distribution below its value.
+        """
         drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
         return self.of(drawn).shaped(*shares.shape[1:])
 
     def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return the outputs for values of the uncertain parameters, each of shape (n,)."""
+        """Return the outputs for values of the uncertain parameters, each of shape (n,), SI units.
+
+        Raises `StoppedError` if the watch stops it.
+        """
         number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
         parts = []
@@ -130,7 +136,10 @@ class _Evaluator:
         return SampledOutputs(outputs, regime)
 
     def _valid(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
-        """Return a mask for each output of the cells that describe a real part."""
+        """Return, for each output, a mask of the cells whose regime describes a real part.
+
+        Only regimes that concern the output count; `known` has every quantity of the plan.
+        """
         plan, valid, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
             doubted = plan.conditions if name not in EXACT else ()
@@ -172,7 +181,11 @@ def _first(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the statistics of points sampled from the distributions."""
+    """Yield name and values of each statistic of points sampled from the distributions.
+
+    They are probabilities of demands, then for each output the share left out, distribution and
+    Sobol indices.
+    """
     prepared, study = evaluator.prepared, evaluator.prepared.study
     drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
     if not drawn:
@@ -208,7 +221,7 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
 
 
 def _met(demand: Demand, values: SampledOutputs) -> Mask:
-    """True where a demand is met, shape (designs, replicates, count)."""
+    """True where a demand is met at a sampled point, shape (designs, replicates, count)."""
     if demand.regime is not None:
         return np.asarray(values.regime[:, 0] == REGIMES[demand.regime].value)
     output = values.outputs[str(demand.output)][:, 0]

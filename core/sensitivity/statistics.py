@@ -22,9 +22,9 @@ class Estimate(NamedTuple):
 
 
 def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
-    """Return mean and standard deviation, ignoring NaN; values (..., replicates, count).
+    """Return mean and standard deviation with errors, ignoring NaN.
 
-    Where all have no value, neither has the mean.
+    `values` have the shape (..., replicates, count). Where all are NaN, so is the mean.
     """
     known = np.isfinite(values)
     number = known.sum(axis=(-2, -1), keepdims=True)
@@ -48,12 +48,10 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
 
 
 def quantiles(values: Array, shares: Array) -> Estimate:
-    """Return quantiles with errors, ignoring NaN; values (..., replicates, count).
+    """Return quantiles with errors, ignoring NaN; values have the shape (..., replicates, count).
 
-    Returns
-    -------
-    Told
-        Arrays of shape (shares, ...).
+    `shares` are the shares of the values below. The error comes from the scatter of the replicates'
+    quantiles; the estimates have the shape (shares, ...).
     """
     count = values.shape[-2]
     flat = values.reshape(*values.shape[:-2], -1)
@@ -66,7 +64,8 @@ def quantiles(values: Array, shares: Array) -> Estimate:
 def quantile(values: Array, shares: Array) -> Array:
     """Return quantiles along the last axis, ignoring NaN, shape (shares, ...).
 
-    Between two neighbours it is linear, as numpy does by default.
+    `shares` are the shares of the values below. Between two neighbours it is linear, as numpy does
+    by default.
     """
     values = np.sort(values, axis=-1)  # NaN come last
     number = np.isfinite(values).sum(axis=-1)
@@ -80,9 +79,10 @@ def quantile(values: Array, shares: Array) -> Array:
 
 
 def probability(met: Mask) -> Estimate:
-    """Return the probability of an event from where it occurred, (..., replicates, count).
+    """Return the probability of an event, with its error, from the points where it occurred.
 
-    Where all points agree, chance may have left out one: the error then is one point's share.
+    `met` has the shape (..., replicates, count). Where all points agree, chance may have left out
+    one: the error then is at least one point's share.
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)

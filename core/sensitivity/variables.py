@@ -70,7 +70,7 @@ def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
 
 
 def in_words(demand: Demand) -> str:
-    """Return a demand in words."""
+    """Return a demand in words, such as ``acceleration along x at least 1 m s-2``."""
     if demand.regime is not None:
         return f"the regime {demand.regime}"
     output = QUANTITIES[str(demand.output)]

@@ -41,7 +41,11 @@ _PRIOR_SCHEMA = {
 
 
 def quantity_of(table: str, parameter: str) -> Quantity:
-    """Return the quantity of an unknown: of a parameter, its offset, or its factor."""
+    """Return the quantity of an unknown, with its unit and bounds.
+
+    `table` is "unknowns" for the parameter itself, "offsets" for an offset of it, in the same unit,
+    or "factors" for a factor, without unit.
+    """
     quantity = QUANTITIES[parameter]
     if table == "unknowns":
         return quantity
@@ -50,7 +54,10 @@ def quantity_of(table: str, parameter: str) -> Quantity:
 
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
-    """Return the prior that a user wrote: a range or a normal distribution."""
+    """Return the prior that a user wrote: a range or a normal distribution.
+
+    Raises `UnitError` for anything else.
+    """
     of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
     prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
@@ -83,7 +90,10 @@ def _prior_field(table: str, name: str) -> Any:
 
 
 def _table(table: str, doc: str) -> Any:
-    """Return the pydantic model of a table of unknowns, one field per parameter."""
+    """Return the pydantic model of a table of unknowns, with a field for each parameter.
+
+    `table` is its name, `doc` the description in the schema.
+    """
     fields = {name: _prior_field(table, name) for name in PARAMETERS}
     return create_model(table.capitalize(), __base__=Frozen, __doc__=doc, **fields)
 

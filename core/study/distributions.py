@@ -109,9 +109,9 @@ BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 
 
 def read_distribution(name: str, raw: object, quantity: Quantity | None = None) -> Distribution:
-    """Return the distribution that a user wrote for a parameter.
+    """Return the distribution that a user wrote for a parameter, by the keys of the table `raw`.
 
-    Where it is that of something else than a parameter, `quantity` says what.
+    `quantity` gives unit and bounds where it is that of an offset or a factor.
 
     Raises
     ------
@@ -151,14 +151,14 @@ def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Tri
 
 
 def _no_width(value: str, width: str) -> tuple[str, str]:
-    """Return the error for a value with +-, which could mean two things, and the fix."""
+    """Return message and fix for a value with +-, which could mean two things."""
     message = f"'{value} +- {width}' may mean limits or a standard deviation"
     normal = f'{{ mean = "{value}", deviation = "{width}" }}'
     return message, f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation"
 
 
 def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    """Return the error for keys that fit no distribution, with the valid ones."""
+    """Return message and fix for keys that fit no distribution."""
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
@@ -170,7 +170,11 @@ def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
 
 
 def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
-    """Return a normal distribution from mean, deviation and bounds."""
+    """Return a normal distribution from the keys mean, deviation, lower and upper.
+
+    The deviation may be a share of the mean, as in ``"5 %"``. Raises `UnitError` if bounds and mean
+    contradict each other.
+    """
     mean = read_number(name, quantity, raw["mean"])
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
@@ -188,7 +192,10 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
 
 
 def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
-    """Return a lognormal distribution from median and factor."""
+    """Return a lognormal distribution from the keys median and factor.
+
+    Raises `UnitError` unless the median is above 0 and the factor above 1.
+    """
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
         message = f"the median of {name} is {median:g}, and a lognormal value is above 0"
@@ -201,7 +208,11 @@ def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognorm
 
 
 def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
-    """Return a tabulated distribution from values and densities."""
+    """Return a tabulated distribution from the keys values and densities.
+
+    Raises `UnitError` unless they are lists of one length, values ascending and densities not all
+    0.
+    """
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(f"values and densities of {name} are no lists", "Write two lists")
@@ -253,7 +264,7 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    """Return scipy's distribution, without bounds."""
+    """Return scipy's distribution for one of ours, without regard to bounds."""
     import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):
@@ -265,7 +276,10 @@ def _law(distribution: Normal | Triangular | Lognormal) -> Any:
 
 
 def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
-    """Return quantiles of a density that is linear between listed values."""
+    """Return quantiles of a density that is linear between listed values.
+
+    `shares` are the shares of the mass below, of any shape.
+    """
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
     whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
@@ -296,10 +310,10 @@ def nominal(distribution: Distribution) -> float:
 
 
 def tolerance(name: str, distribution: Distribution) -> tuple[float, float]:
-    """Return the ends of a parameter's tolerance, in the unit of studies.
+    """Return both ends of a parameter's tolerance, in the unit of studies.
 
-    They are the ends of the distribution; of one without ends those between which 99.73 % lie, as
-    three deviations are on either side of a mean.
+    They are the ends of the distribution; for one without ends those between which 99.73 % lie, as
+    three standard deviations are on either side of a mean.
     """
     if isinstance(distribution, Between | Triangular):
         return distribution.lower, distribution.upper
@@ -310,7 +324,10 @@ def tolerance(name: str, distribution: Distribution) -> tuple[float, float]:
 
 
 def deviation(name: str, distribution: Distribution) -> float:
-    """Return the standard deviation of a distribution, in the unit of studies."""
+    """Return the standard deviation of a parameter's distribution, in the unit of studies.
+
+    The distribution is cut at the bounds of the parameter `name`.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(64)
     # In the quantile of a quantile tails count as they weigh: smooth, and finite at the ends.
     angle = np.pi * (nodes + 1) / 2

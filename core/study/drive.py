@@ -93,7 +93,7 @@ class MeasuredDrive(BaseModel):
 
 
 def only_the_plain_sine(fix: str) -> Problem:
-    """Return the error for a measured drive in a study that does not simulate motion."""
+    """Return the problem of a measured drive in a study of closed forms; `fix` says the way out."""
     message = "closed forms support only the plain sine of amplitude, alpha and beta"
     return Problem("drive", message, fix)
 
@@ -105,7 +105,7 @@ def names_recording(content: object) -> bool:
 
 
 def _fitted(raw: object) -> object:
-    """Refuse a drive whose recording has not been fitted."""
+    """Return a drive whose recording has been fitted; refuse any other."""
     problem = None
     if isinstance(raw, Mapping) and "sha256" not in raw:
         fix = "Carry the study out, or load it by vibrafeed.load_study"

@@ -29,9 +29,9 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 
 
 def _without_echoes(schema: dict[str, Any]) -> None:
-    """Remove redundant entries from a schema, which repeat for every parameter.
+    """Remove entries from a JSON Schema that say nothing new and repeat for every parameter.
 
-    Those are titles that repeat their key, and null for what may be left out.
+    They are titles that repeat their key, and the default null of what may be left out.
     """
     required = schema.get("required", ())
     for name, field in schema.get("properties", {}).items():
@@ -176,7 +176,10 @@ MAX_SHOWN = 8  # to look a unit up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
-    """Return the texts that say in which units values are shown; None for the usual units."""
+    """Return the texts that say in which units values are shown; None for the usual units.
+
+    Raises a refusal for an unknown unit, or for more than eight.
+    """
     if raw is None:
         return None
     words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw
@@ -239,9 +242,10 @@ class Study(Frozen):
     )
 
     def values(self) -> dict[str, Values]:
-        """Return the parameters that are set, with their values, in the order of the declaration.
+        """Return the parameters that are set, with their values.
 
-        The order in which a user writes them does not matter: equal studies have equal axes.
+        They are in the order of the declaration, whatever the order in which a user writes them:
+        equal studies have equal axes.
         """
         given = self.parameters.model_fields_set
         return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}

@@ -13,15 +13,19 @@ from core.study.units import UnitError, read_number
 
 
 def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
-    """Return the validation error of a wrong value; `fix` may be a function, called on demand.
+    """Return the validation error of a wrong value, with a message and a fix.
 
-    Of many errors it is called for the first few alone.
+    `fix` may be a function; pydantic may find many errors, and it is called for the first few
+    alone.
     """
     return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
 
 
 def at_most(count: int) -> BeforeValidator:
-    """Return a validator that refuses longer lists before pydantic checks each entry."""
+    """Return a validator that refuses lists of more than `count` entries.
+
+    It does so before pydantic checks each entry, which takes long.
+    """
 
     def check(raw: object) -> object:
         """Return the list unless it is too long."""
@@ -44,7 +48,10 @@ def read_level(name: str, raw: object) -> float:
 
 
 def _read_level(raw: object, info: ValidationInfo) -> object:
-    """Return a level of the output in the field before it, in that output's unit."""
+    """Return a level of the output that an earlier field names, in that output's unit.
+
+    Raises a refusal for a text that is no such value.
+    """
     output = info.data.get("against") or info.data.get("output")
     if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere
         return raw if raw is None or isinstance(raw, int | float) else 0.0

@@ -184,7 +184,10 @@ def spread_rows(raw: object) -> object:
 
 
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
-    """Yield the rows of one entry."""
+    """Yield the rows of one entry, which may have lists of values: one row for each.
+
+    `number` is that of the entry, for messages.
+    """
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
     if not lengths:
         yield {str(name): value for name, value in entry.items()}

@@ -83,7 +83,7 @@ class OutputLimit(Frozen):
     )
 
     def ends(self) -> Iterable[tuple[str, float]]:
-        """Yield name and bound of each constraint that the limit contains."""
+        """Yield name and value of each bound that the limit contains: lower, upper or both."""
         name = f"{self.output}_absolute" if self.absolute else self.output
         if self.lower is not None:
             yield f"{name}_lower", self.lower
@@ -176,7 +176,7 @@ class OptimiseStudy(DrivenStudy):
         return {name: f"variables.{name}" for name in self.bounds()}
 
     def output_places(self) -> dict[str, str]:
-        """Return the paths of outputs outside `outputs`."""
+        """Return the paths of outputs that stand in constraints or the criterion, by output."""
         origins: dict[str, str] = {}
         for number, one in enumerate(self.constraints):
             origins.setdefault(one.output, f"constraints.{number}.output")

@@ -61,7 +61,10 @@ class ShareCondition:
 
 
 def _read_condition(raw: object) -> ShareCondition:
-    """Return the condition in a text such as ``regime == stick``."""
+    """Return the condition in a text such as ``regime == stick`` or ``throw_number < 1``.
+
+    Raises a refusal for a text that is none.
+    """
     if isinstance(raw, ShareCondition):
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
@@ -118,7 +121,10 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    """Return a validator that sorts names and removes repetitions, so that equal studies agree."""
+    """Return a validator that sorts names by `order` and removes repetitions.
+
+    So equal studies have equal texts.
+    """
     place = {name: k for k, name in enumerate(order)}
 
     def sort(names: tuple[str, ...]) -> tuple[str, ...]:

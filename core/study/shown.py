@@ -100,7 +100,10 @@ class ShownUnits:
     wanted: Mapping[str, Shown] = field(default_factory=dict)
 
     def of(self, unit: str, largest: float) -> Shown:
-        """Return the unit in which to show values in `unit` with the largest size `largest`."""
+        """Return the unit in which to show values that are in `unit`.
+
+        `largest` is their largest size: small forces and times are shown in smaller units.
+        """
         if unit in self.wanted:
             return self.wanted[unit]
         if self.system == "trade" and unit in TRADE:
@@ -111,7 +114,7 @@ class ShownUnits:
 
 
 def read_shown(words: Iterable[str]) -> ShownUnits:
-    """Return the units to show: ``trade``, ``si``, or a list such as ``m/min``.
+    """Return the units to show, from words such as ``trade``, ``si`` or ``m/min``.
 
     A unit stands for all quantities of its kind.
 
@@ -136,7 +139,10 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
 
 
 def _unit(word: str) -> tuple[str, Shown]:
-    """Return a shown unit and the unit of the quantities that it is for."""
+    """Return the unit of the quantities that a word such as ``m/min`` fits, and how to show it.
+
+    Raises `UnitError` if it fits none.
+    """
     for unit in dict.fromkeys(quantity.unit for quantity in QUANTITIES.values()):
         if unit == "1":
             continue

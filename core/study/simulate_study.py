@@ -31,7 +31,7 @@ _TRAJECTORY_SCHEMA = {
 
 
 def _are_times(raw: Sequence[object]) -> bool:
-    """True if values are ascending times within the allowed range."""
+    """True if values are ascending times from 0 to `LATEST`, in seconds."""
     numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
     if not 0 < len(raw) <= MAX_SAMPLES or len(numbers) < len(raw):
         return False
@@ -40,7 +40,10 @@ def _are_times(raw: Sequence[object]) -> bool:
 
 
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
-    """Return the number of steps of a trajectory, or times in seconds."""
+    """Return the number of steps of a trajectory, or its times in seconds; None for none.
+
+    Raises a validation error for anything else.
+    """
     whole = isinstance(raw, int) and not isinstance(raw, bool)
     if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]

@@ -73,7 +73,11 @@ def evenly(
 def geometrically(
     first: float, last: float, size: int, start: int = 0, stop: int | None = None
 ) -> NDArray[np.float64]:
-    """Return geometrically spaced values as numpy's geomspace, or a slice of them."""
+    """Return geometrically spaced values as numpy's geomspace, or a slice of them.
+
+    `first` and `last` are the ends, `size` is the number of all values; the slice goes from
+    position `start` to before `stop`.
+    """
     stop = size if stop is None else stop
     ends = float(np.log10(first)), float(np.log10(last))
     values = np.power(10.0, _approximately(*ends, size, start, stop))
@@ -86,7 +90,10 @@ def geometrically(
 
 @functools.lru_cache(maxsize=256)
 def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
-    """Return integers a, b, c such that value k is exactly (a + b k)/c."""
+    """Return integers a, b, c such that value k of an even axis is exactly (a + b k)/c.
+
+    `first` and `last` are the ends, `size` is the number of values.
+    """
     begin = as_typed(first)
     step = (as_typed(last) - begin) / (size - 1)
     common = begin.denominator * step.denominator
@@ -98,7 +105,7 @@ def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
-    """Return a slice of numpy's linspace without computing the whole axis."""
+    """Return the values from `start` to before `stop` of numpy's linspace, without the others."""
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)

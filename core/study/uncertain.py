@@ -69,7 +69,7 @@ else:
 
 
 def distributions_of(uncertain: Uncertain | None) -> dict[str, Distribution]:
-    """Return the uncertain parameters with their distributions, in the order of the declaration."""
+    """Return the uncertain parameters of a study with their distributions; none for None."""
     if uncertain is None:
         return {}
     given = uncertain.model_fields_set

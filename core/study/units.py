@@ -42,7 +42,9 @@ class UnitError(ValueError):
 
 
 def read_number(name: str, quantity: Quantity, raw: object) -> float:
-    """Return a number, or a text with a unit, in the unit of a quantity.
+    """Return a number, or a text with a unit, as a number in the unit of a quantity.
+
+    `name` is the parameter's, for messages.
 
     Raises
     ------
@@ -53,7 +55,11 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    """Return a value in the unit of a quantity; `factors` caches the factors of units."""
+    """Return a number, or a text with a unit, as a number in the unit of a quantity.
+
+    `factors` caches the factors of units between the values of a list. Raises `UnitError` for
+    anything else, and beyond the bounds of the quantity.
+    """
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
@@ -91,12 +97,12 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
 
 
 def share_of(value: float, raw: object, example: str) -> float | None:
-    """Return the fraction of a value that a text such as ``"5 %"`` means; None for other texts.
+    """Return the number that a text such as ``"5 %"`` makes of a value; None for other texts.
 
     Raises
     ------
     UnitError
-        If it ends in a percent sign, and no number stands before that; the fix is the example.
+        If it ends in a percent sign, and no number stands before that; `example` is the fix.
     """
     if not (isinstance(raw, str) and raw.strip().endswith(PERCENT)):
         return None
@@ -114,7 +120,10 @@ def problem(path: str, error: UnitError) -> Problem:
 
 
 def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:
-    """Return the value of a text with a unit, exactly rounded."""
+    """Return the value of a text with a number and perhaps a unit, rounded once.
+
+    `factors` caches the factors of units. Raises `UnitError` for a text that is none.
+    """
     match = _TEXT.fullmatch(text[:200])
     if match is None:
         raise UnitError(
@@ -141,7 +150,11 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
 
 
 def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
-    """Return the exact factor of a unit; raise `UnitError` for an unknown one."""
+    """Return the exact factor from a unit to that of a quantity.
+
+    Raises `UnitError` for a text that is no unit, or one of another kind; `name` is the
+    parameter's, for messages.
+    """
     if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
         return Fraction(1, 60)
     fix = _how_to_write(name, quantity)

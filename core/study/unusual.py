@@ -24,9 +24,10 @@ ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median
 
 
 def questions(content: object) -> list[str]:
-    """Return a question for each unusual parameter value in a valid study.
+    """Return a question for each parameter value of a study that is allowed but unusual.
 
-    A number that is written with its unit is not asked about for being small.
+    Such are half a metre of amplitude, or radians taken for degrees. A number that is written with
+    its unit is not asked about for being small.
     """
     asked = []
     for part in PARTS:
@@ -40,7 +41,7 @@ def questions(content: object) -> list[str]:
 
 
 def _leaves(raw: object) -> Iterator[Any]:
-    """Yield the single values in a value, list, range or bounds."""
+    """Yield the single values in a parameter's value, list, range or distribution."""
     if isinstance(raw, Mapping):
         yield from (raw[end] for end in ENDS if end in raw)
         yield from raw.get("values", ())
@@ -53,7 +54,10 @@ def _leaves(raw: object) -> Iterator[Any]:
 def _question(
     name: str, quantity: Quantity, usual: tuple[float, float], leaves: list[Any]
 ) -> str | None:
-    """Return the question about a parameter's unusual value; None if it is usual."""
+    """Return the question about a parameter's unusual value; None if all are usual.
+
+    `usual` are the least and the largest usual value, `leaves` the values as written.
+    """
     if not leaves:  # what is uncertain may come from a file
         return None
     sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
@@ -74,7 +78,10 @@ def _question(
 
 
 def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
-    """Return the likely intended unit of a number without one, if that would be usual."""
+    """Return the value as it was probably meant, such as ``"5 mm"`` for 5; None without one.
+
+    That is the number in another common unit, if it would be usual then.
+    """
     unit = SLIPS.get(quantity.unit)
     if unit is None:  # of a share, per cent
         text, value = f"{typed / 100:g}", typed / 100

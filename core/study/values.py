@@ -106,6 +106,8 @@ class Between:
 def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Between:
     """Return the bounds that a user wrote for a variable.
 
+    `quantity` gives unit and limits where they are not those of a parameter.
+
     Raises
     ------
     UnitError
@@ -150,10 +152,10 @@ def read_values(name: str, raw: object) -> Values:
 def position_on_axis(
     name: str, values: NDArray[np.float64], wanted: float, system: str = "si"
 ) -> int:
-    """Return the index of a value on an axis.
+    """Return the index of a value on an axis, with a tolerance for texts such as 33.33333333.
 
-    Texts such as 33.33333333 name a value: it may be missed by 1e-9 of the value or of the gap to
-    its neighbour. `system` says in which units of `core.study.shown` the error speaks.
+    It may be missed by 1e-9 of the value or of the gap to its neighbour. `values` are those of the
+    axis; `system` says in which units of `core.study.shown` the error speaks.
 
     Raises
     ------
@@ -237,7 +239,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
 
 
 def _num(name: str, raw: object) -> int:
-    """Return the number of values of a range."""
+    """Return the number of values of a range; raise `UnitError` unless it is 2 or more."""
     if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
         raise UnitError(
             f"num of {name} is {str(raw)[:40]!r}",
@@ -249,7 +251,10 @@ def _num(name: str, raw: object) -> int:
 def _step(
     name: str, quantity: Quantity, start: float, stop: float, raw: object
 ) -> tuple[float, int]:
-    """Return last value and number of values of a range with a step."""
+    """Return the last value of a range with a step, and the number of its values.
+
+    The last value is `stop` if steps reach it, else the last one before.
+    """
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
     step = read_number(f"step of {name}", as_difference(quantity), raw)
     first, apart = as_typed(start), as_typed(step)
@@ -266,7 +271,7 @@ def _step(
 
 
 def as_difference(quantity: Quantity) -> Quantity:
-    """Return the quantity of a difference of two values, above 0."""
+    """Return the quantity of a difference of two values: the same unit, always above 0."""
     return Quantity(
         quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
         examples=quantity.examples,

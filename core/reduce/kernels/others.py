@@ -1,4 +1,4 @@
-"""Counts, conditions, histograms and crossings over the cells of a box; rows as in `rows`."""
+"""Counts, conditions, histograms and crossings over the cells of a box; rows as in `Rows`."""
 
 from __future__ import annotations
 
