@@ -59,7 +59,11 @@ def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
 
 
 def _first() -> Axes:
-    """Return the nodes to begin with, for each axis: the level track and one friction are among them."""
+    """Return the nodes to begin with, for each axis.
+
+    The level track and one coefficient of friction are among them, and the throw numbers at which
+    motion changes its kind.
+    """
     throw, angle, slope, ratio = AXES.values()
     edges = (
         throw.least, 0.1, 0.3, 0.6, HOP, HOP + NODE_OFFSET, 1.5, 2.2,

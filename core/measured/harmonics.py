@@ -100,11 +100,11 @@ def solve_least_squares(
 ) -> Solution:
     """Return the least-squares solution of all axes, from an approximate frequency.
 
-    Minimises sum_j w_j |y_j - C(f) b_j|^2 over the axes j, with samples y, columns C and coefficients b,
-    by variable projection: the coefficients b follow from the frequency f, and f moves by Gauss-Newton
-    steps along what C cannot imitate of the change of C(f) b (Golub and Pereyra 2003, doi
-    10.1088/0266-5611/19/2/201; Kaufman's step). Waves and Legendre polynomials are nearly orthogonal,
-    so that normal equations lose no digits.
+    Minimises sum_j w_j |y_j - C(f) b_j|^2 over the axes j, with samples y, columns C and
+    coefficients b, by variable projection: the coefficients b follow from the frequency f, and f
+    moves by Gauss-Newton steps along what C cannot imitate of the change of C(f) b (Golub and
+    Pereyra 2003, doi 10.1088/0266-5611/19/2/201; Kaufman's step). Waves and Legendre polynomials
+    are nearly orthogonal, so that normal equations lose no digits.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from core.quantities.quantity import Quantity, angle, length, number
 def _input(
     unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
 ) -> Quantity:
-    """Return the quantity of an input that is at least 0, or above 0."""
+    """Return the quantity of an input that is at least 0; with `strict` above 0."""
     return Quantity(
         unit, symbol, label, says, 0.0, strict=strict, parameter=True, examples=(example,)
     )

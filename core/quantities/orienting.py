@@ -13,7 +13,7 @@ PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if 
 
 
 def _device(position: int) -> dict[str, Quantity]:
-    """Return the quantities of the device at a position of the line."""
+    """Return the quantities of the device at a position of the line, by kind."""
     at = f", place {position}"
 
     def size(symbol: str, label: str, says: str, example: str) -> Quantity:

@@ -100,7 +100,10 @@ def angle(
     example: str,
     usual: tuple[float, float] | None = None,
 ) -> Quantity:
-    """Return the quantity of an angle within a limit on both sides, as a parameter."""
+    """Return the quantity of an angle within a limit on both sides [degree], as a parameter.
+
+    `usual` are the ends of what is found in practice; `example` is a value as users write it.
+    """
     return Quantity(
         "degree", symbol, label, description, -limit, limit, parameter=True, examples=(example,),
         usual=usual,

@@ -82,7 +82,7 @@ def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
 
 
 def _rate(symbol: str, label: str, says: str, *, is_input: bool = False) -> Quantity:
-    """Return the quantity of a number of parts per minute."""
+    """Return the quantity of a number of parts per minute; a parameter if it is an input."""
     return Quantity(
         "min-1", symbol, label, says, 0.0, parameter=is_input,
         examples=("120 1/min",) if is_input else (),

@@ -63,7 +63,8 @@ def printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.33b), with +mu and cos^2 [m s-2].
 
-    The source knows slip to the right only; to the left, its mirror image.
+    It is that of the corner along the plane; right are -mu and sin^2. The source knows slip to the
+    right only; to the left, its mirror image.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic

@@ -46,7 +46,10 @@ class Device:
         return value
 
     def matrix(self, aspects: int, parameters: dict[str, Any]) -> Matrix:
-        """Return the matrix that turns arriving shares into those behind the device."""
+        """Return the device's matrix: row i has the share of parts of aspect i that go on in each.
+
+        `parameters` are those of the study and its bundles, by name.
+        """
         tests = [self._kept(number, aspects, parameters) for number in self.numbers]
         tests = [kept for kept in tests if kept]
         matrix = orienting.unchanged(aspects)
@@ -62,7 +65,7 @@ class Device:
     def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
         """Return the share of each aspect that a test of the device passes; empty if it is no test.
 
-        None if it is no test.
+        `number` is the kind of the device's number, such as `wiper_height`.
         """
         sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
         if number == "wiper_height":
@@ -81,7 +84,10 @@ class Device:
         return []
 
     def _rail(self, parameters: dict[str, Any]) -> Matrix:
-        """Return the matrix of two rails: only parts hanging by their head pass."""
+        """Return the matrix of two rails, for a turned part: upright, on its side, inverted.
+
+        Parts on their side or inverted go on inverted if they hang by their head; all others fall.
+        """
         width = self.number("rail_width", parameters)
         hangs = orienting.hangs_on_rail(width, parameters["shank_diameter"], parameters["diameter"])
         zero = np.zeros(())
@@ -141,7 +147,11 @@ class DeviceLine:
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
     ) -> tuple[list[Matrix], list[Array | None]]:
-        """Return the devices' matrices and outlets in one of their orders, for each cell."""
+        """Return the devices' matrices and capacities in the order that each cell asks for.
+
+        `order` is the number of the order, from 1 on; a device without outlet has an infinite
+        capacity.
+        """
         capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
         chosen: list[Matrix] = []
         at: list[Array | None] = []

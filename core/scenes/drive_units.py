@@ -43,7 +43,10 @@ LIMITS = (
 
 
 def tuning(*outputs: str) -> tuple[Condition, ...]:
-    """Return the conditions that say if a unit is at resonance, tuned stiff or tuned soft."""
+    """Return the conditions for a unit at resonance, tuned stiff or tuned soft.
+
+    They concern the strokes and the given `outputs`.
+    """
     concerned = STROKES | frozenset(outputs)
     return (
         Condition("resonance", drive_unit.is_at_resonance, concerned),

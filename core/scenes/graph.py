@@ -48,14 +48,15 @@ def behind(
     wanted : iterable of str
         Names of quantities.
     producer : callable
-        Returns what gives a quantity; None if that has to be given from outside.
+        Takes the name of a quantity; returns the step that gives it, which has `inputs`; None if it
+        has to be given from outside.
     enters : callable
-        Whether to go on to what a step needs.
+        Takes a step; False stops there, without looking at its inputs.
 
     Returns
     -------
     mapping of str to Step or None
-        What gives each quantity, in an order in which they can be computed.
+        The step that gives each quantity, in an order in which they can be computed.
 
     Raises
     ------
@@ -84,7 +85,10 @@ def behind(
 def between(
     steps: Collection[Known], sources: Collection[str], targets: Collection[str]
 ) -> tuple[Known, ...]:
-    """Return the equations between some quantities and others, in order of computation."""
+    """Return the equations that lead from some quantities to others, in order of computation.
+
+    They are those that change if one of the `sources` changes, as far as the `targets` need them.
+    """
     changes, way = {*sources}, []
     for one in behind(targets, {one.gives: one for one in steps}.get).values():
         if one is not None and one.gives not in sources and changes & {*one.inputs}:

@@ -55,7 +55,7 @@ def numbers_of(shape: str) -> tuple[str, ...]:
 
 
 def shares_of(shape: str) -> tuple[Equation, ...]:
-    """Return the quantities of each aspect's shares: resting, passing, leaving."""
+    """Return the equations for the shares of each aspect: resting, passing, leaving."""
     rows: list[tuple[str, tuple[Any, ...], str, str]] = [
         ("yield", ("total",), "line", "the share of the arriving parts that leave [1]")
     ]
@@ -112,7 +112,11 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
-    """Return the scene with these devices, an order if asked for, and a drop test if given."""
+    """Return the scene with some devices, cached by its arguments.
+
+    `numbers` are the names of the devices' parameters, `ordered` is true if the study gives the
+    order of the devices, `tested` if it gives a drop test.
+    """
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -135,7 +139,11 @@ def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Sc
 def _equations_with_devices(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
 ) -> tuple[Equation, ...]:
-    """Return the equations of a shape with some devices, and a drop test if given."""
+    """Return the equations of a shape with some devices, and a drop test if given.
+
+    `numbers` has the kinds of numbers of the device at each place of the line; `ordered` is true if
+    the study gives their order.
+    """
     known, aspects = numbers_of(shape), len(ASPECTS[shape])
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)

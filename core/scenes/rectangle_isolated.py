@@ -60,7 +60,8 @@ def printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.6b), with +mu: 2 mu n too large [m s-2].
 
-    The source knows slip to the right only; to the left, its mirror image.
+    It is that of the corner along the plane, n being the normal force per mass. The source knows
+    slip to the right only; to the left, its mirror image.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic

@@ -118,7 +118,7 @@ class Field:
         return keywords((self.bundle,))
 
     def __call__(self, **values: Any) -> Any:
-        """Return the field of the bundle."""
+        """Return the field of the bundle, found by the path of names and positions."""
         value = values[self.bundle]
         for step in self.path:
             value = getattr(value, step) if isinstance(step, str) else value[step]
@@ -128,7 +128,8 @@ class Field:
 def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
     """Return the equations that take quantities out of a bundle, such as a `Motion`.
 
-    A row is the quantity's name, the way to its field, and last what it is, as one says "Return".
+    For each quantity by name, a row has the names of the fields that lead to it, and last its
+    description, as one says after "Return". `source` and `variant` are those of all.
     """
     return tuple(
         Equation(gives, Field(bundle, row[:-1], f"Return {row[-1]}."), source, variant)
@@ -288,8 +289,8 @@ class Scene:
     def variant_of(self, variant: str, output: str) -> str:
         """Return the variant whose formula an output uses when `variant` is chosen.
 
-        The physical variant, for one, has no law of its own for the velocity after a distance and
-        takes the derived one.
+        The physical variant has no law of its own for the velocity after a distance, for example,
+        and takes the derived one.
         """
         met = behind((output,), self.producers(variant).get, lambda one: one.variant == "all")
         found = {one.variant for one in met.values() if one is not None} - {"all"}

@@ -51,7 +51,10 @@ WORDS = {
 
 
 def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
-    """Return the conditions of a shape for outputs that depend on its resting aspect."""
+    """Return the conditions under which a shape cannot lie as assumed, for some outputs.
+
+    Only turned parts have any: a centre of mass outside, and a side on which they do not rest.
+    """
     if ASPECTS[shape][0] != "upright":
         return ()
     return (
