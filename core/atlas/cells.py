@@ -26,7 +26,7 @@ class Cells(NamedTuple):
     velocity : ndarray
         Mean velocity, in the unit of `numbers_of`; NaN where there is none.
     stick, forward, backward, flight : ndarray
-        Shares of the period.
+        Shares of the period in which the part sticks, slides forward or backward, or flies.
     pattern : ndarray of int8
         The ways of moving that have a share, as bits; 0 where there is no answer.
     """

@@ -33,7 +33,7 @@ class Numbers(NamedTuple):
 
 @dataclass(frozen=True)
 class AtlasAxis:
-    """One of the numbers: what it is, and from where to where the atlas knows it."""
+    """One of the four numbers of an atlas: label, definition, and least and largest value."""
 
     label: str
     definition: str
@@ -112,7 +112,8 @@ def groups_at(numbers: Numbers) -> Groups:
 def rests(numbers: Numbers) -> Mask:
     """True where friction holds the part all the time (theory 13.8 iv).
 
-    Push and load are linear in sin(tau): the ends, where it is 1 and -1, decide.
+    Push and load are linear in sin(tau), tau being the phase of the drive: the ends, where it is 1
+    and -1, decide.
     """
     throw, angle, slope, ratio = numbers
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -28,11 +28,14 @@ ONE_FRICTION = 0.5
 def practical_numbers(shares: NDArray[np.float64]) -> Numbers:
     """Return atlas numbers of practical parts and drives, from shares of their ranges.
 
+    Those outside the axes of the atlas are left out, so that there may be fewer than n.
+
     Parameters
     ----------
     shares : ndarray, shape (n, 7)
-        Of each quantity of `PRACTICAL` how far it is from its least to its largest value, 0 to 1;
-        then what decides whether the track is level, and whether there is one friction.
+        For each quantity of `PRACTICAL`, in order, the share of the way from its least to its
+        largest value, 0 to 1. Then two numbers from 0 to 1: below `LEVEL` the track is level, and
+        below `ONE_FRICTION` both coefficients of friction are equal.
     """
     ends = np.array(list(PRACTICAL.values()))
     friction, beta, gamma, ratio, throw = (ends[:, 0] + shares[:, :5] * np.ptp(ends, axis=1)).T

@@ -18,14 +18,14 @@ FAR = 1e3  # a residual, in errors, where a motion has no speed
 
 @dataclass(frozen=True)
 class LeastSquares:
-    """The sum of squares of what the motions leave of the observations, and of the priors.
+    """The sum of squares of the runs' residuals over their errors, and of the priors' deviations.
 
     Attributes
     ----------
     model : Model
         The motions.
     size : float
-        The discrepancy, a standard deviation.
+        The discrepancy, a standard deviation in the unit of what was measured.
     watch : Watch
         May stop it.
     """

@@ -35,14 +35,15 @@ class PosteriorBoxes:
     Attributes
     ----------
     centre : ndarray, shape (boxes, unknowns)
+        Centres of the boxes, 0 to 1.
     halvings : ndarray of int, shape (boxes,)
-        Each has a width of 1/2 to that power, along every unknown.
+        Each box has a width of 1/2 to that power, along every unknown.
     value, variance : ndarray, shape (boxes, runs)
-        What motions give at the centres.
+        Predicted values of the runs at the centres, and their variances.
     slope : ndarray, shape (boxes, runs, unknowns)
-        How values change.
+        Derivatives of the values by the shares.
     rough : ndarray, shape (boxes, runs)
-        Variance of values about what slopes tell.
+        Variance of the values within a box that the slopes do not explain.
     shown : ndarray, shape (boxes, watched runs)
         The share of a box in which the part does what was seen.
     """
@@ -87,7 +88,7 @@ class PosteriorBoxes:
 
 @dataclass(frozen=True)
 class Explored:
-    """The grid of a posterior.
+    """The adaptive grid of a posterior.
 
     Attributes
     ----------
@@ -96,9 +97,9 @@ class Explored:
     log_mass : ndarray, shape (boxes,)
         Logarithms of the mass in each.
     points : int
-        How many points were tried.
+        Number of points at which motions were predicted.
     sizes : ndarray, shape (sizes,)
-        How likely each size of the discrepancy is.
+        Probability of each size of the discrepancy.
     left : float
         What is left to refine: the mean of how far predictions change in a box, over errors.
     """

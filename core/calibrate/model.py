@@ -45,18 +45,18 @@ NEXT_TO = 1e-3
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number that is looked for.
+    """One number that is estimated.
 
     Attributes
     ----------
     name : str
-        As results call it, such as ``friction`` or ``offset_beta``.
+        Its name in results, such as ``friction`` or ``offset_beta``.
     parameter : str
-        What it changes.
+        The parameter that it is, shifts or multiplies.
     table : str
         Where the study has it: unknowns, offsets or factors.
     prior : Prior
-        What is known of it before.
+        Its distribution before the measured runs.
     """
 
     name: str
@@ -127,15 +127,15 @@ class Runs:
     Attributes
     ----------
     columns : mapping of str to ndarray, shape (runs,)
-        The parameters that runs have of their own, in the units of studies.
+        The parameters in which runs differ, in the units of studies.
     output : str
-        What was measured: conveying_velocity or feed_rate.
+        The measured output: conveying_velocity or feed_rate.
     value : ndarray, shape (runs,)
-        Of it, in its unit; NaN of a run without.
+        Measured values, in the output's unit; NaN for a run without one.
     error : ndarray, shape (runs,)
-        Its standard deviation; 0 in all runs where no error is known.
+        Standard deviations of the values; 0 in all runs if no error is known.
     seen : tuple of str
-        What the part was seen to do in each run; empty where nothing is told.
+        What the part was seen to do in each run; empty for a run without observation.
     """
 
     columns: Mapping[str, Array]
@@ -171,11 +171,11 @@ class Predicted(NamedTuple):
     Attributes
     ----------
     value : ndarray
-        Of the output that was measured, in its unit; NaN where a motion has none.
+        The measured output, in its unit; NaN where a motion has none.
     variance : ndarray
-        Its own: of a motion that does not repeat, and of the method.
+        Variance of the value: of a motion that does not repeat, and of the method.
     hops, rests : ndarray of bool
-        Whether the part leaves the floor; whether friction holds the part all the time.
+        True where the part leaves the floor; where friction holds the part all the time.
     """
 
     value: Array
@@ -184,7 +184,7 @@ class Predicted(NamedTuple):
     rests: Mask
 
     def shows(self, seen: str) -> Mask:
-        """True where a part shows the observed behaviour."""
+        """True where a part shows the behaviour `seen`, such as ``hops``, shape (points, runs)."""
         return {
             "hops": self.hops,
             "does not hop": ~self.hops & ~np.isnan(self.value),

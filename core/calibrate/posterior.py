@@ -37,21 +37,21 @@ class Posterior:
     Attributes
     ----------
     likelihood : Likelihood
-        Of what.
+        The likelihood of the observations.
     explored : Explored
         The boxes that the points lie in.
     points : ndarray, shape (points, unknowns)
-        In the units of studies.
+        Values of the unknowns, in the units of studies.
     weights : ndarray, shape (points,)
         They add up to 1.
     value, variance : ndarray, shape (points, runs)
-        What motions give there, by the slopes of the boxes.
+        Predicted values of the runs and their variances, by the slopes of the boxes.
     shown : ndarray, shape (points, watched runs)
-        Whether parts do what was seen.
+        The share of the box in which the part does what was seen.
     log : ndarray, shape (points,)
         Logarithms of the density, but for a constant.
     sizes : ndarray, shape (sizes,)
-        How likely each size of the discrepancy is.
+        Probability of each size of the discrepancy.
     """
 
     likelihood: Likelihood
@@ -275,16 +275,16 @@ def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int])
 
 @dataclass(frozen=True)
 class PosteriorMode:
-    """Points of a posterior that hang together.
+    """One of several separate regions of the unknowns that explain the runs.
 
     Attributes
     ----------
     share : float
-        Of the mass.
+        Its share of the posterior mass.
     best : ndarray, shape (unknowns,)
-        The point of the highest density in it, of those that there are.
+        The point of the highest density among its points, in the units of studies.
     mean : ndarray, shape (unknowns,)
-        Its centre of mass.
+        Its centre of mass, likewise.
     """
 
     share: float
@@ -339,7 +339,10 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
-    """Return share, best point and mean of each labelled mode, the heaviest first."""
+    """Return share, best point and mean of each mode, the heaviest first.
+
+    `labels` has the number of the mode of each point.
+    """
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)
     modes = []

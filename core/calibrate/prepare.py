@@ -194,7 +194,10 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
 def _open(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of unknowns that are given anyway, and of offsets of missing parameters."""
+    """Yield problems of unknowns that are given anyway, and of offsets of missing parameters.
+
+    `shared` and `columns` have the parameters that are given, for all runs or by run.
+    """
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:

@@ -30,14 +30,14 @@ HOPELESS = 1e60  # a residual where a motion has no speed
 
 @dataclass(frozen=True)
 class Scatter:
-    """Sizes that the discrepancy may have.
+    """Sizes that the discrepancy may have: the scatter of speeds that no unknown explains.
 
     Attributes
     ----------
     sizes : ndarray, shape (sizes,)
         Standard deviations, in the unit of what was measured.
     log_before : ndarray, shape (sizes,)
-        Logarithms of how likely they are before anything is measured.
+        Logarithms of their prior probabilities.
     """
 
     sizes: Array
@@ -97,9 +97,9 @@ class Likelihood:
     model : Model
         The motions.
     scatter : Scatter
-        What no unknown explains.
+        The sizes that the discrepancy may have.
     outlier_probability : float
-        How likely something was seen wrongly.
+        Probability that an observed behaviour is wrong.
     """
 
     model: Model
@@ -119,10 +119,11 @@ class Likelihood:
         Parameters
         ----------
         value, variance : ndarray, shape (points, runs)
-            Of the motions.
+            Predicted values of the runs, and their variances.
         shown : ndarray, shape (points, watched runs)
             The share of a point in which the part does what was seen.
         points : ndarray, shape (points, unknowns)
+            The unknowns, in the units of studies, for their prior.
         within : ndarray, shape (points, runs), optional
             Variance of values about each point, of the box that it stands for. No box explains a
             run better than where its values come nearest to what was measured.
@@ -130,6 +131,7 @@ class Likelihood:
         Returns
         -------
         ndarray, shape (points, sizes)
+            Logarithms with the prior, up to a constant.
         """
         runs = self.model.runs
         where = runs.measured

@@ -24,16 +24,16 @@ LEAKAGE = 0.03  # bins by which other lines may shift one
 
 
 class Line(NamedTuple):
-    """A wave that stands out.
+    """A spectral line of a recording.
 
     Attributes
     ----------
     frequency : float
-        [Hz].
+        Its frequency [Hz].
     power : float
         Its mean square, in all axes together [m2 s-4].
     contrast : float
-        Half of its square over its variance, in the axis where it stands out most.
+        Half of its square over its variance, in the axis where that is largest [1].
     """
 
     frequency: float

@@ -46,19 +46,20 @@ class Samples(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """Harmonics and drift that leave least over.
+    """The harmonics and the drift that fit samples best.
 
     Attributes
     ----------
     frequency : float
-        [Hz].
+        Of the first harmonic [Hz].
     orders : tuple of int
+        The harmonic orders.
     degree : int
         Of the drift, a series of Legendre polynomials over the recording.
     coefficients : ndarray, shape (axes, degree + 1 + 2 orders)
-        Of the columns that `columns` gives [m s-2].
+        Coefficients of the columns that `columns` gives [m s-2].
     residual : ndarray, shape (axes, n)
-        [m s-2].
+        Samples less the fit [m s-2].
     """
 
     frequency: float

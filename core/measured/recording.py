@@ -204,7 +204,10 @@ def _channel(
 def _factor(
     path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
-    """Return the factor from a channel's unit to m s-2; None, with a problem, if unknown."""
+    """Return the factor from a channel's unit to m s-2; None, with a problem, if unknown.
+
+    `column` says its unit in the header, `unit` is the user's; if both do, they must agree.
+    """
     said = {text for text in (column.unit, unit) if text}
     factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
     listed = ", ".join(UNITS)

@@ -92,7 +92,7 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
 
 
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return exactly even times for times that are even up to rounding."""
+    """Return exactly even times for times [s] that are even up to their own rounding."""
     place = np.arange(times.size, dtype=np.float64)
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place

@@ -25,14 +25,14 @@ NO_FORM, RIM_ON_FACE, RIM_ON_SIDE, FACE_ON_FACE, SIDE_ON_SIDE, SIDE_ON_FACE = ra
 
 
 class CylinderContact(NamedTuple):
-    """The place where two cylinders are nearest.
+    """The place where two cylinders are nearest; lengths in m.
 
     Attributes
     ----------
     gap : ndarray
         Distance; negative in overlap, a lower bound of it where rims have entered each other.
     size : ndarray
-        Sum of both half diagonals.
+        Sum of both half diagonals, to which tolerances are relative.
     form : ndarray
         0 none, 1 rim on face, 2 rim on side, 3 face on face, 4 side on side, 5 side on face.
     face_body : ndarray
@@ -44,7 +44,7 @@ class CylinderContact(NamedTuple):
     line : ndarray of bool
         Where a line touches.
     several : ndarray of bool
-        Where a face lies on a face, or the contact lies on a rim of both bodies.
+        Where a face lies on a face, the contact lies on a rim of both bodies, or no form is proven.
     """
 
     gap: Array
@@ -59,7 +59,11 @@ class CylinderContact(NamedTuple):
 
 
 class _Form(NamedTuple):
-    """A candidate: as the contact, with the separation of its normal and whether it is proven."""
+    """One of the forms that a contact can have, with the fields of `CylinderContact`.
+
+    `gap` is what its normal separates the bodies by, `body` the `face_body`; `proven` is true where
+    its points are as far apart as that, so that no other form can have a larger gap.
+    """
 
     gap: Array
     form: Array

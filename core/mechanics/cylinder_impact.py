@@ -19,7 +19,7 @@ from core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
 
 
 class CylinderMasses(NamedTuple):
-    """Mass, moment of inertia about the own axis and across it, of both bodies."""
+    """Mass [kg] and moments of inertia [kg m2] along and across the own axis, of both bodies."""
 
     mass_1: Array
     axial_1: Array
@@ -30,7 +30,7 @@ class CylinderMasses(NamedTuple):
 
 
 class SpatialMotion(NamedTuple):
-    """Velocities of the centres and angular velocities."""
+    """Velocities of the centres [m s-1] and angular velocities [rad s-1] of both bodies."""
 
     velocity_1: Vector
     spin_1: Vector
@@ -49,7 +49,7 @@ class ImpactFrame(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """Velocity of body 1 relative to body 2 at the contact."""
+    """Velocity of body 1 relative to body 2 at the contact, along normal and tangents [m s-1]."""
 
     normal: Array
     tangential: tuple[Array, Array]

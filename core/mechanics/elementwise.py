@@ -36,10 +36,10 @@ LOGARITHMIC = 0.25
 
 
 class Elementwise:
-    """A function of arrays that readers of equations meet as one of numpy's own.
+    """A function of arrays that graphs, dual numbers and precise numbers treat as numpy's own.
 
-    What takes numpy's functions by `__array_ufunc__` (a graph, a number with a slope, a number of
-    50 digits) is handed this one; arrays run its body.
+    Objects that take numpy's functions by `__array_ufunc__` (a graph, a number with a slope, a
+    number of 50 digits) are handed this one; plain arrays run its body.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Elementwise:
         self.__name__, self.__doc__ = body.__name__, body.__doc__
 
     def __call__(self, *inputs: Any) -> Any:
-        """Return the values of the function."""
+        """Return the function of arrays; hand it to an input that takes numpy's functions."""
         for one in inputs:
             reader = getattr(type(one), "__array_ufunc__", None)
             if reader is not None and reader is not np.ndarray.__array_ufunc__:

@@ -22,7 +22,7 @@ CERTAIN = 0.01
 
 
 class Aspect(NamedTuple):
-    """The size of a part as it lies: across and along the track, lengthwise along it [m]."""
+    """The size of a part as it lies: its height, and its sizes across and along the track [m]."""
 
     height: Array
     across: Array
@@ -30,16 +30,16 @@ class Aspect(NamedTuple):
 
 
 class PassedShares(NamedTuple):
-    """The shares of parts that pass a line.
+    """The shares of parts that pass a line of devices.
 
     Attributes
     ----------
     leaving : tuple of ndarray
-        Shares of all arriving parts that leave in each aspect.
+        For each aspect, the share of all arriving parts that leave the line in it [1].
     passing : tuple of ndarray
-        Share of those that arrive in each aspect that leave in any.
+        For each aspect, the share of the parts arriving in it that leave, in any aspect [1].
     total : ndarray
-        Share of all arriving parts that leave.
+        Share of all arriving parts that leave [1].
     """
 
     leaving: tuple[Array, ...]
@@ -190,7 +190,12 @@ def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
 def outlet_share(
     shares: Sequence[Array], matrix: Matrix, arrival_rate: Array, capacity: Array
 ) -> Array:
-    """Return the share of a flow that an outlet of some capacity takes, min(1, c/q) [1]."""
+    """Return the share of a flow that an outlet of some capacity takes, min(1, c/q) [1].
+
+    `capacity` c is the most parts a minute that pass; q is what arrives at it: `arrival_rate` parts
+    a minute come to the line with the `shares` of the aspects, of which the devices before the
+    outlet (`matrix`) let a share pass.
+    """
     return np.minimum(1.0, ratio(capacity, arrival_rate * passed(shares, matrix).total, np.inf))
 
 
@@ -200,9 +205,10 @@ def outlet_share(
 def devices_in_order(order: Array, count: int) -> list[Array]:
     """Return the index of the device at each position, for one of the count! possible orders.
 
-    Orders count from 1 as in a dictionary: 1 is 1, 2, 3, ...; the last one goes backwards. The
-    digits of order - 1 in the base of factorials say how many of the devices left come before.
-    Between two orders, where a search may look, is the nearer one.
+    `order` is its number: orders count from 1 as words in a dictionary do: 1 is 1, 2, 3, ...; the
+    last one goes backwards. A number between two, where a search may look, means the nearer one.
+    The digits of order - 1 in the base of factorials say how many of the devices that are left come
+    before.
     """
     digits, left = [], np.rint(order) - 1
     for position in range(count - 1):
@@ -221,17 +227,23 @@ def devices_in_order(order: Array, count: int) -> list[Array]:
 
 
 def laps(*, line: PassedShares) -> Array:
-    """Return the mean number of laps of a part until it passes, 1/eta [1]."""
+    """Return the mean number of laps of a part until it passes, 1/eta, with the yield eta [1]."""
     return ratio(np.ones(()), line.total, np.inf)
 
 
 def laps_variance(*, line: PassedShares) -> Array:
-    """Return the variance of the laps that a part needs, (1 - eta)/eta^2 [1]."""
+    """Return the variance of the laps that a part needs, (1 - eta)/eta^2 [1].
+
+    eta is the yield of the line.
+    """
     return ratio(1 - line.total, line.total * line.total, np.inf)
 
 
 def laps_99(*, line: PassedShares) -> Array:
-    """Return within how many laps 99 of 100 parts pass, ln 0.01/ln(1 - eta), at least 1 [1]."""
+    """Return the number of laps within which 99 of 100 parts pass, ln 0.01/ln(1 - eta) [1].
+
+    eta is the yield of the line. At least 1; infinite where no part passes.
+    """
     lost = np.minimum(np.maximum(1 - line.total, 0.0), 1.0)
     some = (lost > 0) & (lost < 1)
     laps = np.log(CERTAIN) / np.log(np.where(some, lost, 0.5))
@@ -239,7 +251,10 @@ def laps_99(*, line: PassedShares) -> Array:
 
 
 def time_per_part(*, lap_time: Array, laps: Array) -> Array:
-    """Return the mean time of a part in the bowl until it passes, T/eta [s]."""
+    """Return the mean time of a part in the bowl until it passes, T/eta [s].
+
+    T is the time of a lap, 1/eta the mean number of laps.
+    """
     return lap_time * laps
 
 
@@ -249,12 +264,18 @@ def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:
 
 
 def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return the number of parts that leave the line per minute, q eta [min-1]."""
+    """Return the number of parts that leave the line per minute, q eta [min-1].
+
+    q parts a minute arrive, of which the share eta passes.
+    """
     return arrival_rate * line.total
 
 
 def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return the number of parts that fall back into the bowl per minute, q (1 - eta) [min-1]."""
+    """Return the number of parts that fall back into the bowl per minute, q (1 - eta) [min-1].
+
+    q parts a minute arrive, of which the share eta passes.
+    """
     return arrival_rate * (1 - line.total)
 
 

@@ -66,11 +66,24 @@ class RectangleContact(NamedTuple):
 
 
 class _Face(NamedTuple):
-    """A face of a body and the other body as seen from it.
+    """A face of a body, and the other body as seen from it; lengths in m.
 
-    gap; outward normal (n_x, n_y); centre of the face's body (x, y), distance of the face from it
-    and the face's half length; then the other body: centre, axis along the length (c, s), and both
-    half lengths.
+    Attributes
+    ----------
+    gap : ndarray
+        Distance of the other body along the outward normal; negative in overlap.
+    n_x, n_y : ndarray
+        Outward normal.
+    x, y : ndarray
+        Centre of the body of the face.
+    distance, half : ndarray
+        Distance of the face from that centre, and half the length of the face.
+    other_x, other_y, c, s : ndarray
+        Centre of the other body, and the unit vector (c, s) along its length.
+    half_length, half_width : ndarray
+        Half lengths of the other body.
+    body : ndarray
+        Number of the body of the face, 1 or 2.
     """
 
     gap: Array
@@ -93,7 +106,12 @@ def _faces(
     body: float, x: Array, y: Array, angle: Array, half_length: Array, half_width: Array,
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
-    """Return the two faces of a body, one per axis, that look at the other body."""
+    """Return the two faces of a body, one per axis, that look at the other body.
+
+    `body` is its number, 1 or 2. (x, y), `angle` [rad], `half_length` and `half_width` are its
+    centre, the direction of its length and half its sizes [m]; the `other_` ones are those of the
+    other body, halves too.
+    """
     c, s = cosine(angle), sine(angle)
     other_c, other_s = cosine(other_angle), sine(other_angle)
     turn = other_angle - angle
@@ -120,10 +138,12 @@ def _nearer(face: _Face, other: _Face) -> _Face:
 
 
 def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> RectangleContact:
-    """Return the face with the largest gap and the corner or edge of the other body nearest to it.
+    """Return the contact of two rectangles: nearest face, corner or edge, gap and normal.
 
-    The largest of the four gaps is negative exactly in overlap (separating axes). It is the
-    distance where the corner lies over the face, and a lower bound of it beside the face.
+    It is the face of either body with the largest gap, and the corner or edge of the other body
+    nearest to it. The largest of the four gaps is negative exactly in overlap (separating axes). It
+    is the distance where the corner lies over the face, and a lower bound of the distance beside
+    the face.
     """
     one, two = (
         (body.x, body.y, body.angle, body.length / 2, body.width / 2)

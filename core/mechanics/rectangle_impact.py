@@ -16,9 +16,14 @@ from core.mechanics.rectangle_contact import Rectangle, RectangleContact
 
 
 class EdgeAction(NamedTuple):
-    """The point of a touching edge where the impulse acts: share from its first end, 0 to 1.
+    """The point of a touching edge where the impulse acts.
 
-    `unknown` marks edges for which no single impulse tells the result.
+    Attributes
+    ----------
+    share : ndarray
+        Its distance from the first end of the edge over the length, 0 to 1.
+    unknown : ndarray of bool
+        Where no single impulse describes the impact of the edge.
     """
 
     share: Array
@@ -26,7 +31,7 @@ class EdgeAction(NamedTuple):
 
 
 class Arms(NamedTuple):
-    """Moments about each centre of unit impulses at the contact, along n and along t."""
+    """Lever arms of the contact about both centres, of the normal n and of the tangent t [m]."""
 
     normal_1: Array
     tangential_1: Array
@@ -35,7 +40,7 @@ class Arms(NamedTuple):
 
 
 class RectangleMasses(NamedTuple):
-    """Mass and moment of inertia of both bodies."""
+    """Mass [kg] and moment of inertia [kg m2] of both bodies."""
 
     mass_1: Array
     inertia_1: Array
@@ -44,7 +49,7 @@ class RectangleMasses(NamedTuple):
 
 
 class BodyVelocities(NamedTuple):
-    """Velocities of both bodies."""
+    """Velocities [m s-1] and angular velocities [rad s-1] of both bodies."""
 
     velocity_x_1: Array
     velocity_y_1: Array

@@ -25,19 +25,19 @@ class RollingContact(NamedTuple):
     Attributes
     ----------
     share, factor : ndarray
-        kap/(1 + kap) and kap = m r^2/I.
+        kap/(1 + kap) and kap = m r^2/I [1].
     static : ndarray
-        Static friction of the floor.
+        Static friction coefficient of the floor.
     resistance : ndarray
         Coefficient of rolling resistance.
     drag : ndarray
-        Friction of the wall on the face, over gravity.
+        Friction force of the wall on the face, over the weight [1].
     load : ndarray
-        Mean load on the floor, over gravity.
+        Mean load on the floor, over the weight [1].
     uphill : ndarray
-        Gravity against the direction of travel.
+        Gravity against the direction of travel, over gravity: sin(gamma) [1].
     along, normal : ndarray
-        The drive numbers.
+        Peak acceleration of the drive along the track and normal to it, over gravity [1].
     """
 
     share: Array

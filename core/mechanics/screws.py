@@ -273,7 +273,8 @@ def momentum_screw(
 ) -> MomentumScrew:
     """Return the momentum about a body point A, m (V_A + w x AG) and I_A w + m AG x V_A, (2.11).
 
-    `inertia` is about A, `mass_centre` leads from A to the mass centre G, all in body components.
+    A is any point of the body, with the velocity V_A; `inertia` I_A is about A, `mass_centre` AG
+    leads from A to the mass centre G, all in body components. w and V_A are `twist`.
     """
     m = np.asarray(mass)[..., None]
     linear = m * (twist.linear + cross(twist.angular, mass_centre))

@@ -21,7 +21,7 @@ LEAST_RATIO = 5.0
 
 
 def _excess(x: Array) -> Array:
-    """Return exp(x) - 1 - x without cancellation."""
+    """Return exp(x) - 1 - x without cancellation, for `hunt_crossley`."""
     near = np.abs(x) < SMALL
     small = np.where(near, x, 0.0)
     series = np.ones(())

@@ -112,12 +112,12 @@ def turning_track(
     offset_along: Array, offset_upward: Array, spot_along: Array, spot_upward: Array,
     spring_angle: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the amplitudes, with sign, of a place of the trough, along the floor and upward [m].
+    """Return the amplitudes of a spot of the trough along the floor and upward, with sign [m].
 
     (m2/M) (s e + phi k x d) + phi k x b, with the mass m2 of the base and M of both, the stroke s
-    along the leaves' direction e, and the turning phi, positive up in front (`trough_turn`). The
-    `offset` d leads from the base's mass centre to the trough's, the `spot` b from the trough's to
-    the place.
+    along the leaves' direction e, and the turning phi, positive up in front (`trough_turn`); k is
+    the unit vector to the left, about which it turns. The `offset` d leads from the base's mass
+    centre to the trough's, the `spot` b from the trough's mass centre to the spot.
     """
     share, phi = base_mass / (loaded_mass + base_mass), trough_turn
     along = share * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward

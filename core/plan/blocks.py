@@ -124,7 +124,7 @@ def _descend(
 
 
 class _Writer:
-    """Puts the outputs of a block where they belong."""
+    """Writes the outputs of blocks into the arrays of the results, and reports progress."""
 
     def __init__(
         self,
@@ -141,7 +141,10 @@ class _Writer:
         self.all_dims = grid.dims(set().union(*self.dims.values()))
 
     def write(self, known: Known, where: Mapping[str, slice]) -> None:
-        """Write the outputs and regimes of a block into the results, and report progress."""
+        """Write the outputs and regimes of a block into the results, and report progress.
+
+        `known` holds the quantities of the block, `where` its slice of each sliced axis.
+        """
         for name in self.plan.outputs:
             self._put(name, known[name], where)
         self._put("regime", regimes(self.plan, known), where)

@@ -96,8 +96,8 @@ def derivatives(
 ) -> Derivatives:
     """Return the exact derivatives of every output of a plan at some cells.
 
-    At a switch of the equations (an equality that a step would decide) both sides are asked: the
-    derivative is that of both if they agree, else NaN with the two.
+    At a switch of the equations (an equality that a step would decide) both sides are evaluated:
+    the derivative is that of both if they agree, else NaN with the two.
 
     Parameters
     ----------

@@ -40,9 +40,9 @@ class Asked:
     Attributes
     ----------
     outputs : tuple of str
-        What is derived.
+        The outputs that are derived.
     parameters : tuple of str
-        By what.
+        The parameters by which they are derived.
     """
 
     outputs: tuple[str, ...]

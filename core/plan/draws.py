@@ -29,14 +29,14 @@ def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array
     count : int
         Points of each set, a power of two.
     seed : int
-        Another one gives others.
+        Seed of the scrambling: equal seeds give equal points.
     replicates : int
-        Sets, each scrambled by itself.
+        Number of sets, each scrambled by itself.
 
     Returns
     -------
     ndarray, shape (dimensions, replicates, count)
-        Above 0 and below 1.
+        Coordinates above 0 and below 1.
     """
     random = np.random.default_rng(seed)
     sets = [
@@ -52,14 +52,14 @@ def values_at(distributions: Mapping[str, Distribution], shares: Array) -> dict[
     Parameters
     ----------
     distributions : mapping of str to Distribution
-        Of each coordinate, in order.
+        The distribution of each parameter, in the order of the coordinates.
     shares : ndarray, shape (parameters, ...)
-        The points.
+        The points: for each parameter, the share of its distribution below the value.
 
     Returns
     -------
     dict of str to ndarray
-        Arrays of the shape of a coordinate.
+        Values of each parameter, of the shape of a coordinate.
     """
     return {
         name: parameter_to_si(name, quantiles(name, one, share))

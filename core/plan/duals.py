@@ -178,7 +178,7 @@ def _cross(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _largest(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return the largest dual number along an axis."""
+    """Return the largest dual number along an axis, with the derivative of that one."""
     (of,), axis = args, kwargs["axis"]
     where = np.argmax(of.value, axis=axis, keepdims=True)
     value, slope = (

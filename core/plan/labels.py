@@ -20,7 +20,7 @@ from core.study.values import Fixed, Values
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
-    """Return the coordinates of a result: axes of the grid, fixed parameters, defaults."""
+    """Return the coordinates of a result: axes of the grid, fixed parameters, default values."""
     coordinates = {
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes

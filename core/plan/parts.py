@@ -56,13 +56,13 @@ class Parts(ABC):
     study : Study
         The study.
     cells : int
-        Its cells.
+        Number of its cells.
     where : str
-        The result: a Zarr group, or a NetCDF file.
+        The result: path or URL of a Zarr group, or path of a NetCDF file.
     count : int
         Number of parts.
     boxes : int
-        Of how many boxes, or tiles, the parts are ranges.
+        Number of boxes or tiles of the study; each part is a range of them.
     """
 
     study: Study

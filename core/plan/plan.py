@@ -183,7 +183,7 @@ def plan_scene(
 
 
 class _Walk:
-    """Walks back from outputs to parameters; collects what it meets."""
+    """Walks back from outputs to parameters, and collects equations, defaults and gaps."""
 
     def __init__(
         self, scene: Scene, variant: str, parameters: Collection[str], outputs: tuple[str, ...]

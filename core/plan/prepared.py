@@ -218,7 +218,7 @@ class Prepared:
         return replace(self, study=self.study.model_copy(update={"verify": None}))
 
     def check_verification(self) -> Self:
-        """Return the study; raise `StudyError` if verification would take too long."""
+        """Return the study; raise `StudyError` if it cannot be verified, or not in 100 seconds."""
         if self.study.verify is None:
             return self
         if not self.verified_by:

@@ -39,13 +39,13 @@ class Sample:
     Attributes
     ----------
     grid : Grid
-        The study's.
-    places : mapping of str to ndarray
-        Where the cells lie on each axis.
+        The grid of the study.
+    positions : mapping of str to ndarray
+        Position of each cell on each axis.
     count : int
         Number of the cells.
     chosen : int
-        The same, with those that a stop left without anything to verify.
+        Number of cells that were chosen, with those that a stop left without a value to verify.
     """
 
     grid: Grid
@@ -85,13 +85,13 @@ class Sample:
         Parameters
         ----------
         against : str
-            By what the cells are evaluated again.
+            The method by which the cells are evaluated again.
         worst : str
-            One sentence about those that are compared.
+            A sentence about the largest error of the compared cells.
         evaluated, compared : int
-            Cells that no stop left out, and those of them of which there was anything to compare.
+            Number of cells that no stop left out, and of those with a value to compare.
         failed : int
-            Cells whose values are further off than what is known of their errors allows.
+            Number of cells whose values are further off than their known errors allow.
         """
         attributes: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
         if failed:

@@ -36,7 +36,7 @@ Buffers = dict[str, NDArray[Any]]
 
 
 class Boxes:
-    """The boxes of a field.
+    """The boxes of a field: what its cells are evaluated and reduced in.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Boxes:
     grid : Grid
         The whole grid.
     asked : Reduction
-        What is asked.
+        The reduction that the study asks for.
     field : ReducedField
         The field.
     cells : int
@@ -56,13 +56,13 @@ class Boxes:
     cutting : Cutting
         How the field is cut.
     is_exact : bool
-        Whether quantiles are told from all cells of a slot, and not from a histogram.
+        True if quantiles come from all cells of a slot, False if from a histogram.
     flags : tuple of int
-        The regimes that cells of the study can have.
+        Numbers of the regimes that cells of the study can have.
     cells_a_slot : int
-        Cells of the field that go to one slot.
+        Number of cells of the field that are reduced to one slot.
     times : int
-        Points of the whole grid for each of them.
+        Number of points of the whole grid that one cell of the field stands for.
     """
 
     def __init__(self, plan: Plan, grid: Grid, asked: Reduction, field: ReducedField, cells: int):
@@ -115,7 +115,7 @@ class Boxes:
         return self._seen_in_lanes(loop, box)
 
     def _seen_in_lanes(self, loop: FieldLoop, box: Box) -> State:
-        """Return the state of a box by the compiled loop."""
+        """Return the state of a box by the compiled loop, which stores no cells."""
         field, state = self.field, State()
         counters = len(field.outputs) + len(self.flags) * field.regimes + len(field.shares)
         totals = Totals(self._slots(box), counters)
@@ -146,7 +146,7 @@ class Boxes:
         return lanes
 
     def _seen_stored(self, box: Box, watch: Watch) -> State:
-        """Return the state of a box by storing its cells."""
+        """Return the state of a box by numpy: its cells are stored, then reduced."""
         field, state = self.field, State()
         rows = Rows.of(tuple(stop - start for start, stop in box), self.cutting.goes)
         wider = self._wider(box)
@@ -222,7 +222,10 @@ class Boxes:
         return whole
 
     def _buffer(self, name: str, shape: tuple[int, ...], dtype: Any = None) -> NDArray[Any]:
-        """Return a buffer array of this thread, reused for every box."""
+        """Return an array of this thread for a box, which the next box uses again.
+
+        `name` tells buffers apart; the content is what was left in it.
+        """
         held: Buffers = self._threads.__dict__
         cells = math.prod(shape)
         if name not in held or held[name].size < cells:

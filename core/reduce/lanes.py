@@ -49,7 +49,7 @@ class TileLayout:
     order : ndarray of int64, shape (lanes,)
         The lanes of the first slot, of the second and so on.
     own_slots : ndarray of int64, shape (slots of the tile,)
-        Those slots.
+        Those slots, among the slots of the box but for an offset.
     """
 
     strides: Mapping[str, int]

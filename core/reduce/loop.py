@@ -57,18 +57,18 @@ class Gathering:
 
 
 class FieldLoop:
-    """The loop of a field of which neither quantiles nor levels are wanted.
+    """The compiled loop of a field of which neither quantiles nor levels are wanted.
 
     Parameters
     ----------
     traced : TracedPlan
-        The graph of its plan; steps are added.
+        The graph of its plan; steps are added to it.
     field, grid, asked
-        The field, the whole grid, and what is wanted.
+        The field, the whole grid, and the reduction that the study asks for.
     valid : int
         The regimes of cells that count, one bit each.
     flags : sequence of int
-        The regimes that are counted if the field counts them.
+        Numbers of the regimes that are counted if the field counts regimes.
     """
 
     def __init__(

@@ -17,24 +17,24 @@ EXACT_CELLS = 1 << 22
 
 @dataclass(frozen=True)
 class ReducedField:
-    """A field of a reduction: the statistics of cells over the same axes.
+    """A field of a reduction: outputs over the same axes, and what is asked of them.
 
     Attributes
     ----------
     dims : tuple of str
-        The axes, those that go and those that stay.
+        The axes, those that are reduced and those that stay.
     plan : Plan
-        What is evaluated for it.
+        The plan that is evaluated for it.
     outputs : tuple of str
-        Those of which there are statistics or quantiles.
+        Outputs with statistics or quantiles.
     regimes : bool
-        Whether cells are counted by regime.
-    shares : mapping of str to tuple of Condition
+        True if cells are counted by regime.
+    shares : mapping of str to tuple of ShareCondition
         Conditions of each share.
     levels : mapping of str to LevelSet
-        Crossings; of what is computed fast all along one axis.
+        Levels whose crossings are located.
     along : tuple of str
-        Those axes, of which boxes hold one cell more.
+        Axes of the crossings, along which boxes hold one cell more.
     """
 
     dims: tuple[str, ...]

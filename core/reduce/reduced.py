@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 
 
 class Reduced(Prepared):
-    """A study of which answers are told in place of its cells.
+    """A study whose result holds statistics over some axes in place of all cells.
 
-    Its `cells` are those that are evaluated; what is stored is `stored`.
+    `cells` is the number of cells that are evaluated, `stored` that of the points of the result.
     """
 
     study: SweepStudy | SimulateStudy

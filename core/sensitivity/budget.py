@@ -64,14 +64,14 @@ class BudgetValues:
 
 @dataclass(frozen=True)
 class Budget:
-    """The points at which a budget is told from.
+    """The points from which a tolerance budget is computed.
 
     Attributes
     ----------
     distributions : mapping of str to Distribution
-        Of the uncertain parameters.
+        Distributions of the uncertain parameters.
     seed : int
-        Of the points inside the box.
+        Seed of the points inside the box.
     """
 
     distributions: Mapping[str, Distribution]

@@ -38,16 +38,16 @@ class Effects(NamedTuple):
 
 
 class Paths(NamedTuple):
-    """The points of paths.
+    """The points of the paths of Morris's screening.
 
     Attributes
     ----------
     points : ndarray, shape (inputs, paths, inputs + 1)
         Above 0 and below 1.
     changed : ndarray of int, shape (paths, inputs)
-        Which input each step changes.
+        The input that each step changes.
     signs : ndarray, shape (paths, inputs)
-        Whether each step goes up (1) or down (-1).
+        1 for a step up, -1 for a step down.
     """
 
     points: Array

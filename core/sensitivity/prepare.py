@@ -273,7 +273,7 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
 
 
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
-    """Yield problems of demanded regimes that the outputs cannot have."""
+    """Yield problems of demanded regimes that no cell of the study can be in."""
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:
             if demand.regime in REGIMES:

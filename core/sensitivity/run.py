@@ -152,7 +152,7 @@ class _Evaluator:
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
-    """Return the arrays of every variable for some designs, which are the last axis."""
+    """Return the arrays of every variable of the result, for some designs: their last axis."""
     prepared = evaluator.prepared
     study = prepared.study
     statistics_of: Arrays = {

@@ -31,7 +31,7 @@ class ResultVariable:
     unit : str
         Its unit.
     label, comment : str
-        What it is.
+        Short name and description.
     more : mapping
         Further attributes.
     """
@@ -84,7 +84,7 @@ def in_words(demand: Demand) -> str:
 
 
 def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
-    """Yield the variables of one output: mean, quantiles, indices, budget."""
+    """Yield the variables of one output, as the analyses of the study ask for."""
     quantity = QUANTITIES[name]
     unit, what = quantity.unit, in_sentence(quantity.label)
 

@@ -30,7 +30,7 @@ def compute(prepared: Prepared, watch: Watch) -> Computed:
 
 
 def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
-    """Return the results of a sweep, labelled and verified if asked for."""
+    """Return the results of a sweep as a table, verified if asked for; `watch` may stop that."""
     plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
 
     def values_at(sample: Sample) -> dict[str, Array]:

@@ -154,7 +154,7 @@ _AS_NUMBERS = np.frompyfunc(_as_number, 1, 1)
 
 
 def _labelled(result: Any) -> Any:
-    """Return object arrays as `Precise`, also inside lists and tuples."""
+    """Return object arrays as `Precise` arrays, also inside lists and tuples."""
     if isinstance(result, np.ndarray):
         return result.view(Precise) if result.dtype == object else result
     if isinstance(result, tuple):
@@ -303,13 +303,13 @@ class Errors:
     Attributes
     ----------
     relative : ndarray
-        Over the exact value.
+        Error over the exact value.
     ulps : ndarray
-        In units in the last place of the exact value.
+        Error in units in the last place of the exact value.
     conditioned : ndarray
-        In the same units times the condition number, which is at least 1.
+        The same over the condition number, which is at least 1.
     condition : ndarray
-        Sum of |x dF/dx|/|F| over the parameters, at least 1.
+        Condition number: sum of |x dF/dx|/|F| over the parameters x, at least 1.
     """
 
     relative: Array

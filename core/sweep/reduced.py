@@ -20,7 +20,7 @@ SEEN_SECONDS = 0.5e-9
 
 
 class ReducedSweep(Reduced):
-    """A sweep of which answers are told in place of its cells."""
+    """A sweep whose result holds statistics over some axes in place of all cells."""
 
     study: SweepStudy
 

@@ -34,12 +34,12 @@ AHEAD = 1  # tiles that wait to be written while one is written
 
 
 class Target(Protocol):
-    """The target of tiles: a file or a store under way.
+    """A file or store under way, into which the tiles of a sweep are written.
 
     Attributes
     ----------
     seconds : float
-        What the tiles cost that a run before has written.
+        Time that an earlier run has spent on the tiles that are there [s].
     """
 
     seconds: float
@@ -83,14 +83,14 @@ def outline_table(sweep: Prepared, watch: Watch | None = None) -> Table:
 
 @dataclass
 class Passed:
-    """The values of the tiles that passed.
+    """Statistics of the tiles that were computed.
 
     Attributes
     ----------
     ends : dict of str to tuple of float
         The least and largest finite value of each output.
     regimes : dict of int to int
-        How many cells have each regime.
+        Number of cells in each regime, by its number.
     cells : int
         Points of all tiles.
     """
@@ -153,7 +153,10 @@ def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple
         return target.seconds + time.perf_counter() - started
 
     def deliver(index: int, tile: Tile, arrays: Mapping[str, NDArray[Any]], cost: float) -> None:
-        """Check, write and count a tile."""
+        """Check a tile against verified cells, write it and count it.
+
+        `cost` is the time that all tiles have taken so far [s].
+        """
         expected.check(tile, arrays)
         target.write(index, arrays, cost)
         passed.add(tile, arrays, flags)

@@ -30,7 +30,7 @@ def attributes_there(where: str) -> Mapping[str, object]:
 
 
 def is_complete(where: str, prepared: Prepared) -> bool:
-    """True if a complete result of the study exists at a path."""
+    """True if a result at a path comes from this study and this version, all cells present."""
     attributes = attributes_there(where)
     made = str(attributes.get("source")).partition(",")[0]
     return (

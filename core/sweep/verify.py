@@ -45,9 +45,9 @@ class Value:
     name : str
         The output.
     cell : int
-        Which of the cells.
+        Number of the cell among the verified ones.
     error : float
-        SI units.
+        Absolute error, SI units.
     ulps, kappa : float
         The error in units in the last place of the exact value, and the condition number.
     """

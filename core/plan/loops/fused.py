@@ -224,7 +224,7 @@ def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
 
 
 class Values:
-    """Nodes that numpy computes, each once, on its own grid."""
+    """Values of nodes that numpy computes, each once, on the grid of its own axes."""
 
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
         """Compute with numpy the nodes that need no loop."""

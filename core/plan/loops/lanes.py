@@ -37,9 +37,10 @@ LONGEST_AXIS = 1 << 20
 
 @dataclass(frozen=True)
 class LaneOrder:
-    """The loops over the axes of a field, and the tiles that lanes gather: no more, no less.
+    """The loops over the axes of a field, and the tiles whose cells lanes gather.
 
-    Sums are of the cells of a tile in this order, so it hangs on the grid and the equations alone.
+    Sums are made over the cells of a tile in this order: it follows from the grid and the equations
+    alone, so that results do not depend on the machine.
 
     Attributes
     ----------
@@ -52,12 +53,12 @@ class LaneOrder:
     period : int
         Cells of a row for each value of its first axis.
     gathers : bool
-        Whether the first axis of a row goes, so that pieces of it gather in the same lanes.
+        Whether the first axis of a row is reduced, so that pieces of it gather in the same lanes.
     steps : mapping of str to int
-        Values of each axis in a tile, but for the last.
+        Values of each axis in a tile; a tile at the end of an axis may have fewer.
     apart : frozenset of str
-        Outer axes that go, but whose values in a tile have lanes of their own: a lane gathers no
-        more cells, and a tile would be small.
+        Outer axes that are reduced, but whose values in a tile have lanes of their own: a lane
+        gathers at most `DEPTH` cells, and a tile would be small.
     """
 
     outer: tuple[str, ...]
@@ -140,20 +141,21 @@ class LaneOrder:
 
 
 class LaneLoop:
-    """The loop of a plan over the axes of a field.
+    """The compiled loop of a plan that gathers its results in lanes.
 
     Parameters
     ----------
     plan : Plan
-        Of the field.
+        The plan of a field.
     traced : Traced
-        Its graph; what lanes take are among the results.
+        Its graph; the values that lanes gather are among the results.
     grid : Grid
-        Over the axes of the field alone.
-    updates : mapping of str to str
-        What is done with which result: names of `core.plan.loops.source.UPDATES`.
+        The grid over the axes of the field alone.
+    updates : sequence of (str, str)
+        Names of results, each with what lanes do with it: a key of
+        `core.plan.loops.source.UPDATES`.
     over : collection of str
-        The axes that go.
+        The axes that are reduced.
     """
 
     def __init__(

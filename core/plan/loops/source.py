@@ -124,7 +124,7 @@ def write_loop(
 
 
 class _Writer:
-    """Puts the steps of a loop where they stand."""
+    """Writes the source of one loop: each step at the level of the loops on which it depends."""
 
     def __init__(
         self,
@@ -202,7 +202,7 @@ class _Writer:
         return f"({row} != 0.0)" if node.dtype == np.bool_ else row
 
     def write(self) -> Loop:
-        """Return the source text of the loop, and the nodes of its arguments."""
+        """Return the loop: its source text, and the nodes of its arguments."""
         arrays = [node for node in self.used.values() if node.number in self.leaves]
         columns = [node for node in self.used.values() if node.number in self.columns]
         lines: list[str] = []

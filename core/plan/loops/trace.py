@@ -237,7 +237,7 @@ def _is(operand: Any, value: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """The graph of a plan, and what it gives: nodes, or numbers that depend on nothing."""
+    """The graph of a plan, and its results by name: nodes, or numbers that depend on nothing."""
 
     graph: Graph
     results: Mapping[str, Any]
