@@ -26,7 +26,11 @@ def cache_folder() -> Path:
 
 
 def _folder(variable: str, usual: str) -> Path | None:
-    """Return our folder below one that an environment variable names, or below the usual one."""
+    """Return the folder `vibrafeed` in a system folder; None if the user has no home folder.
+
+    `variable` is the environment variable that may name the system folder by an absolute path;
+    `usual` is that folder relative to the user's home where the variable is not set.
+    """
     base = Path(os.environ.get(variable, ""))
     if not base.is_absolute():  # the standard says that others are ignored
         try:

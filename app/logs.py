@@ -29,9 +29,9 @@ _request: ContextVar[dict[str, object] | None] = ContextVar("vibrafeed_request",
 
 @contextmanager
 def request(**fields: object) -> Iterator[dict[str, object]]:
-    """Add these fields to every log line until the end of a request.
+    """Add fields to every log line that is written inside the block, which handles one request.
 
-    Yield all fields of the request.
+    Yield the dict of these fields, to which `bind` adds more.
     """
     token = _request.set(fields)
     try:
@@ -48,16 +48,16 @@ def bind(**fields: object) -> None:
 
 
 class Sparing:
-    """Lets through so many lines a second, and tells how many it did not.
+    """Lets through a limited number of log lines per second, and logs how many it has left out.
 
-    A crowd that comes and goes would fill the disk with them.
+    Without it a crowd of clients could fill the disk with log lines.
 
     Parameters
     ----------
     most : int
-        Lines a second.
+        The largest number of lines a second.
     untold : str
-        What the others told of.
+        Text of the warning on the lines that were left out; their number is its field `requests`.
     """
 
     def __init__(self, most: int, untold: str):
@@ -66,7 +66,10 @@ class Sparing:
         self._second, self._lines, self._untold = 0, 0, 0
 
     def has_room(self) -> bool:
-        """True if one more line may be written in this second; count it."""
+        """True if one more line may be written in this second; count the line.
+
+        In the first call of a new second, log the number of lines that were left out before.
+        """
         now = int(time.monotonic())
         if now != self._second:
             if self._untold:
@@ -94,7 +97,11 @@ _few_refusals = _FewRefusals()
 
 
 def configure(stream: TextIO | None = None) -> None:
-    """Write all log lines of all loggers as JSON to a stream, by default the error stream."""
+    """Write all log lines of all loggers as JSON to a stream, by default the error stream.
+
+    Loggers of other libraries write warnings and errors only; those of vibrafeed and uvicorn also
+    information.
+    """
     shared: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
         _merge_request,
@@ -127,11 +134,19 @@ def configure(stream: TextIO | None = None) -> None:
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
-    """Add the fields of the current request to a log line."""
+    """Return a log line's fields with those of the current request added; the line's own go first.
+
+    A processor of structlog: `event` holds the fields of the line; `logger` and `name` are not
+    used.
+    """
     return {**(_request.get() or {}), **event}
 
 
 def _drop_colours(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
-    """Remove uvicorn's coloured copy of the message from a log line."""
+    """Remove uvicorn's coloured copy of the message from the fields of a log line, and return them.
+
+    A processor of structlog: `event` holds the fields of the line; `logger` and `name` are not
+    used.
+    """
     event.pop("color_message", None)  # uvicorn's second copy of the message, for terminals
     return event

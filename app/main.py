@@ -71,7 +71,11 @@ def create_app(settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        """Start jobs and background tasks of the service; stop them in order at its shutdown."""
+        """Start jobs and background tasks of the service, and stop them in order at its shutdown.
+
+        FastAPI enters it before the first request and leaves it after the last; `app` is the
+        application.
+        """
         current_default_thread_limiter().total_tokens = THREADS
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
         if (lacking := traces.fault()) is not None:
@@ -136,7 +140,11 @@ def create_app(settings: Settings) -> FastAPI:
 
 
 async def _tidy(admission: Admission, stopping: asyncio.Event) -> None:
-    """Tidy and check the data directory at intervals until the service stops."""
+    """Tidy and check the data directory at intervals until the service stops.
+
+    `admission` removes what is old and compares results with their digests; `stopping` is the event
+    that ends the loop. Errors go to the log, and the loop continues.
+    """
     while not stopping.is_set():
         try:
             await asyncio.to_thread(admission.tidy)

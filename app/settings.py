@@ -38,7 +38,11 @@ _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 
 def _listed(raw: object) -> object:
-    """Return the entries of a setting: a JSON list, or words separated by commas."""
+    """Split the text of a setting into entries: a JSON list, or words separated by commas.
+
+    What is not a text is returned unchanged; pydantic checks the result. Raises `ValueError` if a
+    text begins like a JSON list but is not one.
+    """
     if not isinstance(raw, str):
         return raw
     if raw.lstrip().startswith("["):
@@ -50,7 +54,11 @@ def _listed(raw: object) -> object:
 
 
 def url_fault(url: str) -> str | None:
-    """Return the fault of a database URL without echoing any of it; None if the URL is valid."""
+    """Return the fault of a database URL in words, without any part of the URL.
+
+    None if it is valid. No part is shown because it may be a password. A PostgreSQL URL is a fault,
+    too, if its driver psycopg is not installed.
+    """
     kind, _, rest = url.partition("://")
     if kind == "sqlite":
         return (
@@ -264,7 +272,11 @@ class Settings(BaseSettings):
     @field_validator("api_key_hashes")
     @classmethod
     def _digests(cls, hashes: tuple[str, ...]) -> tuple[str, ...]:
-        """Check that each hash is a SHA-256 in hexadecimal digits; return them in small letters."""
+        """Check that each hash is a SHA-256 in hexadecimal digits.
+
+        Return the hashes in small letters. Raises `ValueError` with the number of the first wrong
+        one.
+        """
         # A wrong one may be a key: its number says which, and it is not echoed.
         for number, word in enumerate(hashes, 1):
             if not _DIGEST.fullmatch(word):
@@ -276,7 +288,10 @@ class Settings(BaseSettings):
     @field_validator("ledger_url")
     @classmethod
     def _database(cls, url: SecretStr | None) -> SecretStr | None:
-        """Check the URL of the ledger's database without echoing it."""
+        """Return the URL of the ledger's database unchanged.
+
+        Raise `ValueError` if it has a fault.
+        """
         # No part of it is echoed: what is wrong may be a password in the wrong place.
         if url is not None:
             why = url_fault(url.get_secret_value())
@@ -287,7 +302,10 @@ class Settings(BaseSettings):
     @field_validator("results_url")
     @classmethod
     def _store(cls, url: str) -> str:
-        """Check that obstore is installed if results go to an object store."""
+        """Return the URL of the object store unchanged.
+
+        Raise `ValueError` if it needs obstore, missing here.
+        """
         if url and find_spec("obstore") is None:
             raise ValueError(
                 f"it takes obstore, which is missing: {installing('obstore', 'cluster')}"
@@ -297,7 +315,10 @@ class Settings(BaseSettings):
     @field_validator("cors_origins")
     @classmethod
     def _origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:
-        """Check that each allowed origin has the form `https://lab.example`."""
+        """Return the allowed origins unchanged.
+
+        Raise `ValueError` if one is not like `https://lab.example`.
+        """
         for word in origins:
             if not _ORIGIN.fullmatch(word):
                 raise ValueError(
@@ -312,7 +333,11 @@ class Settings(BaseSettings):
 
 
 def unknown_variables(names: Iterable[str]) -> list[Problem]:
-    """Return a problem for each environment variable named like a setting that does not exist."""
+    """Return a problem for each environment variable named like a setting that does not exist.
+
+    `names` are the names of all environment variables. Those that begin with `VIBRAFEED_` have to
+    be settings, or switches of the tests; a problem suggests the setting with the nearest name.
+    """
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(name, "there is no such setting", suggestion(name.upper(), known))

@@ -35,7 +35,10 @@ FLUSH = 1.0  # s that the last spans may take to leave
 
 
 def sent_as(service: str) -> Traces:
-    """Return an OpenTelemetry provider that sends spans under a service name."""
+    """Return a recorder of spans that sends them by OpenTelemetry under a service name.
+
+    The environment says to which address (`OTEL_EXPORTER_OTLP_ENDPOINT`).
+    """
     provider = TracerProvider(
         resource=Resource.create({"service.name": service}), shutdown_on_exit=False
     )
@@ -61,7 +64,11 @@ class Traces:
 
     @contextmanager
     def request(self, headers: Mapping[str, str]) -> Iterator[Span]:
-        """Begin the span of a request, in the trace of its `traceparent` header."""
+        """Begin the span of a request and yield it; the span ends with the block.
+
+        `headers` are those of the request: its `traceparent` names the trace that the span joins.
+        The trace's identifier is added to the log lines of the request.
+        """
         context = TraceContextTextMapPropagator().extract(headers)
         # What fails is in the log; its text may hold what is no span's business.
         with self._tracer.start_as_current_span(
@@ -72,7 +79,11 @@ class Traces:
 
     @staticmethod
     def answered(span: Span, method: str, route: str, status: int) -> None:
-        """Record method, route and status on the span of a request."""
+        """Record method, route and status on the span of a request, once its reply is known.
+
+        `route` is the template of the path, as in `/jobs/{number}`; `status` is the HTTP status
+        code.
+        """
         span.update_name(f"{method} {route}")
         span.set_attributes(
             {"http.request.method": method, "http.route": route,
@@ -80,13 +91,20 @@ class Traces:
         )  # fmt: skip
 
     def posted(self, key: str) -> None:
-        """Link the current request to the study for which it posted a job."""
+        """Remember the current request as the one that posted a study: their spans share a trace.
+
+        `key` is the identifier of the study. The earliest post counts, and the latest 10,000
+        studies are remembered.
+        """
         self._posted.setdefault(key, get_current_span().get_span_context())
         while len(self._posted) > MAX_POSTED:
             self._posted.popitem(last=False)
 
     def began(self, item: Work) -> dict[str, str]:
-        """Begin the span of an item of work, in the trace of the request that first posted it."""
+        """Begin the span of an item of work, in the trace of the request that posted its study.
+
+        Return the trace's identifier as a field for the item's log lines.
+        """
         asked = self._posted.pop(item.key, None)  # None: another server's, or before a restart
         context = None if asked is None else set_span_in_context(NonRecordingSpan(asked))
         about: dict[str, str | int] = {"vibrafeed.study": item.key, "vibrafeed.blocks": item.blocks}
@@ -95,7 +113,10 @@ class Traces:
         return {"trace_id": format_trace_id(span.get_span_context().trace_id)}
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Add a span for each block that was just computed."""
+        """Add a span for each block of an item that was just computed, all ending now.
+
+        `seconds` are the computing times of these blocks [s].
+        """
         if item.owner not in self._working:
             return
         context, now = set_span_in_context(self._working[item.owner]), time.time_ns()
@@ -103,7 +124,11 @@ class Traces:
             self._tracer.start_span("block", context, start_time=now - int(one * 1e9)).end(now)
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """End the span of an item of work, with its outcome."""
+        """End the span of an item of work and record its outcome, such as `done` or `failed`.
+
+        `seconds` is how long the item was under way; the span has its own times and does not use
+        it.
+        """
         span = self._working.pop(item.owner, None)
         if span is not None:
             span.set_attribute("vibrafeed.outcome", outcome)

@@ -19,7 +19,11 @@ ENDPOINTS = ("OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"
 
 
 def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
-    """Return a provider that sends spans; None if tracing is not configured or not installed."""
+    """Return a recorder of spans; None if tracing is not configured or its library not installed.
+
+    `environment` holds the environment variables by name: those of `ENDPOINTS` configure tracing,
+    and `OTEL_SERVICE_NAME` is the name that spans are sent under.
+    """
     if not _is_wanted(environment) or not _is_installed():
         return None
     from app.spans import sent_as  # OpenTelemetry, which few have
@@ -28,7 +32,10 @@ def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
 
 
 def fault(environment: Mapping[str, str] = os.environ) -> str | None:
-    """Return the reason why configured traces cannot be sent; None if they can."""
+    """Return the reason why configured traces cannot be sent.
+
+    None if they can, or none are wanted.
+    """
     if _is_wanted(environment) and not _is_installed():
         return "traces are configured, but the extra `traces` is not installed"
     return None

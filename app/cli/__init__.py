@@ -60,7 +60,11 @@ class Commands(TyperGroup):
             self.add_command(TyperCommand(name, help=line))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the name of the typed command, the command, and the words after it."""
+        """Return the name of the typed command, the command itself, and the words after it.
+
+        The module of the command, with its options, is imported only now. `args` are all words that
+        were typed.
+        """
         name, _, rest = super().resolve_command(ctx, args)
         return name, name and loaded(name), rest
 
@@ -85,7 +89,7 @@ app = typer.Typer(
 
 
 def _tell_version(asked: bool) -> None:
-    """Print the version and end the program, if `--version` was typed."""
+    """Print the version and end the program, if `--version` was typed (`asked`)."""
     if asked:
         typer.echo(f"vibrafeed {core.__version__}")
         raise typer.Exit

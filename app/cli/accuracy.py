@@ -37,21 +37,26 @@ def write_report(
 ) -> tuple[list[Path], bool]:
     """Measure the accuracy of studies; write the page, pictures and datasets into a folder.
 
-    Returns the written files, and True if all is right.
-
     Parameters
     ----------
     studies : mapping of Path to Prepared
         The studies by their files.
+    folder : Path
+        Where the report is written; created if missing.
     only : sequence of str
         Families of measurements; all if empty.
     seconds : float
-        Of one family.
+        Time after which a family starts no further measurement [s].
     stopped : callable
-        Whether to stop.
+        Returns True once Ctrl-C was pressed.
     extremes : bool
-        Also try the hard cases, which may turn out wrong, and count what a study does not load or
+        True to also run the hard cases, which may fail, and to count what a study does not load or
         compute.
+
+    Returns
+    -------
+    tuple
+        The written files, and True if all hard cases passed.
 
     Raises
     ------
@@ -101,14 +106,15 @@ def write_report(
 
 
 def dataset_of(folder: Path, name: str) -> Path:
-    """Return the path of a study's measurements in a folder, named by the stem of its file."""
+    """Return the path of a study's measurements in a folder; `name` is the stem of its file."""
     return folder / f"accuracy-{name}.nc"
 
 
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageSection], bool]:
-    """Run the hard cases; return the tables and page sections of them and of what is left out.
+    """Run the hard cases, and count what studies do not load; return the results.
 
-    The last value is True if all hard cases passed.
+    They are a table for each of the two, their sections of the page, and True if all hard cases
+    passed. `stopped` is a function that returns True once Ctrl-C was pressed.
     """
     with console.progress("hard cases") as advance:
         outcomes = run_cases(HARD_CASES, Watch(advance, stopped))

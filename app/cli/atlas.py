@@ -67,7 +67,7 @@ def atlas(
 def _refuse_problems(
     output: Path | None, charts: Path | None, resolution: str, *, force: bool
 ) -> None:
-    """Exit with every problem of the options."""
+    """Exit with every problem of the options of `vibrafeed atlas`; return if there is none."""
     problems = []
     if output is None and charts is None:
         fix = "Write -o atlas.nc, --charts book.pdf, or both"
@@ -98,7 +98,8 @@ def _refuse_problems(
 def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
     """Run a long computation with a progress bar and Ctrl-C.
 
-    Print its result line, or exit with an error.
+    `target` is the file that it writes. `carry_out` is called with a watch that reports progress
+    and Ctrl-C, and returns the result in words.
     """
     began = time.perf_counter()
     try:
@@ -114,7 +115,10 @@ def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
 
 
 def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
-    """Compute an atlas and write it to a file; return its size in words."""
+    """Compute an atlas and write it to a file; return its number of nodes along each axis in words.
+
+    `resolution` is `full` or `coarse`.
+    """
     table = build(resolution, watch)
     # Without a history: two atlases of one version are equal to the byte.
     if target.suffix.lower() == ".zarr":

@@ -16,7 +16,7 @@ REGIMES = ("regime", "value", "meaning")
 
 
 def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
-    """Print one line for each scene."""
+    """Print one line for each scene of the catalogue: name, variants, methods, title."""
     rows = []
     for line in lines:
         names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
@@ -26,7 +26,10 @@ def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
 
 
 def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
-    """Print everything about one scene."""
+    """Print everything about one scene: validity, parameters, outputs and regimes.
+
+    `scene` is its entry of the catalogue, `units` those for printing.
+    """
     source = f" (section {scene['source']} of the thesis)" if scene["source"] else ""
     say(f"{scene['name']}: {scene['title']}{source}")
     if "method" in scene:

@@ -94,9 +94,10 @@ def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) ->
 
 @contextmanager
 def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar on the error stream while the block runs; yield what advances it.
+    """Show a progress bar on the error stream while the block runs; yield a function to advance it.
 
-    It takes the share of the work done since the last call. `size` are the bytes of the whole.
+    That function takes the share of the work done since its last call, 0 to 1. `label` stands
+    before the bar; `size` is the number of bytes of the whole, if bytes are to be shown.
     """
     from rich.progress import (
         BarColumn,
@@ -125,7 +126,10 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
         announced = stdout.quiet
 
         def tell(compiles: bool) -> None:
-            """Note beside the progress bar that something is being compiled."""
+            """Note beside the progress bar that code is being compiled, or that this has ended.
+
+            Where no bar is shown, one line says so instead, once.
+            """
             nonlocal announced
             more = ", compiling once" if compiles else ""
             bar.update(task, description=f"{label}{more}")

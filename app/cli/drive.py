@@ -127,7 +127,8 @@ def _split_list(text: str | None) -> tuple[str, ...] | None:
 def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     """Return the drive fitted to a recording.
 
-    Print every problem of recording and options, and exit.
+    `asked` holds the columns and options of the recording; `plot` is the file of the picture, if
+    one is wanted.
     """
     problems = _problems_of_picture(plot)
     try:
@@ -148,7 +149,10 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
 
 
 def _problems_of_picture(plot: Path | None) -> list[Problem]:
-    """Return the problems of the file name of the picture; exit if matplotlib is not installed."""
+    """Return the problems of the file name of the picture, which is None without a picture.
+
+    Exit if matplotlib is not installed.
+    """
     if plot is None:
         return []
     try:

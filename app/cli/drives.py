@@ -13,13 +13,16 @@ from app.cli.console import say, table
 from core.measured import Fit
 from core.study.shown import ShownUnits
 
-MICRO = 1e6
+MICRO = 1e6  # micrometres in a metre
 PERCENT = 100.0
 PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
 
 def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
-    """Print the frequency, harmonics and errors of a drive that was fitted to a recording."""
+    """Print the frequency, harmonics and errors of a drive that was fitted to a recording.
+
+    `recording` is its file, `units` those for printing.
+    """
     say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
     for name, text in facts(fit):
         say(f"  {name}: {text}")
@@ -37,9 +40,9 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
 
 
 def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
-    """Return a fitted drive as a JSON document.
+    """Return a fitted drive as a JSON document: lengths in metres, angles in degrees, Hz.
 
-    Lengths in metres, angles in degrees, frequency in hertz.
+    `recording` is the file of the recording.
     """
     harmonics = [
         {
@@ -112,9 +115,18 @@ def _toml_line(name: str, value: str, error: str) -> str:
 def _harmonic_cells(
     fit: Fit, row: int, position: int, length: float = MICRO, angle: float = 1.0
 ) -> tuple[str, str, str, str]:
-    """Return the cells of one harmonic: amplitude and phase with errors, dashes where unknown.
+    """Return the texts of one harmonic: amplitude, its error, phase, its error.
 
-    `length` and `angle` are what metres and degrees are multiplied by.
+    A harmonic that is not distinguishable from zero has dashes.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fitted drive.
+    row, position : int
+        Index of the axis in `fit.axes`, and of the harmonic in `fit.orders`.
+    length, angle : float
+        Factors from metres and degrees to the units for printing.
     """
     if not fit.significant[row, position]:
         return "-", "", "-", ""
@@ -127,7 +139,7 @@ def _harmonic_cells(
 def _round_to_error(value: float, error: float) -> tuple[str, str]:
     """Return a value and its error as texts, rounded to two digits of the error.
 
-    Empty error if unknown.
+    The error's text is empty if the error is unknown or 0; the value has ten digits then.
     """
     if not (np.isfinite(error) and error > 1e-12 * abs(value)):
         return f"{value:.10g}", ""

@@ -22,16 +22,16 @@ REMOVE = "Remove it, or give another name"
 def complete_already(
     studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, resume: bool, force: bool
 ) -> list[Path]:
-    """Return the studies whose complete results exist already.
-
-    Exit if a target holds another result.
+    """Return the studies whose complete results exist already; exit if a target is taken.
 
     Parameters
     ----------
+    studies, targets : mapping
+        The studies by their files, and the path or URL of each one's result.
     resume : bool
-        Leave whole results of these very studies alone, and replace those that were stopped.
+        True to leave complete results of these very studies alone, and replace incomplete ones.
     force : bool
-        Replace files, whatever they are. A Zarr group is a folder, and never removed.
+        True to replace any existing file; a Zarr group, which is a folder, is never replaced.
     """
     problems: dict[Path, Sequence[Problem]] = {}
     complete = []
@@ -55,14 +55,18 @@ def refuse_others(
 ) -> None:
     """Exit if parts would be joined into a file that holds the result of another study.
 
-    The shards of a Zarr group are looked at one by one where they are computed.
+    `studies` and `targets` are by the study's file; `force` allows it. The shards of a Zarr group
+    are checked one by one where they are computed.
     """
     files = {path: target for path, target in targets.items() if not is_zarr(target)}
     complete_already(studies, files, resume=True, force=force)
 
 
 def _is_whole(prepared: Prepared, target: str) -> bool:
-    """True if every cell of the result in a file is computed and, if asked for, verified."""
+    """True if every cell of the result in a file is computed and, if requested, verified.
+
+    `target` is the path of the result; `prepared` is its study.
+    """
     if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)
     return is_whole(read_result(target))

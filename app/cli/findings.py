@@ -13,12 +13,15 @@ if TYPE_CHECKING:
     from core.dataset import Table
     from core.study.shown import ShownUnits
 
-DIGITS = 4
-MAX_ROWS = 20
+DIGITS = 4  # significant digits of printed values
+MAX_ROWS = 20  # runs that are printed; the file has all
 
 
 def show_findings(result: Table, units: ShownUnits) -> None:
-    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences."""
+    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences.
+
+    `result` is the table of the calibration, `units` those for printing.
+    """
     rows = []
     for name in str(result.attributes["unknowns"]).split():
         unit, (best, median, *ends) = _read_values(

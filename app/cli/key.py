@@ -81,7 +81,7 @@ def add(
 def _parse_limit(figure: float | None) -> int | None:
     """Return a limit as a number; notation such as 1e9 is allowed.
 
-    Invalid text is left for the check.
+    A number that is not whole becomes 0, which the check of the key refuses.
     """
     if figure is None:
         return None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 
-GAP = "  "
-INDENT = 4
+GAP = "  "  # between columns
+INDENT = 4  # spaces before lines that continue a row
 LONG = 24
 """Letters of a column from which on it may be folded, and stands below in a block."""
 
@@ -14,7 +14,10 @@ Rows = Sequence[Sequence[str]]
 
 
 def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
-    """Yield one line of text per row, columns two spaces apart or more; empty cells become `-`."""
+    """Yield one line of text per row, headings first, in aligned columns.
+
+    Empty cells become `-`.
+    """
     told = [[*columns], *([cell or "-" for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*told, strict=True)]
     for row in told:
@@ -22,7 +25,10 @@ def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
 
 
 def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
-    """Return the smallest width of each column at which the table reads well and no word breaks."""
+    """Return the smallest width of each column [characters] that breaks no word.
+
+    A column of short cells has its full width.
+    """
     widths = []
     for heading, *cells in zip(columns, *rows, strict=True):
         longest = max(len(word) for cell in (heading, *cells) for word in cell.split() or [""])
@@ -32,7 +38,11 @@ def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
 
 
 def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]:
-    """Yield each row as lines: short columns in one line, long ones as sentences below."""
+    """Yield the lines of a table too wide for a terminal: a block for each row.
+
+    Short columns stand in one line as far as they fit, long ones below as sentences. `width` is
+    that of the terminal [characters].
+    """
     natural = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
     first = [0]
     used = len(GAP) + natural[0]

@@ -153,7 +153,10 @@ def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], 
 
 
 def _write(table: Table, output: str, *, force: bool) -> None:
-    """Write the looked-up table to a file; exit if it exists or cannot be written."""
+    """Write the looked-up table to a file; exit if the file exists or cannot be written.
+
+    `force` replaces an existing file.
+    """
     check_suffix(output)
     refuse_existing("lookup", output, force=force)
     make_folder_of(output)
@@ -167,7 +170,10 @@ def _flag_words(table: Table, name: str) -> list[str]:
 
 
 def _show_single(table: Table, shown: Any) -> None:
-    """Print the looked-up values of a single part and drive."""
+    """Print the looked-up values of a single part and drive: speed, regime, shares of the period.
+
+    `shown` holds the units for printing.
+    """
 
     def value(name: str) -> float:
         """Return the value of a variable as a number."""
@@ -195,7 +201,10 @@ def _show_single(table: Table, shown: Any) -> None:
 
 
 def _show_many(table: Table, shown: Any) -> None:
-    """Print the first rows of a look-up of many parts."""
+    """Print the first rows of a look-up of many parts: parameters, speed, error, regime, status.
+
+    `shown` holds the units for printing.
+    """
     speeds = table.variables["conveying_velocity"].values
     unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
     frame = Frame.of(table)

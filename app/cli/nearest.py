@@ -26,7 +26,12 @@ def format_value(name: str, value: float, units: ShownUnits) -> str:
 
 
 def nearest(result: Table, units: ShownUnits) -> list[str]:
-    """Return lines on an infeasible optimisation: the nearest designs, and ways to meet limits."""
+    """Return lines on an optimisation without solution: the nearest designs, and possible changes.
+
+    Each says by how much a limit is missed while all others are kept, or which change would let all
+    be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
+    needed. `units` are those for printing.
+    """
     if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
     tell("  Searching for the nearest designs; Ctrl-C skips the search ...")

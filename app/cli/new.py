@@ -106,7 +106,10 @@ def is_terminal() -> bool:
 
 
 def _check_name(file: Path, force: bool) -> None:
-    """Exit if the name of the new study is of a JSON file, or of a file that exists."""
+    """Exit if the new study would be a JSON file, or would replace an existing file.
+
+    `force` allows replacing one.
+    """
     if file.suffix.lower() == ".json":
         fix = f"Name it {file.stem}.toml; `vibrafeed convert` makes JSON of it"
         refuse({file: [Problem("file", "JSON has no comments, and a starter has", fix)]})
@@ -115,7 +118,7 @@ def _check_name(file: Path, force: bool) -> None:
 
 
 def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
-    """Exit if the kind is unknown, or its example does not use one of the answers."""
+    """Exit if the kind is unknown, or if answers were given, which its example does not use."""
     message = "the example of a kind asks nothing"
     problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
     if kind not in KINDS:

@@ -29,7 +29,11 @@ _PART = re.compile(r"(\d{1,9})/(\d{1,9})")
 
 
 def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part: str) -> None:
-    """Compute one part of a study and store its record; a part with a record is skipped."""
+    """Compute one part of a study and store its record; a part with a record is skipped.
+
+    `part` is typed as `k/n`, with k from 0. `studies` and `targets` are by the study's file, and
+    have one entry.
+    """
     path, target = single_study(studies, targets)
     number, count = _numbers(path, part)
     parts = parts_of(path, studies[path], target, count)
@@ -65,7 +69,7 @@ def join_parts(path: Path, parts: Parts, history: str) -> None:
 
 
 def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tuple[Path, str]:
-    """Return path, study and target of a command that takes one study; exit if there are more."""
+    """Return file and target of the study of a command that takes one; exit if there are more."""
     if len(studies) > 1:
         problem = Problem("part", "parts are of one study", "Give one file")
         refuse({path: [problem] for path in studies})
@@ -73,9 +77,9 @@ def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) 
 
 
 def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
-    """Return the parts of a study cut into `count`.
+    """Return the parts of a study cut into `count`; exit if this study or target has no parts.
 
-    Exit if it cannot be cut or has no parts here.
+    `path` is the study's file; `target` is the path or URL of its result.
     """
     problem = None
     if not prepared.part_of:
@@ -93,7 +97,10 @@ def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
 
 
 def _numbers(path: Path, part: str) -> tuple[int, int]:
-    """Return the numbers k and n of a part typed as `k/n`; exit if the text is not of this form."""
+    """Return the numbers k and n of a part typed as `k/n`; exit if the text is not of this form.
+
+    `path` is the study's file, which the message names.
+    """
     found = _PART.fullmatch(part)
     number, count = (int(found[1]), int(found[2])) if found else (0, 0)
     if number < count:
@@ -104,7 +111,7 @@ def _numbers(path: Path, part: str) -> tuple[int, int]:
 
 
 def counts_of(target: str) -> set[int]:
-    """Return the numbers of parts that results of this target were cut into, from their records."""
+    """Return the counts of parts that results of this target were cut into, from stored records."""
     names = Records(target).names()
     return {int(found[1]) for name in names if (found := _OF.fullmatch(name))}
 

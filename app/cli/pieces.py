@@ -24,22 +24,22 @@ from core.plan.prepared import Box, Prepared
 from core.watch import Watch
 
 PIECE_SECONDS = 2.0
-"""What a piece takes all cores, roughly: what a kill loses."""
+"""Approximate time of a piece on all cores [s]: what a killed run loses."""
 SPENT = "spent_seconds"
-"""The note of a piece that says what it took."""
+"""Name of the note of a stored piece that holds its computing time [s]."""
 
 
 class Pieces:
-    """The pieces of a study on their way to a result.
+    """The pieces of a study, which are stored one by one so that a stopped run can go on.
 
     Parameters
     ----------
     prepared : Prepared
-        The study.
+        The study, ready to be computed.
     target : str
-        The result.
+        The path or URL of the result.
     resume : bool
-        Go on with the pieces that are there; else they are removed.
+        True to go on with stored pieces; else they are removed.
     """
 
     def __init__(self, prepared: Prepared, target: str, *, resume: bool):
@@ -70,10 +70,12 @@ class Pieces:
     def tabulate(self, watch: Watch) -> Table:
         """Return the labelled results, computing only the pieces that are not stored on disk.
 
+        `watch` reports progress and says when to stop.
+
         Raises
         ------
         StoppedError
-            If `watch` stops a study of which half is no result.
+            If `watch` stops a study whose incomplete result is of no use.
         """
         if not self._key:
             return kinds.tabulate(self._prepared, watch)
@@ -99,9 +101,9 @@ class Pieces:
         return self._store.has_block(self._key, self._cells, index)
 
     def _compute(self, prepared: Prepared, watch: Watch) -> Computed:
-        """Compute all pieces and return their arrays.
+        """Compute all missing pieces, join them with the stored ones, and return the arrays.
 
-        After a stop, those of the unfinished piece too.
+        After a stop the unfinished piece is among them.
         """
         count = len(self)
         left = [index for index in range(count) if not self._is_kept(index)]
@@ -116,7 +118,10 @@ class Pieces:
         return join(prepared, self._in_order(held, watch))
 
     def _in_order(self, held: dict[int, Computed], watch: Watch) -> Iterator[tuple[Box, Computed]]:
-        """Yield the box and the arrays of each piece, computed ones first, then those on disk."""
+        """Yield the box and the arrays of each piece, those just computed first, then stored ones.
+
+        `held` are the computed pieces that could not be stored, by number.
+        """
         for index, computed in held.items():
             yield self._cut.box(index), computed
         for index in range(len(self)):
@@ -124,13 +129,16 @@ class Pieces:
                 yield self._cut.box(index), self._read(index, watch)
 
     def _piece(self, index: int, watch: Watch) -> tuple[Computed, float]:
-        """Return the arrays of a piece and the seconds that computing it took."""
+        """Compute a piece; return its arrays and the seconds that it took, without compiling.
+
+        `index` is its number, from 0.
+        """
         started, compiling = time.perf_counter(), stopwatch.spent
         computed = self._kind.compute(self._prepared.within(self._cut.box(index)), watch)
         return computed, time.perf_counter() - started - (stopwatch.spent - compiling)
 
     def _keep(self, index: int, computed: Computed, seconds: float) -> bool:
-        """Store a piece on disk; return True if it is stored."""
+        """Store a piece on disk with its computing time [s]; True if that succeeded."""
         noted = replace(computed, notes={**computed.notes, SPENT: repr(seconds)})
         try:
             self._store.write_block(self._key, self._cells, index, noted)
@@ -140,7 +148,10 @@ class Pieces:
         return True
 
     def _read(self, index: int, watch: Watch) -> Computed:
-        """Return a piece read from disk; compute it again if it is damaged."""
+        """Return a piece read from disk, and count its computing time.
+
+        Compute it again if damaged.
+        """
         try:
             computed = self._store.read_block(self._key, self._cells, index)
         except TornBlockError:

@@ -27,7 +27,8 @@ def is_standard(output: str | None) -> bool:
 def standard_output(output: str, studies: int) -> Iterator[str]:
     """Yield the name of a temporary file whose content is written to standard output at the end.
 
-    Exits if what is asked for cannot go there.
+    `output` is `-`, or `-` with a suffix; `studies` is the number of studies. Exits if there are
+    several, or if the format cannot go there.
     """
     suffix = output[1:] or FORM
     problem = None

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
-    """Return the plan of a study as a JSON document: cells, bytes, dimensions, equations."""
+    """Return the plan of a study as a JSON document: cells, bytes, dimensions, equations.
+
+    `path` is the study's file; values of defaults are in the units of files.
+    """
     plan = prepared.plan
     facts: dict[str, Any] = {
         "study": str(path),
@@ -48,7 +51,10 @@ def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
 
 
 def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
-    """Print the plan of a study: cells, bytes, dimensions kept, equations to compute."""
+    """Print the plan of a study: cells, bytes, dimensions kept, equations to compute.
+
+    `path` is the study's file; `asked` is the text of `--units`, if given.
+    """
     plan, facts = prepared.plan, plan_facts(path, prepared)
     units = units_asked(asked, ",".join(prepared.study.units or ()))
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")

@@ -29,7 +29,10 @@ def exit_if_empty(rows: Collection[Any], asked: str) -> None:
 
 
 def tell_notes(notes: Iterable[str], sources: Mapping[str, Mapping[str, str]]) -> None:
-    """Print the notes on a table of published values, and its numbered sources."""
+    """Print the notes on a table of published values, and its numbered sources.
+
+    `sources` holds title, authors and address of each source.
+    """
     for line in notes:
         console.tell(f"- {line}")
     for name, number in number_sources(sources).items():

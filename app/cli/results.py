@@ -35,7 +35,19 @@ _CHOICE = re.compile(r"\w+ = ")
 
 
 def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, Any]:
-    """Return the result of a study as a JSON document; values in the units of files."""
+    """Return the result of a study as a JSON document; values in the units of files.
+
+    Parameters
+    ----------
+    path : Path
+        The study's file.
+    target : str
+        The path or URL of the result.
+    result : Table
+        The result.
+    cells : int
+        Number of cells of the study.
+    """
     found = {name: _finite_ends(one) for name, one in _outputs(result).items()}
     shares = {}
     if "regime" in result.variables:
@@ -46,9 +58,10 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
 def streamed_facts(
     path: Path, target: str, result: Table, cells: int, passed: Passed
 ) -> dict[str, Any]:
-    """Return the JSON document of a sweep that was written tile by tile.
+    """Return the JSON document of a sweep that was written tile by tile; as `facts_of`.
 
-    `passed` holds its statistics.
+    `result` has the values of arrays without dimensions only; `passed` has the ranges and regimes
+    of the tiles.
     """
     found: dict[str, Ends] = {**passed.ends}
     found |= {name: _finite_ends(one) for name, one in _outputs(result).items() if not one.dims}
@@ -62,7 +75,16 @@ def show_result(
 ) -> None:
     """Print a short table of a result: values or ranges, regimes, and what was verified.
 
-    With `everything` it has those of `OF_THE_SEARCH`, too.
+    Parameters
+    ----------
+    facts : mapping
+        The JSON document of the result.
+    result : Table
+        The result.
+    asked : str or None
+        The text of `--units`, if given.
+    everything : bool
+        True to print the outputs that describe the search of an optimum, too.
     """
     units = units_asked(asked, str(result.attributes.get("shown_units", "")))
     if "findings" in result.attributes:
@@ -99,7 +121,10 @@ def show_result(
 def _show_values(
     facts: Mapping[str, Any], result: Table, units: ShownUnits, *, everything: bool
 ) -> None:
-    """Print values or ranges of all outputs, and the shares of the statuses and regimes."""
+    """Print values or ranges of all outputs, and the shares of the statuses and regimes.
+
+    Arguments as in `show_result`; `units` are those for printing.
+    """
     outputs = facts["outputs"]
     if not everything:
         outputs = {name: one for name, one in outputs.items() if name not in OF_THE_SEARCH}
@@ -117,7 +142,10 @@ def _show_values(
 
 
 def _held_at(result: Table, units: ShownUnits) -> list[str]:
-    """Return a sentence with the values of uncertain parameters at which an optimum holds."""
+    """Return a sentence with the values of uncertain parameters at which an optimum holds.
+
+    It is the only entry of a list, which is empty for a result without such parameters.
+    """
     if "optimum_status" not in result.variables:
         return []
     study = parse_json(str(result.attributes["study"]))
@@ -131,7 +159,7 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
 
 
 def _knee(result: Table, units: ShownUnits) -> str:
-    """Return a sentence on the knee of a trade-off front: outputs and choice; else None."""
+    """Return a sentence on the knee of a trade-off front: outputs and choice; empty if none."""
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
         return ""
@@ -151,9 +179,9 @@ def _knee(result: Table, units: ShownUnits) -> str:
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
-    """Return a sentence on the cell with the largest conveying velocity.
+    """Return a sentence on the cell with the largest conveying velocity; empty for a single cell.
 
-    None if there is one cell.
+    Empty, too, for optimisations and for results without a positive speed.
     """
     speed = result.variables.get("conveying_velocity")
     if speed is None or speed.values.size < 2 or "motion_status" not in result.variables:
@@ -171,7 +199,7 @@ def _fastest(result: Table, units: ShownUnits) -> str:
 
 
 def _regimes_computed(result: Table) -> NDArray[Any]:
-    """Return the regimes of all cells that were computed, without those that a stop left out."""
+    """Return the regimes (flag values) of the computed cells, without those left out by a stop."""
     regime = result.variables["regime"]
     for name, not_computed in STATUSES.items():
         status = result.variables.get(name)
@@ -193,7 +221,21 @@ def _result_document(
     states: Mapping[str, Ends],
     shares: Mapping[str, float],
 ) -> dict[str, Any]:
-    """Return the JSON document of a result from its cells, ranges and regime shares."""
+    """Return the JSON document of a result from its cells, ranges and regime shares.
+
+    Parameters
+    ----------
+    path, target : Path, str
+        The study's file, and the path or URL of the result.
+    result : Table
+        The result.
+    cells : int
+        Number of cells of the study.
+    states : mapping
+        Smallest and largest finite value of each output; None without any.
+    shares : mapping
+        Share of the cells in each regime, 0 to 1.
+    """
     left = round(cells * share_left_out(result))
     facts: dict[str, Any] = {
         "study": str(path),
@@ -242,7 +284,11 @@ def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -
 
 
 def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -> None:
-    """Print the regimes with their shares, and how many cells lie beyond the closed forms."""
+    """Print the regimes with their shares, and how many cells are not valid.
+
+    `shares` are those of the cells, 0 to 1; `closed_forms` is True for a result of formulas, which
+    then describe no real part, and False for a motion, which has no mean velocity then.
+    """
     if not shares:
         return
     tell(f"  {'regime' if cells == 1 else 'regimes'}: {_in_words(shares, cells)}")
@@ -256,7 +302,10 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
 
 
 def _states(result: Table) -> dict[str, dict[str, float]]:
-    """Return, for each output with named values, the share of the cells that have each name."""
+    """Return the share of cells with each name, 0 to 1, for every output with named values.
+
+    The regime and the statuses of whole cells are left out.
+    """
     states = {}
     for name, column in result.variables.items():
         is_told = (
@@ -303,7 +352,7 @@ def _show_verified(result: Table) -> None:
 
 
 def _finite_ends(variable: TableVariable) -> Ends:
-    """Return the smallest and the largest finite value of a variable."""
+    """Return the smallest and the largest finite value of a variable; None if it has none."""
     values = variable.values
     least, largest = values.min(), values.max()
     if not (np.isfinite(least) and np.isfinite(largest)):

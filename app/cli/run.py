@@ -158,7 +158,7 @@ def run(
 
 
 def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:
-    """Print the plans of all studies, or one JSON document with them."""
+    """Print the plans of all studies, or one JSON document with all of them (`as_json`)."""
     if as_json:
         told = [plans.plan_facts(path, prepared) for path, prepared in studies.items()]
         console.document({"vibrafeed": core.__version__, "plans": told})
@@ -168,7 +168,10 @@ def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bo
 
 
 def _refuse_together(*, as_json: bool, to_standard: bool, in_parts: bool) -> None:
-    """Exit if options were given that exclude each other."""
+    """Exit if options were given that exclude each other.
+
+    `to_standard` is True if the result goes to standard output, `in_parts` for a part of a sweep.
+    """
     problem = None
     if to_standard and as_json:
         message = "the document and the result would both go to standard output"

@@ -72,7 +72,11 @@ class Running:
         targets: Mapping[Path, str],
         complete: Collection[Path],
     ) -> bool:
-        """Compute and write the results of all studies; True if all are complete and verified."""
+        """Compute and write the results of all studies; True if all are complete and verified.
+
+        `targets` holds the path or URL of each study's result; studies in `complete` have one
+        already.
+        """
         verified, left = True, list(studies)
         for path, prepared in studies.items():
             target = targets[path]
@@ -115,9 +119,21 @@ class Running:
     def _carry_out_study(
         self, path: Path, prepared: Prepared, target: str
     ) -> tuple[bool, bool] | None:
-        """Compute and write one result; return whether it is sound and whether Ctrl-C stopped it.
+        """Compute and write one result; None if nothing was written.
 
-        Returns None if nothing was written.
+        Parameters
+        ----------
+        path : Path
+            The study's file.
+        prepared : Prepared
+            The study, ready to be computed.
+        target : str
+            The path or URL of the result.
+
+        Returns
+        -------
+        tuple of bool
+            True if the result is complete and verified; True if Ctrl-C was pressed.
         """
         refuse_beyond_memory(path, prepared)
         pieces = Pieces(prepared, target, resume=self.resume)
@@ -133,7 +149,10 @@ class Running:
         ):
 
             def progress(share: float) -> None:
-                """Advance the progress bar, and note that computing has begun."""
+                """Advance the progress bar by a share of the work.
+
+                Note that computing has begun.
+                """
                 begun.set()
                 advance(share)
 
@@ -188,9 +207,9 @@ class Running:
 
 
 def _keep_or_remove(pieces: Pieces) -> None:
-    """Print how to continue a study from its stored pieces.
+    """Print how to continue a stopped study from its stored pieces.
 
-    Remove their folder if there are none.
+    Remove their folder if none is stored.
     """
     if pieces.kept:
         done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"

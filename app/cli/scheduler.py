@@ -26,7 +26,19 @@ def run_on_scheduler(
     count: int | None,
     history: str,
 ) -> None:
-    """Compute all missing parts of a study on a Dask cluster, and join them into its result."""
+    """Compute all missing parts of a study on a Dask cluster, and join them into its result.
+
+    Parameters
+    ----------
+    studies, targets : mapping
+        The study and the path or URL of its result, by the study's file; one entry.
+    address : str
+        Address of the Dask scheduler.
+    count : int or None
+        Number of parts; by default that of stored parts, else one that suits the study.
+    history : str
+        The CF attribute of the result.
+    """
     path, target = single_study(studies, targets)
     target = target if "://" in target else str(Path(target).resolve())
     sweep = studies[path]

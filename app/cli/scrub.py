@@ -77,7 +77,21 @@ def _tell(
     *,
     repair: bool,
 ) -> None:
-    """Print the damaged folders, the counts, and what was repaired."""
+    """Print the damaged folders, the counts, and what was repaired.
+
+    Parameters
+    ----------
+    directory : Path
+        The data directory.
+    rows : list of tuple
+        Study, state and files of each damaged folder.
+    counts : mapping
+        Number of folders in each state.
+    read : int
+        Bytes that were read.
+    repair : bool
+        True if damaged results were removed.
+    """
     if rows:
         console.table(COLUMNS, rows)
     told = ", ".join(f"{count:,} {state}" for state, count in sorted(counts.items()))

@@ -116,7 +116,10 @@ def _check_address(host: str, port: int) -> None:
 
 
 def _check_keys(settings: Settings, host: str) -> None:
-    """Exit if the service would be reachable from other machines and no key exists."""
+    """Exit if the service would be reachable from other machines and no API key exists.
+
+    `host` is the address to listen on.
+    """
     from app.web.guard import is_loopback  # with all that serves
 
     if settings.api_key_hashes or is_loopback(host):
@@ -175,7 +178,10 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
 
 
 def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:
-    """Print why the data directory cannot be used and which setting to change; exit."""
+    """Print why the data directory cannot be used and which setting to change; exit.
+
+    `why` is the reason; `first` begins the advice, such as "Set".
+    """
     fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
     console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
     raise typer.Exit(INVALID_INPUT)

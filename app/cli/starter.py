@@ -137,7 +137,10 @@ def scene_of(answers: Mapping[str, str]) -> str:
 
 
 def starter_study(answers: Mapping[str, str], file: str) -> str:
-    """Return the TOML text of a study made from answers; `file` is the name it will have."""
+    """Return the TOML text of a study made from answers, with comments.
+
+    `answers` are by the names of the questions; `file` is the name that the study will have.
+    """
     starter, scene = STARTERS[answers["question"]], scene_of(answers)
     document = tomlkit.document()
     _say(document, "\n".join(starter.says))
@@ -179,7 +182,7 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
 
 
 def _range(stop: Any, count: int) -> Any:
-    """Return an inline table of a range from 0 to `stop` with `count` values."""
+    """Return a TOML table for a parameter with `count` values from 0 to `stop`."""
     table = tomlkit.inline_table()
     table.update({"start": 0, "stop": stop, "num": count})
     return table
@@ -198,7 +201,8 @@ TABLES_SAY: Final = {
 def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
     """Return the TOML tables of an optimisation, from the answers about the best drive.
 
-    Under "" stand the questions whose parameters have no place then.
+    They are by the names of the tables; `robust` is a plain key of the study. Under the empty name
+    are the questions whose parameters are variables now and not fixed.
     """
     wishes: dict[str, Any] = {}
     stays = answers.get("hop") == "no"
@@ -215,7 +219,10 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return the variables of an optimisation whose largest amplitude is given."""
+    """Return the variables of an optimisation with their bounds, by parameter.
+
+    The largest amplitude is the answer to its question, or half the stroke.
+    """
     largest = answers.get("amplitude")
     if largest is None:  # a stroke, from end to end
         stroke = parse_typed(answers["peak_to_peak"])
@@ -238,7 +245,10 @@ def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
 
 
 def example_study(kind: str, file: str) -> str:
-    """Return the TOML text of the example study of a kind; `file` is the name it will have."""
+    """Return the TOML text of the example of a kind, with comments at its head.
+
+    `file` is the name that the study will have.
+    """
     record = KINDS[kind]
     said = [f"{record.title}.", *textwrap.wrap(record.description, WIDTH)]
     lines = [*said, "", f"Carry it out: vibrafeed run {file}"]
@@ -253,7 +263,7 @@ def _say(container: Any, text: str) -> None:
 
 
 def _table(says: str, content: Mapping[str, Any]) -> Any:
-    """Return a TOML table that begins with comment lines."""
+    """Return a TOML table that begins with comment lines (`says`), values on one line each."""
     table = tomlkit.table()
     _say(table, says)
     for name, value in content.items():

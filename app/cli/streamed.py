@@ -103,7 +103,11 @@ def run_streamed(
 def _check_disk_space(
     path: Path, sweep: Prepared, target: str, *, compression: bool, resume: bool
 ) -> int:
-    """Print the size of a result and return its bytes; exit if the disk has too little room."""
+    """Print the size of a result and return its bytes; exit if the disk has too little room.
+
+    Space that a stopped run of the same result takes counts as free. Arguments as in
+    `run_streamed`.
+    """
     compressed = compression or is_zarr(target)
     size = bytes_in_file(sweep, compressed=compressed)
     about = "about " if compressed else ""

@@ -104,7 +104,10 @@ def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
 
 
 def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | str] = ()) -> None:
-    """Exit if two results would have one path, or if one has a path that is otherwise used."""
+    """Exit if two results would have one path, or if one has a path that is otherwise used.
+
+    `targets` holds the path of each study's result; `taken` are paths that other files will have.
+    """
     everything = [*targets.values(), *taken]
     message = "{} would be written more than once"
     fix = "Rename a study, or use another folder"
@@ -130,10 +133,11 @@ def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
 def interruption(
     *, gently: bool = True, has_begun: Callable[[], bool] = lambda: True
 ) -> Iterator[Callable[[], bool]]:
-    """Let Ctrl-C stop a study between cells; yield a function that tells whether it was pressed.
+    """Let Ctrl-C stop a study between cells.
 
-    A second Ctrl-C raises `KeyboardInterrupt`, and the first one too where there is nothing to
-    keep: not `gently`, or `has_begun` returns False.
+    Yield a function that returns True once it was pressed. A second Ctrl-C raises
+    `KeyboardInterrupt`. So does the first if there is nothing to keep: if `gently` is False, or
+    `has_begun` returns False.
     """
     asked = threading.Event()
 
@@ -185,9 +189,10 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
 
 
 def refuse_existing(source: str, target: str, *, force: bool) -> None:
-    """Exit if a derived file would replace an existing one.
+    """Exit if a derived file would replace an existing one, unless `force` is True.
 
-    `--force` allows it, but for a Zarr group.
+    `source` is the file that it is derived from, which the message names; URLs and Zarr groups are
+    not checked here.
     """
     if not force and "://" not in target and Path(target).is_file():
         problem = Problem("output", f"{target} exists already", REPLACE)

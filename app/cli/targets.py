@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
     """Return the target path of each study's result; exit if a target cannot be written.
 
-    A folder is what exists as one, ends in a slash, or has no suffix.
+    `output` is the option `-o`: a file for one study, a Zarr group, or a folder, that is an
+    existing one, a name that ends in a slash, or one without suffix. By default results go beside
+    the studies.
     """
     if output is not None and output.rstrip("/").lower().endswith(".zarr"):
         output = output.rstrip("/")
@@ -88,7 +90,21 @@ def kept_apart(target: str) -> str:
 def write_or_exit(
     path: Path, table: Table, target: str, history: str, *, compression: bool = True
 ) -> None:
-    """Write a result to a file; exit with the reason if it cannot be written."""
+    """Write a result to a file; exit with the reason if it cannot be written.
+
+    Parameters
+    ----------
+    path : Path
+        The study's file, which messages name.
+    table : Table
+        The result.
+    target : str
+        The path or URL to write to.
+    history : str
+        The CF attribute of the result.
+    compression : bool
+        True to compress NetCDF and MAT files.
+    """
     try:
         write_result(table, target, history=history, compression=compression)
     except LimitError as error:

@@ -69,7 +69,10 @@ def _demand_in_words(attributes: Mapping[str, Any], units: ShownUnits) -> str:
 
 
 def _show_output(result: Table, output: str, units: ShownUnits) -> None:
-    """Print mean, quantiles and Sobol indices of one output of a design."""
+    """Print mean, quantiles, Sobol indices and the tolerance budget of one output of a design.
+
+    `result` is a sensitivity study with a single cell; `units` are those for printing.
+    """
     columns = {
         name.removeprefix(f"{output}_"): column
         for name, column in result.variables.items()

@@ -18,8 +18,8 @@ DIGITS = 4
 DEFAULT_DIGITS = 6
 """Digits of a default: those of standard gravity."""
 
-SPAN_DIGITS = 2
-MAX_DIGITS = 15
+SPAN_DIGITS = 2  # digits of the difference between the least and the largest value
+MAX_DIGITS = 15  # digits that a double holds in any case
 WHOLE = 1e7  # below it a whole number is shown in full
 PLAIN = (1e-4, 1e7)  # sizes that are written without an exponent
 
@@ -49,7 +49,11 @@ def format_number(value: float | None, digits: int = DIGITS) -> str:
 def shown_range(
     unit: str, least: float | None, largest: float | None, units: ShownUnits
 ) -> tuple[str, str, str]:
-    """Return the unit for an output's values, and its smallest and largest value in that unit."""
+    """Return the unit for printing an output's values, and its smallest and largest value in it.
+
+    Both have as many digits as make their difference visible. `unit` is that of files; a value that
+    is None becomes a dash.
+    """
     if least is None or largest is None:
         return units.of(unit, 0.0).unit, "-", "-"
     size = max(abs(least), abs(largest))

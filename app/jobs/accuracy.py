@@ -24,7 +24,17 @@ PAGE = "accuracy.md"
 
 
 def measure_block(prepared: Prepared, index: int, watch: Watch) -> Computed:
-    """Measure one family of an accuracy study and return its results as arrays of a block."""
+    """Measure one family of an accuracy study and return its results as arrays of a block.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The checked study.
+    index : int
+        Number of the family among those that the study has, from 0.
+    watch : Watch
+        Stops the measurement when the work is given up, and limits its threads.
+    """
     facts = machine()
     return keep(measure_family(prepared, families_of(prepared)[index], watch), facts)
 
@@ -32,14 +42,22 @@ def measure_block(prepared: Prepared, index: int, watch: Watch) -> Computed:
 def write_report(
     store: Store, key: str, process: str, prepared: Prepared, cells: int, seconds: float
 ) -> None:
-    """Write the accuracy report from its blocks; raise `TornBlockError` if one cannot be read.
+    """Join the blocks of an accuracy study into its report: dataset, page and pictures.
+
+    Raises `TornBlockError` if a block is missing or damaged.
 
     Parameters
     ----------
+    store : Store
+        Where blocks are read and the report is written.
+    key, process : str
+        The study's identifier, and the process whose result the report is.
+    prepared : Prepared
+        The checked study.
     cells : int
-        Under which the blocks are kept.
+        Size of a block in cells, under which the store keeps the blocks.
     seconds : float
-        What they took.
+        Computing time of all blocks [s], for the manifest.
     """
     count = len(families_of(prepared))
     blocks = [kept(store.read_block(key, cells, index)) for index in range(count)]
@@ -47,7 +65,10 @@ def write_report(
     part = part_of(prepared, "study.json", [one for one, _ in blocks if one is not None], facts)
 
     def more(dataset: Path, folder: Path) -> list[Path]:
-        """Write the page and pictures of the report into a folder; return their paths."""
+        """Write the page and the pictures of the report into a folder; return their paths.
+
+        `dataset` is the path of the NetCDF file that the pictures are drawn from.
+        """
         families = [one.family for one in part.measured if one.curves]
         pictures = draw(dataset, folder, "study", families, logger.warning)
         names = {family: path.name for family, path in pictures.items()}
@@ -65,9 +86,20 @@ def write_report(
 def draw(
     file: Path, folder: Path, stem: str, families: Sequence[str], warn: Callable[[str], object]
 ) -> dict[str, Path]:
-    """Draw one picture per family of an accuracy dataset.
+    """Draw one picture per family of an accuracy dataset; return the path of each by its family.
 
-    Without matplotlib call `warn` instead.
+    Parameters
+    ----------
+    file : Path
+        The NetCDF file of the dataset.
+    folder : Path
+        Where the pictures are written, as `accuracy-<stem>-<family>.png`.
+    stem : str
+        Middle part of the file names.
+    families : sequence of str
+        The families to draw; one without curves gets no picture.
+    warn : callable
+        Called with a sentence if matplotlib is missing; the result is then empty.
     """
     try:
         from core.plots.accuracy import draw_accuracy

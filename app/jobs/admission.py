@@ -22,10 +22,11 @@ from core.plan.prepared import Prepared
 
 logger = logging.getLogger("vibrafeed.store")
 
-SCRUBBED = 4_000_000_000  # bytes that a turn of scrubbing reads, or one result more
-DAY = 86_400.0
-MAX_JOBS = 100_000  # that are over, of which the ledger tells
-REPORT_BYTES = 10_000_000  # of an accuracy report
+# Bytes of results that one call of `scrub` reads before it stops; the last result is read whole.
+SCRUBBED = 4_000_000_000
+DAY = 86_400.0  # s
+MAX_JOBS = 100_000  # ended jobs of each owner that the ledger keeps: the latest
+REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
 
 
 class Admission:
@@ -64,17 +65,29 @@ class Admission:
     def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
         """Enter a job for a study into the ledger; the job is stored on disk on return.
 
-        One whose result is there, and was asked for with this key before, is successful at once;
-        what others have asked for is found when the job's turn comes.
+        A job is successful at once if its result exists and the same API key asked for it before.
+        If only other keys did, the job waits like any other and uses the result when its turn
+        comes, so that the reply does not reveal their work.
+
+        Parameters
+        ----------
+        prepared : Prepared
+            The checked study.
+        process : str
+            What to carry out: the study's kind, or `accuracy`.
+        who : Key
+            The API key that posts it.
 
         Raises
         ------
         NoRoomError
-            If its result would not fit.
+            If the result would not fit.
         QueueFullError
             If too much is waiting.
         TooManyJobsError
             If the key has as many jobs as it may.
+        FetchingError
+            If the result is still being fetched from the object store.
         """
         key = identifier(prepared.study, process)
         block_cells, blocks, needed = self._measure_job(prepared, process)
@@ -123,14 +136,25 @@ class Admission:
         return job
 
     def mend(self, job: Job) -> bool:
-        """Queue a successful job again whose result has been lost, so that it is computed anew.
+        """Queue a successful job again if its result has been lost.
 
-        Its jobs are accepted again then. Return False if the study itself is gone.
+        False if it cannot be computed again.
+
+        Parameters
+        ----------
+        job : Job
+            The job, whose study may be gone or unreadable; the result is False then.
+
+        Returns
+        -------
+        bool
+            True if the result exists or is being fetched, or if the work was queued; then all
+            successful jobs of the study are accepted again.
 
         Raises
         ------
         NoRoomError
-            If its result would not fit.
+            If the result would not fit.
         """
         if self.store.fetch(job.key) is not False:
             return True
@@ -160,7 +184,8 @@ class Admission:
     def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
         """Return cells of a block, number of blocks, and the largest number of bytes on disk.
 
-        Blocks and the result are on the disk at the same time, for a moment.
+        These bytes are for blocks and result together, which are on the disk at the same time for a
+        moment. `process` is what is carried out, such as `sweep` or `accuracy`.
         """
         cells, blocks = work.blocks(prepared, process, self._settings)
         # Blocks and the result are there at the same time, for a moment.
@@ -176,9 +201,10 @@ class Admission:
             )
 
     def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
-        """Store a sweep without computing it; return its identifier, and True if it is new.
+        """Store a sweep without computing it, to be read in slices.
 
-        It is new to whoever has not posted it, though others may have.
+        Return its identifier and its novelty. The second result is True if the sweep is new to the
+        API key `who`, although others may have posted it; for an admin, if it is new to the store.
 
         Raises
         ------
@@ -199,25 +225,39 @@ class Admission:
         return key, is_new if who.sees_all else is_new_to_them
 
     def job(self, number: str, who: Key) -> Job | None:
-        """Return a job that the given key may read; None if there is none."""
+        """Return a job that an API key may read; None if it does not exist or may not be read.
+
+        `number` is the job's identifier; `who` is the key: it reads its own jobs and shared ones.
+        """
         job = self.ledger.job(number)
         return job if job is not None and is_readable(job, who) else None
 
     def may_read(self, key: str, who: Key) -> bool:
-        """True if a key may read a study."""
+        """True if an API key may read a study: its own, or one that is shared with all keys."""
         return who.sees_all or bool(self.ownership.readable(who.name, key))
 
     def knows_result(self, key: str, who: Key) -> bool:
-        """True if a key may learn whether the result of a study exists."""
+        """True if an API key may learn that a study's result exists: its owner asked for it."""
         return who.sees_all or any(one.result for one in self.ownership.readable(who.name, key))
 
     def take_result(self, key: str, needed: int, who: Key) -> None:
-        """Record that a key asks for the file of its study, after making room in its quota.
+        """Record that an API key asks for the result file of its study; make room in its quota.
+
+        Parameters
+        ----------
+        key : str
+            Identifier of the study.
+        needed : int
+            Bytes that the file may take at most.
+        who : Key
+            The API key.
 
         Raises
         ------
         NoRoomError
-            If their key may not keep so much.
+            If the key may not keep this much.
+        NotOwnerError
+            If the key has not posted the study, and the file does not exist.
         """
         held = self.ownership.of(who.name, key)
         if held is None and self.store.manifest(key) is None:
@@ -232,14 +272,15 @@ class Admission:
             self.ownership.hold(who.name, key, held.bytes, result=True)
 
     def dismiss(self, number: str, who: Key = NOBODY) -> Job | None:
-        """Dismiss a job: stop its work and mark it; it stays in the list of jobs.
+        """Dismiss a job and return it: stop its work and mark the job, which stays in the list.
 
-        None if `who` may read no such job.
+        `number` is the job's identifier. The result is None if the API key `who` may read no such
+        job.
 
         Raises
         ------
         NotOwnerError
-            If it is another's, who shares it with `who`.
+            If the job belongs to another key, which shares it with `who`.
         """
         job = self.job(number, who)
         if job is None:
@@ -254,14 +295,15 @@ class Admission:
         return job
 
     def share_job(self, number: str, shared: bool, who: Key) -> Job | None:
-        """Make a job and its results readable for all keys, or for its owner only.
+        """Make a job and its results readable for all keys, or for its owner only; return the job.
 
-        None if `who` may read no such job.
+        `number` is the job's identifier, `shared` is True for all keys. The result is None if the
+        API key `who` may read no such job.
 
         Raises
         ------
         NotOwnerError
-            If it is another's, who shares it with `who`.
+            If the job belongs to another key, which shares it with `who`.
         """
         job = self.job(number, who)
         if job is None:
@@ -273,12 +315,15 @@ class Admission:
         return self.ledger.job(number)
 
     def share_sweep(self, key: str, shared: bool, who: Key) -> None:
-        """Make a sweep readable for all keys, or its owner only; an admin does so for all owners.
+        """Make a sweep readable for all keys, or for its owner only.
+
+        An admin does so for all owners. `key` is the sweep's identifier, `shared` is True for all
+        keys, and `who` is the API key that asks.
 
         Raises
         ------
         NotOwnerError
-            If they do not hold it.
+            If `who` has not posted the sweep and is no admin.
         """
         with self.ledger.transaction():
             if self.ownership.of(who.name, key) is None:
@@ -294,7 +339,12 @@ class Admission:
         audit.note(self.ledger.database, who.name, action, object_)
 
     def make_room(self, key: str, needed: int, who: Key = NOBODY) -> None:
-        """Free disk space for a study's files; raise `NoRoomError` if they would not fit."""
+        """Free disk space for a study's files by removing the studies that were used longest ago.
+
+        `key` is the study's identifier, `needed` the bytes that its files may take at most, and
+        `who` the API key in whose quota they count. Raises `NoRoomError` if they would not fit;
+        nothing is removed then.
+        """
         self._quota.look(key, needed, who)
         with self.ledger.transaction():
             self._quota.make(key, needed, who)
@@ -318,9 +368,10 @@ class Admission:
                     self.ownership.let_go(key)
 
     def scrub(self, stopped: Callable[[], bool]) -> None:
-        """Compare some results with their digests, continuing after those of the previous call.
+        """Compare stored results with their digests and remove damaged ones, to be made again.
 
-        What is broken is taken away; it is computed again when it is asked for.
+        A call reads some 4 GB and continues where the previous one ended; `stopped` is a function
+        that returns True when the service stops.
         """
         read = 0
         for check in damages(self.store, self._scrubbed, stopped):

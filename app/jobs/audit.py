@@ -40,9 +40,18 @@ class AuditEntry:
 
 
 def note(database: Database, name: str, action: Action, object_: str) -> None:
-    """Write an action of a key into the audit log.
+    """Write an action of an API key into the audit log, in the transaction of the caller if any.
 
-    Part of the transaction in which it is called.
+    Parameters
+    ----------
+    database : Database
+        The ledger's.
+    name : str
+        Name of the key; empty where no keys are needed, or the key is unknown.
+    action : str
+        The action, such as `post`.
+    object_ : str
+        Its object: a job, a study, a key's name, or the address that a refused key came from.
     """
     entry = {"id": uuid.uuid4().hex, "time": time.time(), "name": name, "action": action}
     with database.transaction() as connection:

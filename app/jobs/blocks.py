@@ -14,12 +14,16 @@ from app.jobs.errors import TornBlockError
 from app.jobs.studies import Studies, durable_file
 from core.plan.pieces import Computed
 
-DIGEST = 32  # bytes of a SHA-256, in front of a block
+DIGEST = 32  # bytes of the SHA-256 that a block's file begins with
 _NOTES = "notes"
 
 
 def pack(computed: Computed) -> tuple[bytes, memoryview]:
-    """Return the arrays of a block as bytes, preceded by their digest."""
+    """Return the digest of a block's content and the content, as they are written to its file.
+
+    The digest is a SHA-256 of 32 bytes; the content holds the computed arrays and notes in the
+    format of `numpy.savez`.
+    """
     notes = np.frombuffer(json.dumps(dict(computed.notes)).encode(), np.uint8)
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
@@ -27,7 +31,10 @@ def pack(computed: Computed) -> tuple[bytes, memoryview]:
 
 
 def unpack(block: bytes) -> Computed | None:
-    """Return the arrays in the bytes of a block; None if the digest does not match."""
+    """Return the arrays and notes in the bytes of a block's file.
+
+    None if its digest does not match.
+    """
     view = memoryview(block)
     digest, content = view[:DIGEST], view[DIGEST:]
     if hashlib.sha256(content).digest() != digest:
@@ -46,7 +53,19 @@ class Blocks(Studies):
         return self._block(key, cells, index).exists()
 
     def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
-        """Store the computed arrays of a block on disk."""
+        """Store the computed arrays of a block on disk.
+
+        Parameters
+        ----------
+        key : str
+            Identifier of the study.
+        cells : int
+            Cells per block; blocks of another size are kept apart.
+        index : int
+            Number of the block, from 0.
+        computed : Computed
+            Its arrays and notes.
+        """
         path = self._block(key, cells, index)
         digest, content = pack(computed)
         for last in (False, True):
@@ -64,9 +83,10 @@ class Blocks(Studies):
                 return
 
     def read_block(self, key: str, cells: int, index: int) -> Computed:
-        """Return the arrays of a block.
+        """Return the arrays of a block; raise `TornBlockError` if the block is missing or damaged.
 
-        Remove it and raise `TornBlockError` if it cannot be read.
+        A damaged block is removed, so that it is computed again. `key` is the study's identifier,
+        `cells` the number of cells of a block, and `index` the block's number from 0.
         """
         path = self._block(key, cells, index)
         try:
@@ -80,7 +100,11 @@ class Blocks(Studies):
         return computed
 
     def give_up(self, key: str, claim: str) -> None:
-        """Mark a claim on a study as abandoned, so that workers stop computing its blocks."""
+        """Mark a claim on a study as abandoned, so that workers stop computing its blocks.
+
+        `key` is the study's identifier. `claim` is the text that names one lease of the work, so
+        that a later claim on the same study is not stopped.
+        """
         with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
             self._abandoned_mark(key, claim).parent.mkdir(exist_ok=True)
             self._abandoned_mark(key, claim).touch()
@@ -90,11 +114,11 @@ class Blocks(Studies):
         return self._abandoned_mark(key, claim).exists()
 
     def _abandoned_mark(self, key: str, claim: str) -> Path:
-        """Return the path of the mark file of an abandoned claim."""
+        """Return the path of the empty file that marks a claim on a study as abandoned."""
         name = hashlib.sha256(claim.encode()).hexdigest()[:32]
         return self.folder(key) / "blocks" / f"{name}.given-up"
 
     def _block(self, key: str, cells: int, index: int) -> Path:
-        """Return the path of a block of a study."""
+        """Return the path of a block's file: of a study, cells per block, and number from 0."""
         # Blocks of another size, left by a job that was given up, are never taken for these.
         return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"

@@ -19,27 +19,27 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 MAX_FAILURES = 10  # workers that die under one block
-BEGUN = "vibrafeed-begun"  # Dask's topic under which workers tell what they begin
+BEGUN = "vibrafeed-begun"  # Dask's topic under which workers report the calls that they begin
 RESTART = 30.0  # s that a worker may take to end and come again
 PATIENCE = 1.0  # s that a worker may take to end before it is killed
 POLITE = 10  # niceness of our own workers: the service answers while they work
 
 
 class Cluster:
-    """Connects when it is first asked: a service without jobs starts no workers.
+    """Connects to the Dask cluster at first use, so that a service without jobs starts no workers.
 
     Parameters
     ----------
     address : str or None
-        That of a running scheduler; None for workers of our own.
+        Address of a running scheduler; None for workers of our own.
     workers : int
-        How many of our own, one process and one thread each.
+        Number of our own workers, one process and one thread each.
 
     Attributes
     ----------
     begun : callable
-        Is told the key of each call that a worker begins, the worker's address, and whether it has
-        loaded its code: once when it takes the call up, once when it has.
+        Called with the key of each call that a worker begins, the worker's address, and True if the
+        worker has loaded its code: once when it takes the call up, once when it has.
     """
 
     def __init__(self, address: str | None, workers: int):
@@ -63,17 +63,20 @@ class Cluster:
         return client
 
     async def workers(self) -> int:
-        """Return the number of tasks that the cluster can run at once, 0 without workers.
+        """Return the number of tasks that the cluster can run at once: threads of all its workers.
 
-        That is 0 while no worker is there: ours are started again, or a scheduler elsewhere has
-        none.
+        The number is 0 while no worker is there: ours are started again, or a scheduler elsewhere
+        has none.
         """
         client = await self.client()
         threads: dict[str, int] = await client.nthreads()  # type: ignore[no-untyped-call]
         return sum(threads.values())
 
     async def has_nanny(self, worker: str) -> bool:
-        """True if a worker would be restarted automatically after a kill, or is already gone."""
+        """True if a worker would be restarted automatically after a kill, or is already gone.
+
+        `worker` is its address. A nanny is the process of Dask that starts a worker again.
+        """
         client = await self.client()
         # All of them: by default the scheduler tells of a few.
         scheduler: Any = client.scheduler
@@ -81,7 +84,10 @@ class Cluster:
         return worker not in known or known[worker]["nanny"] is not None
 
     async def restart(self, worker: str) -> None:
-        """Restart the process of a worker, by force if need be, and wait for the new process."""
+        """Restart the process of a worker, by force if need be, and wait for the new process.
+
+        `worker` is its address; a worker that is gone is left out. Waits for 30 s at most.
+        """
         client = await self.client()
         with contextlib.suppress(KeyError):  # it is gone
             await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
@@ -97,7 +103,7 @@ class Cluster:
     async def close(self) -> None:
         """Close the connection and the workers of this service.
 
-        Wait for workers that are starting.
+        Wait for those that are starting.
         """
         start, self._start = self._start, None
         if start is not None:
@@ -106,7 +112,18 @@ class Cluster:
             await _end(start)
 
     async def _connect(self, lost: asyncio.Task[_Made] | None) -> _Made:
-        """Connect to the cluster, starting local workers if no address is set."""
+        """Connect to the cluster, starting local workers if no address is set.
+
+        Parameters
+        ----------
+        lost : asyncio.Task or None
+            The previous attempt, whose connection is closed first; None at the first.
+
+        Returns
+        -------
+        tuple
+            The client of Dask, and the stack that closes it and the workers if they are ours.
+        """
         if lost is not None:
             await _end(lost)
         async with AsyncExitStack() as made:
@@ -125,7 +142,11 @@ class Cluster:
             return client, made.pop_all()
 
     def _heard(self, event: tuple[float, dict[str, Any]]) -> None:
-        """Report the event that a worker has begun with a call."""
+        """Pass a worker's report that it has begun with a call to `begun`.
+
+        `event` is what Dask delivers: the time, and a dict with the call's `key`, the worker's
+        address `worker`, and `is_loaded`.
+        """
         told = event[1]
         self.begun(told["key"], told["worker"], told["is_loaded"])
 
@@ -133,22 +154,26 @@ class Cluster:
 def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
     """Return a callable for workers that imports a function by its name and calls it.
 
-    It is sent with all it holds, tells that it begins, and finds the rest by the name `vibrafeed`:
-    schedulers and workers may have other packages called `app` and `core`. The first call of a
-    worker loads the code, which takes seconds on a busy machine; that it is there is told, too.
+    Dask sends the callable with all that it holds, and the worker finds the function in the package
+    `vibrafeed`: schedulers and workers may have other packages called `app` and `core`. The
+    callable reports to the service when a worker takes it up, and when the worker has loaded the
+    code, which takes seconds on a busy machine in its first call.
     """
     module = function.__module__.removeprefix("vibrafeed.")  # as the repository has it
     name, topic = function.__name__, BEGUN
 
     def tell(is_loaded: bool) -> None:
-        """Tell the cluster's clients which worker has begun with this call."""
+        """Report to the cluster's clients that this worker has begun with the call.
+
+        `is_loaded` is False when the worker takes the call up, True once it has imported the code.
+        """
         with suppress(ValueError):  # it is called elsewhere than on a worker
             worker = get_worker()
             told = {"key": worker.get_current_task(), "worker": worker.address}
             worker.log_event(topic, {**told, "is_loaded": is_loaded})
 
     def call(*arguments: Any) -> _T:
-        """Import the function and call it; report both the start and the end of the import."""
+        """Import the function and call it; report the begin and the end of the import."""
         tell(is_loaded=False)
         home = import_module("vibrafeed._packages").load(module)
         tell(is_loaded=True)
@@ -160,7 +185,10 @@ def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
 
 
 def _is_lost(start: asyncio.Task[_Made]) -> bool:
-    """True if a connection attempt has failed or its connection is closed."""
+    """True if a connection attempt has failed or its connection is closed.
+
+    `start` is the task of `Cluster._connect`, which may still run: it is not lost then.
+    """
     if not start.done():
         return False
     failed = start.cancelled() or start.exception() is not None
@@ -179,14 +207,18 @@ def _polite() -> WorkerPlugin:
 
 
 async def _end(start: asyncio.Task[_Made]) -> None:
-    """Wait for a connection attempt to end, and close the connection that it made."""
+    """Wait for a connection attempt to end, and close the connection that it made, if any."""
     await asyncio.wait([start])
     if not start.cancelled() and start.exception() is None:
         await start.result()[1].aclose()
 
 
 async def _end_workers(cluster: Any) -> None:
-    """Kill the local workers with whatever they compute; the blocks are computed again later."""
+    """Kill the processes of a local Dask cluster, whatever they compute.
+
+    Blocks that are cut off are computed again later. Raises the error of a worker whose end fails;
+    one that does not end in time has been killed and is no error.
+    """
     nannies = list(cluster.workers.values())
     ends = await asyncio.gather(
         *(nanny.close(timeout=PATIENCE) for nanny in nannies), return_exceptions=True

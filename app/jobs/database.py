@@ -32,7 +32,7 @@ from sqlalchemy.sql.expression import Select
 from app.jobs.errors import LaterLedgerError, LostLedgerError
 from app.jobs.tables import UPGRADES, VERSION, WORDS
 
-PATIENCE = 30  # s of waiting for another that changes the ledger
+PATIENCE = 30  # s that a transaction waits for another process to end its own
 # A server that hangs, or whose machine is gone, gives up the lock after so long.
 HANGS = 60  # s
 LOCK = int.from_bytes(b"vibrafee")  # the number of the lock in PostgreSQL
@@ -111,14 +111,15 @@ class Database:
     def transaction(self) -> Iterator[Connection]:
         """Run the block in one write transaction; no other process changes the ledger meanwhile.
 
-        What this thread does inside, in transactions or reads, is part of it.
+        Yield the connection. Transactions and reads of the same thread inside the block are part of
+        it.
 
         Raises
         ------
         sqlite3.Error
-            As SQLite says.
+            If SQLite fails.
         OSError
-            If a database elsewhere cannot be reached, is full, read-only, or held by another.
+            If a remote database cannot be reached, is full, read-only, or locked for too long.
         """
         mine = getattr(self._mine, "connection", None)
         if mine is not None:
@@ -134,7 +135,10 @@ class Database:
                 self._mine.connection = None
 
     def read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
-        """Return the rows of a query, outside of any transaction; raises as `transaction` does."""
+        """Return the rows of a query, which is part of this thread's transaction if there is one.
+
+        Raises `sqlite3.Error` or `OSError` if the database fails.
+        """
         mine = getattr(self._mine, "connection", None)
         if mine is not None:
             return list(mine.execute(statement))
@@ -142,7 +146,7 @@ class Database:
             return list(connection.execute(statement))
 
     def _engine(self) -> Engine:
-        """Return the SQLAlchemy engine, created on first use."""
+        """Return the SQLAlchemy engine; at first use create it, and the tables of the ledger."""
         opened = self._opened
         if opened is not None:  # who reads does not wait for a transaction
             return opened
@@ -184,7 +188,10 @@ class Database:
         return engine
 
     def _make_file(self, engine: Engine, file: Path) -> None:
-        """Create the SQLite file in WAL mode and its tables; one process at a time."""
+        """Create the SQLite file in WAL mode (write-ahead log) and its tables.
+
+        One process at a time.
+        """
         file.parent.mkdir(parents=True, exist_ok=True)
         # Making a new file one for WAL does not wait for another process that does so.
         with file.with_name(".ledger.lock").open("ab") as making:
@@ -194,9 +201,10 @@ class Database:
             self._upgrade(engine)
 
     def _upgrade(self, engine: Engine) -> None:
-        """Create the tables or upgrade them to this version.
+        """Create the tables of the ledger or upgrade them to this version, in one transaction.
 
-        Does nothing if another process has.
+        Does nothing if they are of this version already. Raises `LaterLedgerError` if a later
+        version of vibrafeed made them.
         """
         with engine.begin() as connection:
             for statement in BEGIN[self.kind]:

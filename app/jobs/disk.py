@@ -41,7 +41,11 @@ def passes(error: OSError | sqlite3.OperationalError) -> bool:
 
 
 def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
-    """Return the arguments of the problem document for a file that cannot be written."""
+    """Return the arguments of the problem document for a file that cannot be written.
+
+    They are those of `app.web.replies.problem_document`: status 507, kind, title, and a detail with
+    the cause.
+    """
     return {
         "status": 507,
         "kind": "storage",

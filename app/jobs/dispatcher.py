@@ -24,7 +24,8 @@ from core.errors import VibrafeedError
 logger = logging.getLogger("vibrafeed.jobs")
 
 MAX_TORN = 3  # times that one block is found damaged
-LASTS = 10  # blocks' time; what lasts longer leaves a worker to others
+# In times of a block: calls that last longer count as long, and leave one worker to short ones.
+LASTS = 10
 
 
 class TooLongError(VibrafeedError):
@@ -37,9 +38,9 @@ class RunningTime:
     Parameters
     ----------
     most : float
-        After this long it is over [s].
+        Time limit of the item [s].
     limit : asyncio.Timeout
-        What then stops it.
+        The timeout that is set off when the running time reaches the limit.
     """
 
     def __init__(self, most: float, limit: asyncio.Timeout):
@@ -130,9 +131,10 @@ class Dispatcher:
         self.work_progress = WorkProgress()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
-        """Compute the missing blocks of an item and write its result, within its time limit.
+        """Compute the missing blocks of an item and write its result, within the time limit.
 
-        `seconds` is what one of its blocks is expected to take.
+        `seconds` is the expected time of one block [s]. Raises `TooLongError` beyond the time limit
+        of a job; finished blocks are kept.
         """
         most = self._settings.max_job_seconds
         try:
@@ -153,7 +155,10 @@ class Dispatcher:
             ) from error
 
     async def is_there(self, item: Work) -> bool:
-        """True if the result of an item exists, which is then uploaded; drops leftover blocks."""
+        """True if the result of an item exists; it is then sent to the object store, if one is set.
+
+        Blocks that are left beside a finished result are removed.
+        """
         await self._thread_pool(self._store.drop_blocks, item.key)
         if await self._thread_pool(self._store.manifest, item.key) is None:
             return False
@@ -161,7 +166,11 @@ class Dispatcher:
         return True
 
     async def _send(self, item: Work) -> None:
-        """Upload a result to the object store, if one is configured."""
+        """Upload the result of an item to the object store, if one is configured.
+
+        Raises `LostError` if that fails, so that the work is tried again later; `trouble` then says
+        so.
+        """
         try:
             await asyncio.to_thread(self._store.send, item.key)
         except OSError as error:
@@ -170,9 +179,9 @@ class Dispatcher:
         self.trouble = None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
-        """Compute missing blocks and write the result.
+        """Compute missing blocks of an item and write its result; repeat while blocks are damaged.
 
-        Repeat while blocks turn out to be damaged.
+        Raises `TornBlockError` if the same block is damaged for the third time.
         """
         item = progress.item
         about = item.key, item.process, item.block_cells
@@ -197,7 +206,11 @@ class Dispatcher:
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
-        """Compute missing blocks on the cluster, a few at a time; return the seconds they took."""
+        """Compute blocks on the cluster, two per worker at a time.
+
+        Return the seconds that they took. `missing` are the numbers of the blocks. The seconds are
+        summed over all workers; `progress` is updated after each block.
+        """
         item, total = progress.item, 0.0
         progress.done = max(0, item.blocks - len(missing))
         waiting = iter(missing)
@@ -228,7 +241,11 @@ class Dispatcher:
             await asyncio.gather(*running, *finished, return_exceptions=True)
 
     async def _on_worker(self, progress: _Progress, function: Any, *arguments: Any) -> float:
-        """Run a function of `app.jobs.work` on the cluster and return its seconds."""
+        """Run a function of `app.jobs.work` on the cluster and return the seconds that it took.
+
+        The function gets the data directory and then `arguments`. The clock of the item's time
+        limit runs while a worker has the call, and not while the call waits.
+        """
         has_begun = False
 
         async def began() -> None:
@@ -252,7 +269,10 @@ class Dispatcher:
                 progress.running.end()
 
     async def _note(self, progress: _Progress, seconds: float) -> None:
-        """Write the progress of an item into the ledger."""
+        """Write the number of finished blocks of an item into the ledger.
+
+        `seconds` is the computing time since the last note [s], summed over workers.
+        """
         await self._thread_pool(
             self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
             elapsed=time.monotonic() - progress.began,

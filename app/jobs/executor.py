@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("vibrafeed.jobs")
 
 LOOK_AT_WORKERS = 5.0  # s between looks at whether there are some, while a call does not end
-SETTLE = 1.0  # s until it is known that a worker has taken up a call that it was given
+SETTLE = 1.0  # s within which a worker that was given a call reports that it has begun
 
 
 class LostError(VibrafeedError):
@@ -88,26 +88,28 @@ class Executor:
     ) -> float:
         """Run a function on a worker and return its result.
 
-        Whoever is cancelled need not wait for the worker. What a worker does not end by itself
-        within the grace ends with its process.
+        A caller that is cancelled need not wait for the worker. A worker that does not end an
+        abandoned call within the grace period is killed.
 
         Parameters
         ----------
         share : str
-            On whose account.
+            The account that the call is charged to in the fair queue.
         seconds : float
-            How long it is expected to take.
+            The expected time of the call [s].
         began : callable
-            Is awaited once a worker has begun, and has loaded its code.
-        function, arguments
-            The function, by its name in its module, and what it takes.
+            Awaited once a worker has begun and has loaded its code.
+        function : callable
+            A function of a module; workers import it by its name.
+        arguments
+            What the function is called with.
 
         Raises
         ------
         LostError
-            If the cluster is gone.
+            If the connection to the cluster is lost.
         WorkersDieError
-            If its workers die by it.
+            If the call crashes its workers.
         """
         if not self.workers:
             await self._client()
@@ -157,7 +159,11 @@ class Executor:
         return call
 
     def _heard(self, key: str, worker: str, is_loaded: bool) -> None:
-        """Record that a worker has begun with a call or has loaded its code."""
+        """Record a worker's report that it has begun with a call, or has loaded the call's code.
+
+        `key` is Dask's key of the call; `worker` is the worker's address. A call that is no longer
+        known is ignored.
+        """
         call = self._calls.get(key)
         if call is not None:
             call.worker = worker  # another one, if the first has died
@@ -214,7 +220,11 @@ class Executor:
             self._fair_queue.leave(slot)
 
     async def _kill(self, call: _Call) -> None:
-        """Kill and restart the worker of an abandoned call; without a nanny wait for its end."""
+        """Kill and restart the worker of an abandoned call.
+
+        A worker without a nanny, which nothing would start again, is not killed: its call is waited
+        for.
+        """
         about = {"worker": call.worker}
         if not await self._cluster.has_nanny(call.worker):
             logger.error(
@@ -230,7 +240,10 @@ class Executor:
         await self._cluster.restart(call.worker)
 
     async def _client(self) -> Client:
-        """Return the client of the cluster; record the number of workers, or why there are none."""
+        """Return the client of the cluster; record the number of workers, or why there are none.
+
+        Raises `LostError` if the cluster cannot be reached.
+        """
         try:
             client = await self._cluster.client()
             self.workers = await self._cluster.workers()

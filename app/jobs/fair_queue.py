@@ -43,14 +43,15 @@ class Slot:
 
 
 class FairQueue:
-    """Gives out places on workers, one for each block that can run at a time.
+    """Gives out places on workers (slots), one for each block that can run at a time.
 
-    Blocks that last leave one place to others, if there are two: they cannot be interrupted.
+    If there are two slots or more, long calls leave one of them to short calls: they cannot be
+    interrupted.
 
     Parameters
     ----------
     longest : float
-        What lasts longer [s] is a block that lasts.
+        A call that takes more than this time [s] is long.
     """
 
     def __init__(self, longest: float):
@@ -74,7 +75,10 @@ class FairQueue:
         self._hand_out()
 
     async def take(self, share: str, seconds: float) -> Slot:
-        """Wait for a slot, which is expected to be used for `seconds`."""
+        """Wait for a slot and return it; the slot goes to the account that has had the least time.
+
+        `share` is the account that is charged, and `seconds` the expected time of use [s].
+        """
         if share not in self._had:
             self._had[share] = max(self._due, min(self._had.values(), default=0.0))
         got: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
@@ -92,7 +96,7 @@ class FairQueue:
             raise
 
     def leave(self, slot: Slot) -> None:
-        """Free a slot and give it to the next in the queue."""
+        """Free a slot, charge its account for the real time of use, and give the slot on."""
         self._taken.remove(slot)
         used = time.monotonic() - slot.since
         self._had[slot.share] += used - slot.seconds  # it was charged for what was expected
@@ -101,7 +105,10 @@ class FairQueue:
         self._hand_out()
 
     def _hand_out(self) -> None:
-        """Give free slots to waiting accounts, the one with the least use first."""
+        """Give free slots to waiting calls, first to those whose account has had the least time.
+
+        A long call gets no slot while long calls hold all slots but one.
+        """
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         while self._waiting and len(self._taken) < self._slots:

@@ -12,18 +12,25 @@ from app.jobs.studies import durable_file
 from core.dataset.shards import UNFINISHED
 
 LIST = f"{ZARR}.sha256"
-KEPT = 8  # lists; one of 100,000 shards takes some 20 MB
+KEPT = 8  # lists that are cached in memory; one of 100,000 shards takes some 20 MB
 
 
 def write_list(folder: Path, digests: Mapping[str, str]) -> None:
-    """Write the file that lists the digests of a study's Zarr group."""
+    """Write the file that lists the digests of a study's Zarr group, as `sha256sum` reads it.
+
+    `folder` is the study's folder; `digests` holds the SHA-256 of each file by its path in the
+    group.
+    """
     lines = (f"{digest}  {ZARR}/{key}\n" for key, digest in sorted(digests.items()))
     with durable_file(folder / LIST) as temporary:
         temporary.write_text("".join(lines), encoding="ascii")
 
 
 def complete_list(folder: Path) -> None:
-    """Add files that are in a Zarr group and missing in its list of digests, such as documents."""
+    """Add files that are in a Zarr group and missing in its list of digests, such as documents.
+
+    `folder` is the study's folder; the digests of the missing files are computed.
+    """
     digests = dict(read_list(folder))
     for key, path in files_of(folder / ZARR):
         if key not in digests and key != UNFINISHED:
@@ -33,7 +40,10 @@ def complete_list(folder: Path) -> None:
 
 
 def read_list(folder: Path) -> Mapping[str, str]:
-    """Return the SHA-256 of each file in a study's Zarr group, by key; empty without a list."""
+    """Return the SHA-256 of each file in a study's Zarr group by its path; empty without a list.
+
+    `folder` is the study's folder. A list that has not changed is read from the cache.
+    """
     path = folder / LIST
     try:
         found = path.stat()
@@ -44,7 +54,11 @@ def read_list(folder: Path) -> Mapping[str, str]:
 
 @lru_cache(maxsize=KEPT)
 def _read(path: Path, *changes: int) -> Mapping[str, str]:
-    """Return the SHA-256 of each key from a list file; `changes` are cache keys only."""
+    """Return the SHA-256 of each file from a list of digests, by its path in the group.
+
+    `path` is the list's; `changes` (inode, size, time of change) only make the cache read it again
+    after a change.
+    """
     lines = path.read_text(encoding="ascii", errors="replace").splitlines()
     pairs = (line.split("  ", 1) for line in lines)
     return {pair[1].removeprefix(f"{ZARR}/"): pair[0] for pair in pairs if len(pair) > 1}

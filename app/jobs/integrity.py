@@ -12,9 +12,11 @@ from concurrent.futures import ThreadPoolExecutor
 from io import FileIO
 from pathlib import Path
 
-PIECE = 1 << 20
-LARGE = 8 << 20  # bytes; what is read in some milliseconds does not wait behind what is larger
-MAX_KNOWN = 100_000  # files
+PIECE = 1 << 20  # bytes that are read at a time for a digest
+# Bytes; larger files are read by a thread of their own, so that small ones, which take some
+# milliseconds, do not wait for them.
+LARGE = 8 << 20
+MAX_KNOWN = 100_000  # files that are remembered as intact that are remembered as intact
 
 
 class Integrity:
@@ -38,7 +40,8 @@ class Integrity:
     async def is_intact(self, file: FileIO, digest: str) -> bool:
         """True if an open file has the given SHA-256.
 
-        Runs in a thread, without blocking the loop.
+        It is read in a thread, without blocking the loop. `digest` is in hexadecimal. A file that
+        was intact and has not changed since is not read again.
         """
         status = os.fstat(file.fileno())
         if self._knows(_mark(status, digest)):
@@ -51,9 +54,10 @@ class Integrity:
         return await asyncio.wrap_future(looking)
 
     def look(self, file: FileIO, digest: str) -> bool:
-        """True if an open file has the given SHA-256.
+        """True if an open file has the given SHA-256; the file is read in the calling thread.
 
-        Files that are known to agree are not read.
+        `digest` is in hexadecimal. A file that was intact and has not changed since is not read
+        again.
         """
         mark = _mark(os.fstat(file.fileno()), digest)
         if self._knows(mark):
@@ -69,7 +73,10 @@ class Integrity:
         return True
 
     def _knows(self, mark: tuple[int | str, ...]) -> bool:
-        """True if this version of a file has been read and agreed with its digest."""
+        """True if this version of a file has been read before and agreed with its digest.
+
+        `mark` identifies the version, as `_mark` returns it.
+        """
         with self._lock:
             if mark not in self._known:
                 return False
@@ -78,9 +85,9 @@ class Integrity:
 
 
 def has_digest(path: Path, digest: str) -> bool:
-    """True if a file exists and has the given SHA-256; always reads the whole file.
+    """True if a file exists and has the given SHA-256 in hexadecimal; always reads the whole file.
 
-    One that the disk does not give back is none; what else is wrong raises `OSError`.
+    False, too, if the disk cannot read the file back (`EIO`); other errors are raised as `OSError`.
     """
     try:
         with path.open("rb", buffering=0) as file:

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 from app.jobs.ledger import Job, Ledger
 
-TOGETHER = 0.02  # s in which those who ask are answered by one query
+TOGETHER = 0.02  # s; requests that come within it are answered by one query
 _Asked: TypeAlias = defaultdict[str, list[asyncio.Future[Job | None]]]
 
 
@@ -30,9 +30,10 @@ class JobLooks:
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def job(self, number: str) -> Job | None:
-        """Return the current state of a job, None if there is no such job.
+        """Return the current state of a job; None if there is no such job.
 
-        Raises as the ledger does.
+        `number` is the job's identifier. Calls within 20 ms share one query of the ledger. Raises
+        the `OSError` or `sqlite3.Error` of a ledger that cannot be read.
         """
         loop = asyncio.get_running_loop()
         future: asyncio.Future[Job | None] = loop.create_future()
@@ -45,7 +46,7 @@ class JobLooks:
         return await future
 
     async def _look(self) -> None:
-        """Read all jobs that were asked for within a moment with one query, and hand them out."""
+        """Read all jobs that were asked for within 20 ms with one query, and set their futures."""
         await asyncio.sleep(TOGETHER)
         asked = self._asked.pop(asyncio.get_running_loop())
         jobs: dict[str, Job] = {}

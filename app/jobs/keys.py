@@ -33,9 +33,9 @@ ROLES = get_args(Role)
 NAME = re.compile(r"[A-Za-z0-9._-]{1,40}")
 LOOK = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
 SHOWN = 8  # digits of a hash that name a key of the settings
-DAY = 86_400.0
+DAY = 86_400.0  # s
 MOST = 10**18  # of a limit: what any database holds
-MAX_DAYS = 36_500
+MAX_DAYS = 36_500  # days that a key may be in force: a hundred years
 
 
 @dataclass(frozen=True)
@@ -124,12 +124,14 @@ class Keys:
         self._looked = 0.0
 
     def add(self, key: Key, days: float | None = None) -> tuple[str, Key]:
-        """Store a new key with these properties; return its secret text and its record.
+        """Store a new API key with the given properties; return its secret text and its record.
+
+        `key` has name, role and limits; `days` is how long it is in force, None for ever.
 
         Raises
         ------
-        WrongKeyError
-            If its name, its role or a limit cannot be.
+        InvalidKeyError
+            If its name, its role, a limit or the days are not valid, or the name is in use.
         """
         made, digest = new_key()
         now = time.time()
@@ -147,9 +149,9 @@ class Keys:
         return made, kept
 
     def withdraw(self, name: str) -> Key:
-        """Withdraw the key with a name and return it.
+        """Withdraw the API key with a name, which is refused from then on; return its record.
 
-        Raise `NoSuchKeyError` if none is in force.
+        Raises `NoSuchKeyError` if no key in force has the name.
         """
         now = time.time()
         with self._database.transaction() as connection:
@@ -189,7 +191,10 @@ class Keys:
         return self._known is not None and time.monotonic() - self._looked < 2 * LOOK
 
     def look(self) -> None:
-        """Read the keys from the ledger; keep the known ones if the ledger cannot be read."""
+        """Read the keys from the ledger, unless they were read within the last second.
+
+        If the ledger cannot be read, the known keys stay; without any the error is raised.
+        """
         with self._lock:
             if not self.is_due:
                 return
@@ -207,7 +212,10 @@ class Keys:
         return bool(self._set or self._known)
 
     def of_hash(self, digest: str) -> Key | None:
-        """Return the key with a hash, in force or not; None if there is none."""
+        """Return the API key with a hash, in force or not; None if there is none.
+
+        `digest` is the SHA-256 of the key's secret text, in hexadecimal.
+        """
         match = None
         # Every hash is compared, so that the time taken tells nothing of which one came near.
         for key in (*(self._known or ()), *self._set):
@@ -224,7 +232,7 @@ def _key(row: Row[*tuple[Any, ...]]) -> Key:
 
 
 def _problems_of(key: Key, days: float | None) -> list[Problem]:
-    """Return all problems of the properties of a new key."""
+    """Return all problems of a new API key: its name, role, limits, and days in force."""
     problems = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"

@@ -88,10 +88,11 @@ class Ledger:
     # --- what clients do
 
     def check_queue(self, most: int, owner: str = "") -> None:
-        """Raise `QueueFullError` if the queue is full, or holds an owner's share of items already.
+        """Raise `QueueFullError` if the queue is full, or holds an owner's share of studies.
 
-        Of n owners who have work, the asking one among them, each has most/(n + 1) places, one at
-        least: who comes next finds room.
+        `most` is the number of places in the queue; `owner` is the name of the posting key, empty
+        without keys. Of n owners who have work, the asking one among them, each has most/(n + 1)
+        places, at least one, so that a new owner finds room.
         """
         if owner:
             active = select(JOBS.c.owner, JOBS.c.key).where(JOBS.c.state.in_(ACTIVE)).distinct()
@@ -124,18 +125,22 @@ class Ledger:
         known_seconds: float = 0.0,
         owner: str = "",
     ) -> Job:
-        """Enter a job; it is successful at once if its result exists.
+        """Enter a job for a study and return it; it is successful at once if its result exists.
 
         Parameters
         ----------
+        key, process : str
+            The study's identifier, and what to carry out.
+        cells, block_cells, blocks : int
+            Cells of the study, cells of one block, and the number of blocks.
         bytes_ : int
-            What its files may take on the disk.
+            Bytes that all its files may take on the disk.
         finished_seconds : float or None
-            What computing took, if the result is there.
+            Computing time of the result [s] if it exists and the job may use it at once; else None.
         known_seconds : float
-            The same of a result that is there, and that the job is to find only when it runs.
+            Computing time of an existing result [s] that the job is to find only when it runs.
         owner : str
-            Name of the key that posts it.
+            Name of the API key that posts it.
         """
         number, now = uuid.uuid4().hex, time.time()
         is_there = finished_seconds is not None
@@ -169,7 +174,11 @@ class Ledger:
     def reenter(
         self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int
     ) -> None:
-        """Enter work again whose result is lost; its successful jobs become accepted again."""
+        """Enter work again whose result is lost; its successful jobs become accepted again.
+
+        Nothing is entered if no such job is left. Arguments as in `post`: identifier of the study,
+        process, cells of study and block, number of blocks, bytes on disk.
+        """
         new = _new_work(
             key=key, process=process, cells=cells, block_cells=block_cells, blocks=blocks,
             bytes=bytes_,
@@ -191,18 +200,21 @@ class Ledger:
         return job_of(rows[0]) if rows else None
 
     def by_number(self, numbers: Sequence[str]) -> dict[str, Job]:
-        """Return the existing ones of some jobs, by number."""
+        """Return those of some jobs that exist, by their identifiers."""
         rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
         return {row.id: job_of(row) for row in rows}
 
     def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
-        """Return the jobs that match a filter, newest first."""
+        """Return `limit` jobs that match a filter, newest first, after the first `offset`."""
         chosen = JOB.where(*conditions(wanted or Wanted()))
         latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
         return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
 
     def dismiss(self, number: str) -> Job | None:
-        """Mark a job as dismissed; drop its work if no other job waits for it. None if unknown."""
+        """Mark a job as dismissed and return it; None if there is no job with this identifier.
+
+        Its work is removed if no other job waits for it. How far it came stays in its record.
+        """
         with self.transaction() as database:
             about = select(JOBS.c.key, JOBS.c.state).where(JOBS.c.id == number)
             row = database.execute(about).one_or_none()
@@ -232,7 +244,7 @@ class Ledger:
             database.execute(JOBS.update().where(JOBS.c.id == number).values(shared=int(shared)))
 
     def active(self, owner: str) -> int:
-        """Return the number of an owner's jobs that run or wait."""
+        """Return the number of jobs of an owner, a key's name, that run or wait."""
         found = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
         [(count,)] = self._read(found)
         return int(count)
@@ -245,14 +257,22 @@ class Ledger:
     # --- what servers do
 
     def waiting(self) -> list[Work]:
-        """Return the items of work that nobody holds a lease of, longest waiting first."""
+        """Return the items of work on which no server has a lease, longest waiting first."""
         rows = self._read(_WORK.where(_is_free(time.time())).order_by(WORK.c.created))
         return [_work(row, "") for row in rows]
 
     def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
-        """Take the lease of an item of work; return None if another server has it.
+        """Take the lease of an item of work and return the item; None if no such item is free.
 
-        Without a key it is the one that has waited longest. Its jobs run from the first `advance`.
+        Parameters
+        ----------
+        server : str
+            Name of the server, with which the name of the claim begins.
+        lease_seconds : float
+            Time after which the lease runs out unless it is renewed [s].
+        key : str, optional
+            Identifier of the study; by default the item that has waited longest. Its jobs count as
+            running from the first `advance`.
         """
         now, owner = time.time(), f"{server} {uuid.uuid4().hex[:8]}"
         free = _WORK.where(_is_free(now)).order_by(WORK.c.created).limit(1)
@@ -274,7 +294,10 @@ class Ledger:
         return bool(self._read(select(WORK.c.key).where(_claimed(work))))
 
     def renew(self, work: Work, lease_seconds: float) -> bool:
-        """Extend the lease of an item; False if the lease is lost, or no job waits any more."""
+        """Extend the lease of an item by `lease_seconds` from now; True if that succeeded.
+
+        False if another server has taken the lease over, or no job waits for the item any more.
+        """
         with self.transaction() as database:
             changed = database.execute(
                 WORK.update().where(_claimed(work)).values(lease=time.time() + lease_seconds)
@@ -284,8 +307,19 @@ class Ledger:
     def advance(self, work: Work, *, done: int, seconds: float, elapsed: float = 0.0) -> None:
         """Record how many blocks of an item are done, and the time spent since the last record.
 
-        The first note of a claim tells what is there already; its jobs run from then. `elapsed` is
-        the time since, by a clock that nobody sets.
+        The first record of a claim counts the blocks that existed before it, and sets the item's
+        jobs to running. Nothing is written if the claim is lost.
+
+        Parameters
+        ----------
+        work : Work
+            The item with its claim.
+        done : int
+            Number of blocks that are stored.
+        seconds : float
+            Computing time since the last record [s], summed over workers.
+        elapsed : float
+            Time since the first block began [s], measured by a monotonic clock.
         """
         now = time.time()
         with self.transaction() as database:
@@ -315,7 +349,11 @@ class Ledger:
         self._end(work, "failed", json.dumps(dict(problem)))
 
     def _end(self, work: Work, state: str, problem: str | None) -> None:
-        """Remove an item of work, and set the final state of its jobs."""
+        """Remove an item of work, and set the final state of its jobs.
+
+        Nothing if the claim is lost. `state` is `successful` or `failed`; `problem` is the JSON of
+        a problem document, or None.
+        """
         now = time.time()
         with self.transaction() as database:
             ended = database.execute(
@@ -337,7 +375,10 @@ class Ledger:
                 )
 
     def release(self, owner: str = "") -> None:
-        """Release the leases whose owner begins with `owner`: of a claim, of a server, or all."""
+        """Release the leases whose owner begins with `owner`: of a claim, of a server, or all.
+
+        Other servers may then claim these items; an empty text releases all.
+        """
         with self.transaction() as database:
             database.execute(
                 WORK.update()
@@ -350,7 +391,10 @@ class Ledger:
         return {row[0]: row[1] for row in self._read(select(WORK.c.key, WORK.c.bytes))}
 
     def forget(self, before: float, most: int) -> None:
-        """Remove jobs that ended before a time, and all but the latest `most` of each owner."""
+        """Remove jobs that ended before a time, and all but the latest ended jobs of each owner.
+
+        `before` is in seconds since the epoch; `most` is the number of jobs that each owner keeps.
+        """
         latest = func.row_number().over(partition_by=JOBS.c.owner, order_by=JOBS.c.finished.desc())
         over = select(JOBS.c.id, latest.label("place")).where(JOBS.c.finished.is_not(None))
         numbered = over.subquery()
@@ -376,13 +420,19 @@ def _is_free(now: float) -> ColumnElement[bool]:
 
 
 def _new_work(**values: str | float) -> Insert:
-    """Return the SQL statement that enters an item of work."""
+    """Return the SQL statement that enters an item of work.
+
+    `values` are its columns; those of an item that has not begun are added.
+    """
     fresh = {"created": time.time(), "done": 0, "seconds": 0.0, "lease": 0.0}
     return WORK.insert().values(fresh | values)
 
 
 def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
-    """Return the item of work in a row of the ledger."""
+    """Return the item of work in a row of the ledger.
+
+    `owner` is the claim under which it is held, empty if the item is not claimed.
+    """
     return Work(
         row.key, row.process, row.block_cells, row.blocks, row.seconds, owner, row.asker or ""
     )

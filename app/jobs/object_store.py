@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("vibrafeed.store")
 
 STUDY = "study.json"
-WAIT = 5.0  # s that a request waits for what is fetched; it is asked again then
+WAIT = 5.0  # s that a request waits for a download; then its client has to ask again
 
 
 class RemoteResults:
@@ -49,7 +49,10 @@ class RemoteResults:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="fetch")
 
     def send(self, key: str, folder: Path) -> None:
-        """Upload the result in a study's folder, unless it is in the store; raise `OSError`."""
+        """Upload the result in a study's folder to the object store, unless it is there already.
+
+        `key` is the study's identifier. Raises `OSError` if the store cannot be used.
+        """
         manifest = (folder / MANIFEST).read_bytes()
         with _plain_errors():
             store = self._store(key)
@@ -63,10 +66,11 @@ class RemoteResults:
             store.put(MANIFEST, manifest)
 
     def fetch(self, key: str, folder: Path) -> bool | None:
-        """Download a result into a study's folder; None if it continues in the background.
+        """Download a result into a study's folder; return True if it is there.
 
-        Return False if there is none, or if it is not what was sent: it is no result any more
-        then. A failing store raises `OSError`.
+        False if the store has no such result, or a damaged one, which is then removed from the
+        store. None if the download takes longer than 5 s: it continues in the background. `key` is
+        the study's identifier. Raises `OSError` if the store cannot be used.
         """
         with self._lock:
             fetching = self._fetching.get(key)
@@ -129,7 +133,10 @@ def _names(folder: Path, manifest: Manifest) -> Iterator[str]:
 
 
 def _download(store: ObjectStore, folder: Path, manifest: Manifest) -> bool:
-    """Download all files of a result; return True if all have their digests."""
+    """Download all files of a result into a folder.
+
+    True if all have the digests of the manifest.
+    """
     if not _write(store, STUDY, folder):
         return False
     for name, known in manifest.files.items():
@@ -145,7 +152,10 @@ def _download(store: ObjectStore, folder: Path, manifest: Manifest) -> bool:
 
 
 def _write(store: ObjectStore, name: str, folder: Path) -> bool:
-    """Download one file; return True if the store has it."""
+    """Download one file from the object store into a folder; True if the store has the file.
+
+    `name` is its name in the store and its path below the folder.
+    """
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
     try:

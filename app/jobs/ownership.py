@@ -15,7 +15,7 @@ from sqlalchemy import ColumnElement, Row, select
 from app.jobs.database import Database
 from app.jobs.tables import JOBS, OWNED_STUDIES
 
-USED_EVERY = 3600.0  # s; the use of a study is noted no more often
+USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,17 @@ class Ownership:
         self._database = database
 
     def hold(self, owner: str, key: str, bytes_: int, *, result: bool) -> bool:
-        """Record that an owner has posted a study; return True if that is new."""
+        """Record that an owner has posted a study; True if the owner had not posted it before.
+
+        Parameters
+        ----------
+        owner, key : str
+            Name of the API key, and identifier of the study.
+        bytes_ : int
+            Bytes of the study itself, without its result.
+        result : bool
+            True if the owner asks for its result, too.
+        """
         with self._database.transaction() as connection:
             known = self.of(owner, key)
             if known is None:
@@ -68,12 +78,19 @@ class Ownership:
         return known is None
 
     def of(self, owner: str, key: str) -> OwnedStudy | None:
-        """Return the record of an owner's study; None if the owner has not posted it."""
+        """Return the record of an owner's study; None if the owner has not posted it.
+
+        `owner` is the name of an API key, `key` the study's identifier.
+        """
         rows = self._database.read(select(OWNED_STUDIES).where(_held_by(owner, key)))
         return _holding(rows[0]) if rows else None
 
     def readable(self, owner: str, key: str) -> list[OwnedStudy]:
-        """Return the records of a study that a key may read, its own or shared; note the use."""
+        """Return the records of a study that an owner may read, its own or shared; note the use.
+
+        `owner` is the name of an API key, `key` the study's identifier. The time of last use is
+        written at most once an hour.
+        """
         is_seen = (OWNED_STUDIES.c.owner == owner) | (OWNED_STUDIES.c.shared == 1)
         rows = self._database.read(select(OWNED_STUDIES).where(OWNED_STUDIES.c.key == key, is_seen))
         owned = [_holding(row) for row in rows]
@@ -88,9 +105,10 @@ class Ownership:
         return owned
 
     def share(self, owner: str | None, key: str, shared: bool) -> None:
-        """Make an owner's study readable for all keys, or for owners only.
+        """Make a study readable for all keys (`shared`), or for its owners only.
 
-        `None` means all owners.
+        `owner` is the owner whose record is changed, None for all owners; `key` is the study's
+        identifier.
         """
         is_meant = OWNED_STUDIES.c.key == key
         if owner is not None:
@@ -112,12 +130,16 @@ class Ownership:
         return [_holding(row) for row in rows]
 
     def of_others(self, owner: str) -> set[str]:
-        """Return the studies of all other owners."""
+        """Return the identifiers of the studies that owners other than the given one hold."""
         found = select(OWNED_STUDIES.c.key).where(OWNED_STUDIES.c.owner != owner).distinct()
         return {row[0] for row in self._database.read(found)}
 
     def let_go(self, key: str, owner: str | None = None) -> None:
-        """Remove an owner's record of a study, or all owners'; their jobs are marked as gone."""
+        """Remove an owner's record of a study, or those of all owners; mark their jobs as gone.
+
+        `key` is the study's identifier. Successful jobs of the study then say that the result has
+        made room for others.
+        """
         is_held, is_asked = OWNED_STUDIES.c.key == key, JOBS.c.key == key
         if owner is not None:
             is_held &= OWNED_STUDIES.c.owner == owner

@@ -17,16 +17,25 @@ from core.plan.prepared import Prepared
 from core.watch import Watch
 
 FEWEST_SECONDS = 10.0
-"""What a task of a scheduler takes at least: less is not worth its telling."""
+"""Shortest useful time of a task [s]: shorter ones cost more to schedule than to compute."""
 MAX_TASKS = 10_000
-"""More are too many for one scheduler."""
+"""Largest number of tasks: a scheduler handles more of them slowly."""
 
 
 def compute_part(study: str, where: str, count: int, part: int) -> bytes:
-    """Compute one part of a study, given as JSON, and return its record.
+    """Compute one part of a study on a worker and return its record in bytes.
 
-    Shards are written to `where`, which all workers and their client have to see: an object store,
-    or a folder that they share. A reduced study needs neither.
+    Shards are written to `where`, an object store or a folder that all workers and their client
+    share; a reduced study returns its arrays in the record and needs no such place.
+
+    Parameters
+    ----------
+    study : str
+        The study as JSON.
+    where : str
+        URL or folder of the Zarr group.
+    count, part : int
+        Number of parts, and the one to compute, from 0.
     """
     return prepare_content(json.loads(study)).parts(where, count).compute(part, Watch(threads=1))
 
@@ -51,7 +60,8 @@ def is_in_parts(prepared: Prepared, settings: Settings) -> bool:
 def check_length(prepared: Prepared, settings: Settings) -> None:
     """Raise `LimitError` if the result of a study in parts is too large or takes too long.
 
-    How large a group may be, the quota of the disk says.
+    The size of a Zarr group is limited by the quota of the disk. The expected time is that of all
+    workers together; the message names a number of cells that would be accepted.
     """
     if prepared.part_of == SHARDS:
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=settings.disk_quota_bytes)
@@ -65,7 +75,10 @@ def check_length(prepared: Prepared, settings: Settings) -> None:
 
 
 def parts_of_job(store: Store, key: str, prepared: Prepared) -> Parts:
-    """Return the parts of a job; their number depends on the study alone."""
+    """Return the parts of a job, which write below the study's folder; `key` is its identifier.
+
+    Their number depends on the study alone, so that a restarted service cuts it alike.
+    """
     name = ZARR if prepared.part_of == SHARDS else NETCDF
     return prepared.parts(str(store.folder(key) / name), count_of(prepared))
 
@@ -80,6 +93,17 @@ def count_of(prepared: Prepared) -> int:
 
 def write_result(store: Store, key: str, process: str, parts: Parts, seconds: float) -> None:
     """Join the parts of a job into its result, and write the manifest.
+
+    Parameters
+    ----------
+    store : Store
+        Where the result is written.
+    key, process : str
+        The study's identifier, and the process that computed it.
+    parts : Parts
+        The computed parts.
+    seconds : float
+        Computing time of all parts [s], for the manifest.
 
     Raises
     ------

@@ -11,8 +11,8 @@ from app.settings import Settings
 from core.assurance.accuracy.families import SECONDS
 from core.kinds import KINDS
 
-SHORT = 10  # blocks' time; what takes longer is long
-MAX_KNOWN = 1000
+SHORT = 10  # in times of a block; items that take longer are long
+MAX_KNOWN = 1000  # items whose expected time is kept in memory
 
 
 class PriorityClasses:
@@ -39,7 +39,9 @@ class PriorityClasses:
     def next(self, waiting: Sequence[Work], active: Collection[str]) -> Work | None:
         """Return the item of work to begin next, out of those that wait; None if none may begin.
 
-        `active` are the keys of what this server has taken up.
+        Up to `concurrent_jobs` long items and as many short ones are under way at a time. `waiting`
+        is in the order of arrival; `active` are the identifiers of the studies that this server
+        computes.
         """
         for key in active:
             if key in self._prices:  # it is not forgotten while it runs
@@ -55,7 +57,10 @@ class PriorityClasses:
         return None
 
     def price(self, item: Work) -> float:
-        """Return the expected time of an item on one core [s]."""
+        """Return the expected time of an item on one core [s], which decides its priority class.
+
+        The latest 1,000 are kept in memory.
+        """
         if item.key not in self._prices:
             self._prices[item.key] = self._expected_seconds(item)
             while len(self._prices) > MAX_KNOWN:

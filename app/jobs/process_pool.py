@@ -22,8 +22,8 @@ from typing import Any, TypeVar
 
 from core.errors import StoppedError, VibrafeedError
 
-LOOK = 0.5  # s between looks at whether somebody still wants the result
-CALLS = 500  # after so many another process takes its place: memory does not pile up
+LOOK = 0.5  # s between checks that the client still waits for the result
+CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up
 POLITE = 5  # niceness: the event loop comes first
 ENVIRONMENT = {
     # Calculations share the cores: each has one thread.
@@ -83,16 +83,16 @@ class ProcessPool:
         Parameters
         ----------
         function, arguments
-            A function of a module, and what it takes; both are pickled, as is the result.
+            A function of a module, and its arguments; both are pickled, as is the result.
         seconds : float
-            After this long the process is ended.
+            Time limit [s], after which the process is ended.
         look : callable, optional
-            Is awaited now and then; if it raises, the process is ended.
+            Awaited every half second; if it raises, the process is ended and the error passed on.
 
         Raises
         ------
         StoppedError
-            If it takes longer.
+            If the function takes longer than the limit.
         EndedError
             If the process dies.
         Exception
@@ -137,7 +137,10 @@ class ProcessPool:
         )
 
     def _ready(self) -> _Process | None:
-        """Return an idle process that is alive; None if there is none."""
+        """Return an idle process that is alive, which the caller then has.
+
+        None if there is none.
+        """
         while self._idle:
             process = self._idle.pop()
             if process.is_alive():
@@ -170,7 +173,10 @@ class _Process:
         return self._process.is_alive()
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Run a function in the process; return its result or raise its error."""
+        """Run a function in the process; return its result or raise its error.
+
+        Raises `EndedError` if the process dies, which is then not used again.
+        """
         self.calls += 1
         try:
             self._pipe.send((function, arguments))
@@ -192,7 +198,11 @@ class _Process:
 
 
 def _carry_out(pipe: Connection) -> None:
-    """Run calls that arrive through a pipe until its other end is closed."""
+    """Run calls that arrive through a pipe until its other end is closed.
+
+    This is the child process. A call is a pair of function and arguments; the reply is (True,
+    result) or (False, error).
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
     os.nice(POLITE)
     while True:
@@ -209,7 +219,10 @@ def _carry_out(pipe: Connection) -> None:
 
 
 def _portable(error: Exception) -> Exception:
-    """Return an error that can be pickled, with its traceback if it was unexpected."""
+    """Return an error that can be pickled, with its traceback as a note if it was unexpected.
+
+    An error that cannot be pickled becomes a `RuntimeError` with its text.
+    """
     if not isinstance(error, VibrafeedError):
         error.add_note(traceback.format_exc())
     try:

@@ -21,7 +21,7 @@ JOB = select(
 
 
 def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
-    """Return the SQL conditions of a filter of jobs."""
+    """Return the SQL conditions of a filter of jobs, all of which a job has to meet."""
     # Times are compared as they are told, to the millisecond. What has not begun has no duration.
     created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
@@ -45,7 +45,7 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
 
 
 def job_of(row: Row[*tuple[Any, ...]]) -> Job:
-    """Return the job in a row of the ledger."""
+    """Return the job in a row of the ledger: the columns of `JOB`, a job joined with its work."""
     over = row.state not in ACTIVE
     return Job(
         id=row.id,

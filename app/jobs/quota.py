@@ -16,8 +16,8 @@ from app.jobs.store import Store
 from app.settings import Settings
 
 COUNTED_EVERY = 60.0  # s; counting looks at every file
-RIGHT_FOR = 1.0  # s; a count that something is refused or removed for is no older
-SPARE = 0.01  # of the disk, left to others
+RIGHT_FOR = 1.0  # s; the largest age of a count before something is refused or removed
+SPARE = 0.01  # share of the disk that is left to other programs, at most MAX_SPARE
 MAX_SPARE = 100_000_000  # bytes
 
 
@@ -42,7 +42,17 @@ class Quota:
         self._since: Mapping[str, int] = {}  # most bytes of what was let in since
 
     def look(self, key: str, needed: int, who: Key = NOBODY) -> None:
-        """Count used bytes again if room may be short; slow, so done before a transaction."""
+        """Count used bytes again if room may be short; slow, so done before a transaction.
+
+        Parameters
+        ----------
+        key : str
+            Identifier of the study that needs room.
+        needed : int
+            Bytes that its files may take at most.
+        who : Key
+            The API key of its owner.
+        """
         self._count(COUNTED_EVERY)
         promised = self._promised(key, needed)
         if who.bytes is not None:
@@ -53,25 +63,25 @@ class Quota:
     def make(self, key: str, needed: int, who: Key = NOBODY, *, is_there: bool = False) -> None:
         """Remove the least recently used studies until a new one fits; those in work stay.
 
-        What a key may keep is kept by letting go what its owner used longest ago, the quota by
-        removing what nobody else holds. To be called inside a transaction of the ledger, after
-        `look`.
+        An owner's quota is kept by giving up the owner's records that were used longest ago; the
+        quota of the service by removing studies that no other owner holds. Call it inside a
+        transaction of the ledger, after `look`.
 
         Parameters
         ----------
         key : str
-            The study, which stays too.
+            Identifier of the new study, which stays too.
         needed : int
-            Most bytes of all its files.
+            Bytes that all its files may take at most.
         who : Key
-            Its owner's.
+            The API key of its owner.
         is_there : bool
-            It takes no more of the disk: others have it, or it is promised to them.
+            True if the study takes no more of the disk: others have it, or it is promised to them.
 
         Raises
         ------
         NoRoomError
-            If they do not fit then; nothing has been removed.
+            If the study does not fit even then; nothing has been removed.
         """
         promised = self._promised(key, needed)
         own = self._own_studies_to_remove(promised, key, who)
@@ -95,9 +105,20 @@ class Quota:
     def _studies_to_remove(
         self, promised: Mapping[str, int], needed: int, pinned: set[str], own: set[str]
     ) -> list[str]:
-        """Return the studies to remove for a new one; raise `NoRoomError` if they are too few.
+        """Return the identifiers of the studies to remove from the disk so that a new one fits.
 
-        Studies that the owner gives up in any case (`own`) are not among them.
+        Raises `NoRoomError` if they are too few.
+
+        Parameters
+        ----------
+        promised : mapping
+            Bytes reserved for each study in work, the new one included; these stay.
+        needed : int
+            Bytes that the new study may take at most.
+        pinned : set of str
+            Studies that other owners hold, which stay.
+        own : set of str
+            Studies that the owner gives up in any case; they are not in the result.
         """
         quota = self._settings.disk_quota_bytes
         promises = sum(promised.values())
@@ -154,7 +175,11 @@ class Quota:
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
-        """Return by how many bytes a key's quota would be exceeded with a new study."""
+        """Return the bytes by which an API key's quota would be exceeded with a new study.
+
+        The result is negative if there is room, 0 without a quota. `promised` holds the bytes
+        reserved for each study in work, that of `key`, the new one, included.
+        """
         if who.bytes is None:
             return 0
         held = self.ownership.of_owner(who.name)
@@ -162,7 +187,11 @@ class Quota:
         return others + promised[key] - who.bytes
 
     def _measure(self, promised: Mapping[str, int], who: Key) -> None:
-        """Measure the sizes of an owner's results that have grown since the last count."""
+        """Measure the sizes of an owner's results that have been finished since the last count.
+
+        Until then they count with the bytes reserved for them (`promised`: those of studies in
+        work).
+        """
         held = {one.key for one in self.ownership.of_owner(who.name)}
         made = [key for key in self._since if key in held and key not in promised]
         sizes = {key: self._store.bytes(key) for key in made}
@@ -174,15 +203,19 @@ class Quota:
         return self._since.get(key) or self._sizes.get(key, 0)
 
     def _charged(self, held: OwnedStudy, promised: Mapping[str, int]) -> int:
-        """Return the bytes of a study that are charged to its owner."""
+        """Return the bytes of a study that are charged to its owner.
+
+        These are the study's own if the owner has not asked for a result; else what is reserved for
+        its files while it is in work (`promised`), then what they take.
+        """
         if not held.result:
             return held.bytes
         return promised.get(held.key) or self._size(held.key) or held.bytes
 
     def used(self) -> int:
-        """Return the bytes of all studies, counted at most a minute ago.
+        """Return the bytes of all studies on disk, counted at most a minute ago.
 
-        What was let in since counts with the most that it may take.
+        Studies that were accepted since count with the most that they may take.
         """
         self._count(COUNTED_EVERY)
         return sum({**self._sizes, **self._since}.values())
@@ -192,7 +225,12 @@ class Quota:
         return self._ledger.promised() | {key: needed}
 
     def _lacking(self, promised: Mapping[str, int]) -> tuple[int, int]:
-        """Return the bytes that are short of quota and disk; negative if there is room."""
+        """Return the bytes that the quota and the disk are short of; negative if there is room.
+
+        `promised` holds the bytes reserved for each study in work. The first result is for the
+        quota of the service, the second for the free space of the disk, less a reserve for other
+        programs.
+        """
         taken = {**self._sizes, **self._since}
         others = sum(size for key, size in taken.items() if key not in promised)
         in_quota = others + sum(promised.values()) - self._settings.disk_quota_bytes
@@ -203,7 +241,7 @@ class Quota:
         return in_quota, 0
 
     def _count(self, age: float) -> None:
-        """Count the bytes of all studies if the last count is older than `age`."""
+        """Count the bytes of all studies on disk if the last count is older than `age` [s]."""
         with self._counting:
             if time.monotonic() - self._counted > age:
                 self._sizes = {key: self._store.bytes(key) for key in self._store.studies()}

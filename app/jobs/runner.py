@@ -34,7 +34,7 @@ LOOK = 1.0  # s between looks at whether work is still wanted
 
 
 class Runner:
-    """Claims work and has it carried out, what a killed server has left too; one a server.
+    """Claims work and has it carried out, also what a killed server has left; one per server.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Runner:
     Attributes
     ----------
     work_progress : WorkProgress
-        Tells how the work goes on.
+        Reports the begin, the blocks and the end of each item of work.
     """
 
     def __init__(self, ledger: Ledger, store: Store, cluster: Cluster, settings: Settings):
@@ -107,7 +107,10 @@ class Runner:
         return self._dispatcher.executor.waits()
 
     def _clear_up(self) -> None:
-        """Release all leases if no other server uses the data directory."""
+        """Release all leases and remove temporary files if no other server uses the data directory.
+
+        A lock file there, which each server holds while it runs, shows that.
+        """
         path = Path(self._directory)
         path.mkdir(parents=True, exist_ok=True)
         self._alone = (path / ".lock").open("ab")
@@ -123,7 +126,10 @@ class Runner:
         fcntl.flock(self._alone, fcntl.LOCK_SH)
 
     async def _run(self) -> None:
-        """Claim work until stopped: whenever woken, and at intervals."""
+        """Claim work until cancelled: whenever `wake` is called, and every half second.
+
+        A ledger that cannot be read is logged once, and tried again.
+        """
         is_read = True
         while True:
             try:
@@ -143,7 +149,7 @@ class Runner:
                     await self._wake.wait()
 
     async def _claim_some(self) -> None:
-        """Claim items of work as long as one may begin, and carry each out in a task."""
+        """Claim items of work as long as one may begin, and carry each out in a task of its own."""
         while True:
             candidate = await self._thread_pool(self._next)
             if candidate is None:
@@ -157,12 +163,18 @@ class Runner:
                 self._active[item.owner] = item, keeping
 
     def _next(self) -> Work | None:
-        """Return the next item to claim; slow, as it may have to read studies."""
+        """Return the next item of work to claim, None if none may begin.
+
+        It is slow, since it may have to read studies: call it in a thread.
+        """
         active = {item.key for item, _ in self._active.copy().values()}
         return self._priority_classes.next(self._ledger.waiting(), active)
 
     async def _keep(self, item: Work) -> None:
-        """Carry out an item while this server has its lease; record how it ended."""
+        """Carry out an item while this server has its lease; record in the ledger how it ended.
+
+        Work that is interrupted by lost workers or a lost ledger is released, to be tried again.
+        """
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         carrying = asyncio.create_task(self._carry_out(item))
         try:
@@ -201,9 +213,10 @@ class Runner:
         await self._dispatcher.carry_out(item, seconds)
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
-        """Renew the lease until work ends.
+        """Renew the lease of an item until its work (`carrying`) ends.
 
-        Return early if the lease is lost or the work dropped.
+        Return early if the lease is lost or no client wants the work any more. Raises the ledger's
+        error only if it lasts longer than the lease.
         """
         lease = self._settings.lease_seconds
         renewed = time.monotonic()
@@ -224,9 +237,10 @@ class Runner:
                     raise
 
     async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
-        """Return the problem document's fields for failed work, None for success.
+        """Return the problem document of failed work: status, kind, title, detail.
 
-        Errors that pass by themselves are raised, and the work is tried again.
+        None for success. `carrying` is the task that carries the work out. Errors that pass by
+        themselves, as of lost workers or a busy disk, are raised, and the work is tried again.
         """
         try:
             await carrying

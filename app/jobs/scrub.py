@@ -14,7 +14,7 @@ from app.jobs.store import Store
 from app.jobs.studies import IDENTIFIER
 
 WHOLE, BROKEN, ORPHANED, WAITING = "whole", "broken", "orphaned", "no result"
-OURS = ("study.json", MANIFEST, LIST, "blocks")
+OURS = ("study.json", MANIFEST, LIST, "blocks")  # files of a study that no manifest lists
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,11 @@ class Damage:
 
 
 def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
-    """Yield the damage found in each study's folder, in order after a name; change nothing."""
+    """Yield the state of each study's folder, damaged or not, in the order of names.
+
+    Change nothing. Folders up to the name `after` are left out; `stopped` is a function that
+    returns True to end.
+    """
     if not store.directory.exists():
         return
     for folder in sorted(store.directory.iterdir()):
@@ -52,7 +56,10 @@ def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -
 
 
 def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
-    """Return the damage of one folder: orphaned, incomplete or broken files."""
+    """Return the state of one folder of the store: whole, broken, orphaned, or without a result.
+
+    `stopped` is a function that returns True to end before all files have been compared.
+    """
     key = folder.name
     if not IDENTIFIER.fullmatch(key) or not (folder / "study.json").is_file():
         return Damage(key, ORPHANED, files=(".",))
@@ -86,7 +93,10 @@ def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
 def _files(
     store: Store, folder: Path, manifest: Manifest
 ) -> Iterator[tuple[str, Path, str | None]]:
-    """Yield name, path and expected digest of each file of a result."""
+    """Yield name, path and expected SHA-256 of each file of a result; those of a Zarr group, too.
+
+    `folder` is the study's folder. The digest is None where the manifest has none.
+    """
     for name, known in manifest.files.items():
         if name != ZARR:
             yield name, folder / name, known.get("sha256")

@@ -49,7 +49,7 @@ from core.dataset.table import Table
 
 logger = logging.getLogger("vibrafeed.store")
 
-PARTS_KEPT = 3600.0  # s without a change, after which nobody is writing any more
+PARTS_KEPT = 3600.0  # s without a change, after which a temporary file counts as left over
 
 
 class Store(Blocks):
@@ -77,9 +77,9 @@ class Store(Blocks):
             self.object_store.send(key, self.folder(key))
 
     def fetch(self, key: str) -> bool | None:
-        """Fetch a result from the object store.
+        """Fetch a result from the object store: True if it is here, False if there is none.
 
-        True if here, False if absent, None if under way.
+        None if the download is under way. `key` is the study's identifier.
         """
         return (
             False if self.object_store is None else self.object_store.fetch(key, self.folder(key))
@@ -92,7 +92,7 @@ class Store(Blocks):
             self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
-        """Return the manifest of a complete result; None if there is none.
+        """Return the manifest of a complete result and note its use; None if there is none.
 
         A result with a missing file, or one of another size, counts as none.
         """
@@ -102,7 +102,7 @@ class Store(Blocks):
         return manifest
 
     def _manifest(self, key: str) -> Manifest | None:
-        """Return the manifest of a result if all its files have their sizes; else None."""
+        """Return the manifest of a result if all its files exist with their sizes; else None."""
         manifest = self.manifest_as_it_is(key)
         if manifest is None:
             return None
@@ -113,7 +113,10 @@ class Store(Blocks):
         return None if broken else manifest
 
     def manifest_as_it_is(self, key: str) -> Manifest | None:
-        """Return the manifest of a result without checking the files; None if it is unreadable."""
+        """Return the manifest of a result without checking its files.
+
+        None if missing or unreadable.
+        """
         path = self.folder(key) / MANIFEST
         try:
             manifest = Manifest(**json.loads(path.read_bytes()))
@@ -127,9 +130,10 @@ class Store(Blocks):
         return None
 
     def digest(self, key: str, name: str, manifest: Manifest) -> str | None:
-        """Return the SHA-256 of a file of a result, or of a key of its Zarr group; None if unknown.
+        """Return the SHA-256 of a file of a result; None if it is unknown.
 
-        Groups of earlier versions have none.
+        `key` is the study's identifier, `name` the file's name or its path in the Zarr group.
+        Groups that earlier versions wrote have no digests.
         """
         if name in manifest.files:
             return manifest.files[name].get("sha256")
@@ -141,11 +145,12 @@ class Store(Blocks):
         Parameters
         ----------
         key : str
-            The study.
+            Identifier of the study.
         path : Path
-            The file.
-        found : stat_result, optional
-            The file that was looked at; if another has taken its place meanwhile, it stays.
+            The damaged file.
+        status : stat_result, optional
+            The file that was found damaged; if another has taken its place meanwhile, nothing is
+            removed.
         """
         with contextlib.suppress(FileNotFoundError), self._locked(key) as folder:
             if status is not None and path.exists() and not os.path.samestat(status, path.stat()):
@@ -170,14 +175,30 @@ class Store(Blocks):
         seconds: float,
         more: Callable[[Path, Path], Iterable[Path]] | None = None,
     ) -> Manifest:
-        """Write a result, then its manifest; remove its blocks.
+        """Write a result from its table, then its manifest; remove its blocks. Return the manifest.
 
-        What somebody else has finished meanwhile stands. `more` takes the NetCDF file and a
-        folder, and returns further files that it wrote there.
+        A result that another process has finished meanwhile stays.
+
+        Parameters
+        ----------
+        key, process : str
+            The study's identifier, and the process that computed it.
+        table : Table
+            The result.
+        cells, blocks : int
+            Cells of the study, and number of blocks that they were computed in.
+        seconds : float
+            Computing time [s], summed over workers.
+        more : callable, optional
+            Called with the NetCDF file and a folder; writes further files there and returns their
+            paths.
         """
 
         def write(folder: Path) -> list[str]:
-            """Write the NetCDF file, the JSON document and further files; return their names."""
+            """Write the NetCDF file, the JSON document and further files; return their names.
+
+            The JSON document is written only if the result has at most a million values.
+            """
             write_netcdf(table, folder / NETCDF)
             names = [NETCDF]
             values = sum(variable.values.size for variable in table.variables.values())
@@ -203,9 +224,19 @@ class Store(Blocks):
         digests: Callable[[], Mapping[str, str]],
         making: Making,
     ) -> Manifest:
-        """Join the parts of a Zarr group, then write the manifest of the group.
+        """Join the parts of a Zarr group, then write the manifest of the group and return it.
 
-        `digests` returns those of all shards; joining takes them away.
+        Parameters
+        ----------
+        key : str
+            Identifier of the study.
+        join : callable
+            Joins the parts.
+        digests : callable
+            Returns the SHA-256 of each shard by its path in the group; called first, as joining
+            removes the records of the parts.
+        making : Making
+            Process, cells, blocks and computing time of the result.
         """
 
         def write(folder: Path) -> list[str]:
@@ -226,14 +257,22 @@ class Store(Blocks):
         return group.exists()
 
     def in_group(self, key: str, path: str = GROUP) -> Path:
-        """Return the path of a key in the Zarr group of a study, complete or still growing."""
+        """Return the path of a file in the Zarr group of a study, complete or still growing.
+
+        `key` is the study's identifier, `path` the file's path in the group, by default the group's
+        own document.
+        """
         folder = self.folder(key) / ZARR
         if folder.exists():
             return folder / path
         return partial(folder) / (GROWING if path == GROUP else path)
 
     def _finish(self, key: str, write: Callable[[Path], list[str]], making: Making) -> Manifest:
-        """Call `write` for the files of a result, unless it exists; then write its manifest."""
+        """Write the files of a result and its manifest, unless the result exists.
+
+        Return the manifest. `write` is called with the study's folder, locked meanwhile, and
+        returns the names of the files that it wrote there.
+        """
         with self._locked(key) as folder:
             known = self.manifest(key)
             if known is not None:
@@ -249,7 +288,10 @@ class Store(Blocks):
 
     @contextlib.contextmanager
     def _locked(self, key: str) -> Iterator[Path]:
-        """Yield the folder of a study, locked against other processes that finish it."""
+        """Yield the folder of a study, locked against other processes that finish it.
+
+        Raises `FileNotFoundError` if the folder is gone.
+        """
         folder = self.folder(key)
         while True:
             descriptor = os.open(folder, os.O_RDONLY)
@@ -265,7 +307,10 @@ class Store(Blocks):
     # --- housekeeping
 
     def drop_blocks(self, key: str) -> None:
-        """Remove blocks that a late worker has left beside a finished result."""
+        """Remove blocks and unfinished parts of a study if its result is complete.
+
+        A worker that was late may have left them.
+        """
         if self._manifest(key) is not None:
             folder = self.folder(key)
             shutil.rmtree(folder / "blocks", ignore_errors=True)
@@ -284,12 +329,13 @@ class Store(Blocks):
         shutil.rmtree(folder, ignore_errors=True)
 
     def remove_leftovers(self, age: float = PARTS_KEPT) -> int:
-        """Remove temporary files of killed writers; return the number of files and folders.
+        """Remove temporary files of killed writers; return the number of files and folders removed.
 
         Parameters
         ----------
         age : float
-            Only what was not changed for so long [s]; 0 where nobody else can be writing.
+            Only those that have not been changed for this time [s]; 0 where no other process can be
+            writing.
         """
         count, before = 0, time.time() - age
         for key in self.studies():
@@ -306,7 +352,10 @@ class Store(Blocks):
 
 
 def _known(folder: Path, name: str) -> dict[str, Any]:
-    """Return the manifest's entry of a file or Zarr group."""
+    """Return the manifest's entry of a file or Zarr group: its size in bytes and its SHA-256.
+
+    `folder` is the study's. For a group the digest is that of its list of digests.
+    """
     if name != ZARR:
         return fingerprint(folder / name)
     size = sum(path.stat().st_size for _, path in files_of(folder / ZARR))
@@ -314,7 +363,10 @@ def _known(folder: Path, name: str) -> dict[str, Any]:
 
 
 def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
-    """True if a file of a result exists with its size, or a group with its documents."""
+    """True if a file of a result exists with its size; of a Zarr group, if its documents exist.
+
+    `folder` is the study's, `name` the file's; `manifest` has the sizes.
+    """
     if name == ZARR:
         listed = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
         return listed and (folder / ZARR / GROUP).is_file()

@@ -21,14 +21,18 @@ from core.plan.prepared import Prepared
 from core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
-USED_EVERY = 3600.0  # s; the use of a study is noted no more often
+USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time
 MAX_KNOWN = 64  # short studies that are kept in memory, and long ones beside them
 MAX_KNOWN_BYTES = 8_000_000  # of the texts of either; values take three times that in memory
 LONG = 20_000  # bytes of a text; long studies do not push out short ones
 
 
 def identifier(study: Study, process: str | None = None) -> str:
-    """Return the SHA-256 of a study, the program's version, and any process other than its own."""
+    """Return the identifier of a study: a SHA-256 of its text and of the program's version.
+
+    `process` is what is carried out; a process other than the study's own kind, such as `accuracy`,
+    is part of what is hashed. Equal studies have equal identifiers and share one result.
+    """
     words = [core.__version__, study.canonical()]
     if process not in (None, study.kind):
         words.insert(0, str(process))
@@ -51,7 +55,11 @@ class Studies:
         self._sizes: dict[str, int] = {}  # bytes of the text of each
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
-        """Store a study; return its identifier, and True if it is new."""
+        """Store a study in the folder of its identifier.
+
+        Return the identifier, and True if it is new. `process` is what is carried out, by default
+        the study's own kind.
+        """
         key = identifier(study, process)
         path = self.directory / key / "study.json"
         if path.exists():
@@ -67,14 +75,14 @@ class Studies:
         return self._get(key)[0]
 
     def sweep(self, key: str) -> Prepared:
-        """Return the sweep with an identifier.
+        """Return the stored sweep with an identifier, checked and ready to be evaluated.
 
         Raises
         ------
         NotFoundError
-            If there is none.
+            If there is none, or if the study is not a sweep.
         OtherVersionError
-            If another version of vibrafeed was posted it.
+            If it was posted to another version of vibrafeed.
         """
         try:
             prepared, is_own = self._get(key)
@@ -85,7 +93,10 @@ class Studies:
         raise _not_own(key, prepared)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
-        """Return a study, and True if its identifier is that of this version; cached in memory."""
+        """Return a stored study, and True if its identifier is that of this version.
+
+        Cached in memory. Raises `NotFoundError` if there is none.
+        """
         path = self.folder(key) / "study.json"
         with self._lock:
             for recent in (self._known, self._known_long):
@@ -157,7 +168,12 @@ def durable_file(path: Path) -> Iterator[Path]:
 
 
 def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
-    """Return the error for a stored study that is no sweep of this version."""
+    """Return the error for a stored study that is not a sweep of this version.
+
+    `key` is the identifier that a client asks for; `prepared` is the stored study, None if this
+    version cannot read it. It is a `NotFoundError` if the study was never a sweep, else an
+    `OtherVersionError`.
+    """
     if prepared is not None:
         of_another_process = identifier(prepared.study, "accuracy") == key
         if prepared.not_lazy is not None or of_another_process:

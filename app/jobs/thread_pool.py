@@ -8,7 +8,9 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
-THREADS = 2  # downloads, which have the event loop's own threads, cannot make a lease late
+# Threads of their own for jobs: downloads, which fill those of the event loop, cannot delay the
+# renewal of a lease.
+THREADS = 2
 
 _T = TypeVar("_T")
 

@@ -25,14 +25,17 @@ from core.plan.pieces import Cut, cells_of_piece, join
 from core.plan.prepared import Prepared
 from core.watch import Watch
 
-IN_PARTS = 0  # for the cells of a block: it is a part of a sweep, see `app.jobs.parts`
+IN_PARTS = 0  # stands for the cells of a block that is a part of a sweep (`app.jobs.parts`)
 UNWANTED = "no client wants the block any more"
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
 
 
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
-    """Return the cells of a block, or `IN_PARTS`, and the number of blocks of a job."""
+    """Return the number of cells of a block, or `IN_PARTS`, and the number of blocks of a job.
+
+    `process` is what is carried out; an accuracy report has one block for each of its families.
+    """
     cells = cells_of_piece(prepared, settings.block_seconds)
     if process not in KINDS:
         return cells, len(families_of(prepared))  # one each
@@ -42,9 +45,20 @@ def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, i
 
 
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
-    """Return the numbers of a study's blocks that are not stored.
+    """Return the numbers of a study's blocks that are not stored yet, from 0.
 
     A study in parts is made readable for clients that follow its growing Zarr group.
+
+    Parameters
+    ----------
+    directory : str
+        Data directory of the service.
+    key, process : str
+        The study's identifier, and what is carried out.
+    cells : int
+        Number of cells of a block, or `IN_PARTS`.
+    count : int
+        Number of blocks.
     """
     store = Store(Path(directory))
     if process not in KINDS:  # their number follows from the study
@@ -63,8 +77,19 @@ def compute_block(
 ) -> float:
     """Compute a block of a study and store it; return the seconds it took.
 
-    `cells` is the size of the pieces that the study is cut into, or `IN_PARTS`. A block whose
-    claim has been given up meanwhile is not kept.
+    Parameters
+    ----------
+    directory : str
+        Data directory of the service.
+    key, process : str
+        The study's identifier, and what is carried out.
+    cells : int
+        Number of cells of the blocks that the study is cut into, or `IN_PARTS`.
+    index : int
+        Number of the block, from 0.
+    claim : str
+        Name of the lease under which the block is computed; a block whose claim has been given up
+        is not kept.
 
     Raises
     ------
@@ -101,7 +126,18 @@ def compute_block(
 
 
 def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:
-    """Join the blocks of a study and write its result; return the seconds it took.
+    """Join the blocks of a study and write its result; return the seconds that this took.
+
+    Parameters
+    ----------
+    directory : str
+        Data directory of the service.
+    key, process : str
+        The study's identifier, and what is carried out.
+    cells : int
+        Number of cells of a block, or `IN_PARTS`.
+    seconds : float
+        Computing time of all blocks [s], for the manifest.
 
     Raises
     ------
@@ -138,7 +174,11 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 
 @lru_cache(maxsize=16)
 def _study(directory: str, key: str, process: str) -> Prepared:
-    """Return a study from the store, cached for the next block of it."""
+    """Return a study from the data directory, checked; cached for its next block.
+
+    Raises `BlindWorkerError` if this worker does not find the study, and `OtherVersionError` if
+    this version of vibrafeed knows the study by another identifier (`key`).
+    """
     try:
         prepared = Store(Path(directory)).get(key)
     except NotFoundError:

@@ -36,12 +36,12 @@ class _Started:
 
 
 class WorkProgress:
-    """The course of the items that a runner has taken up.
+    """Reports the progress of the items that a runner has taken up, to the log and to observers.
 
     Attributes
     ----------
     witnesses : list of Witness
-        Who is told; whoever wants to be adds itself.
+        The observers, such as metrics and traces; each adds itself.
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class WorkProgress:
         self._courses: dict[str, _Started] = {}  # by claim
 
     def began(self, item: Work) -> None:
-        """Report that an item was begun, to the log and all witnesses."""
+        """Report to the log and to all witnesses that an item of work was begun."""
         about: dict[str, object] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         for witness in self.witnesses:
             about |= witness.began(item)
@@ -58,14 +58,21 @@ class WorkProgress:
         logger.info("work started", extra=about)
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Report finished blocks and the seconds of each."""
+        """Report finished blocks of an item to all witnesses.
+
+        `seconds` are their computing times [s].
+        """
         if item.owner in self._courses:
             self._courses[item.owner].computed += len(seconds)
         for witness in self.witnesses:
             witness.computed(item, seconds)
 
     def ended(self, item: Work, outcome: str, title: str | None = None) -> None:
-        """Report the end of an item once: ``done``, ``failed`` or ``given up``."""
+        """Report the end of an item of work to the log and to all witnesses, once.
+
+        `outcome` is ``done``, ``failed``, ``given up`` or ``interrupted``; `title` is that of the
+        problem if the item failed. A second report of the same item is ignored.
+        """
         work_progress = self._courses.pop(item.owner, None)
         if work_progress is None:
             return

@@ -52,14 +52,23 @@ class Writer:
     ) -> Manifest:
         """Compute a sweep and write its file, unless it exists; return its manifest.
 
-        `look` is awaited now and then; if it raises, the work is ended.
+        Parameters
+        ----------
+        key : str
+            Identifier of the sweep.
+        sweep : Prepared
+            The sweep, ready to be computed.
+        who : Key
+            The API key that asks for the file, in whose quota it counts.
+        look : callable
+            Awaited every half second; if it raises, the work is ended.
 
         Raises
         ------
         LimitError
             If the sweep is too large, or takes too long, for one reply.
         StoppedError
-            If it takes ten times as long as was thought.
+            If it takes ten times as long as allowed for a reply.
         NoRoomError
             If the file would not fit.
         """
@@ -81,7 +90,7 @@ class Writer:
     async def known(self, key: str) -> Manifest | None:
         """Return the manifest of a sweep's file; None if it is not written yet or is damaged.
 
-        What is broken is taken away.
+        A damaged file is removed. `key` is the sweep's identifier.
         """
         manifest = await asyncio.to_thread(self._store.manifest, key)
         if manifest is None or NETCDF not in manifest.files:

@@ -15,16 +15,16 @@ def form_for(request: Request, forms: Mapping[str, str], *, missing: str = "") -
     Parameters
     ----------
     request : Request
-        The request.
+        The request, whose Accept headers count.
     forms : mapping of str to str
-        The media type of each form that there is.
+        The media type of each format that the service offers, by the format's name.
     missing : str
-        What is told besides to a client that takes none.
+        A sentence that the error message adds, such as on packages that are not installed.
 
     Raises
     ------
     NotAcceptableError
-        If the client takes none of them; it names them all.
+        If the client accepts none of the formats; the message names them all.
     """
     accept = ",".join(request.headers.getlist("accept"))
     best = preferred(accept, tuple(forms.values()))
@@ -34,10 +34,11 @@ def form_for(request: Request, forms: Mapping[str, str], *, missing: str = "") -
 
 
 def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
-    """Return the preferred media type of an Accept header, None if none fits; ties go to the first.
+    """Return the offered media type that an Accept header prefers; None if none fits.
 
-    The weight of a type is that of the range that names it most closely. What is not understood
-    does not count; no header takes everything.
+    The weight of a type is that of the range that names it most closely; ties go to the first.
+    Malformed elements do not count; without a header the first type is taken. `accept` is the
+    header, `offered` the media types.
     """
     ranges = _ranges(accept)
     if not ranges:
@@ -48,7 +49,11 @@ def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
 
 
 def _weight(name: str, ranges: Mapping[str, float]) -> float:
-    """Return the weight that an Accept header gives to a media type; 0 if it is not accepted."""
+    """Return the weight, 0 to 1, that an Accept header gives to a media type; 0 if not accepted.
+
+    `name` is the media type; `ranges` holds the weight of each range in the header, such as
+    `text/*`.
+    """
     for wanted in (name, f"{name.partition('/')[0]}/*", "*/*"):
         if wanted in ranges:
             return ranges[wanted]
@@ -56,7 +61,10 @@ def _weight(name: str, ranges: Mapping[str, float]) -> float:
 
 
 def _ranges(header: str) -> dict[str, float]:
-    """Return the weight of each element of an Accept or Accept-Encoding header."""
+    """Return the weight, 0 to 1, of each element of an Accept or Accept-Encoding header.
+
+    A weight that is malformed counts as 0.
+    """
     weights: dict[str, float] = {}
     for item in header.split(","):
         name, *parameters = (part.strip().lower() for part in item.split(";"))

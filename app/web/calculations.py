@@ -35,18 +35,19 @@ def execute_at_once(
 ) -> bytes | None:
     """Return the JSON reply to a short study; None if the study is to become a job.
 
-    That is what is thought to take long, and what has not ended within `max_execution_seconds`.
+    A study becomes a job if its expected time is too long for an immediate reply, or if it has not
+    ended within `max_execution_seconds`.
 
     Parameters
     ----------
     name : str
-        The process.
+        The process, such as `sweep`.
     body : bytes
-        The execute request.
+        The execute request as JSON.
     settings : Settings
         The service's.
     most_cells : int or None
-        What the key may ask for.
+        The most cells that the API key may ask for; None without limit.
     """
     asked, prepared = read_study(name, body, settings)
     prepared.check_limits(cells=most_cells, bytes_=None)
@@ -75,7 +76,11 @@ def check_study(name: str, body: bytes, settings: Settings) -> None:
 
 
 def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
-    """Return the execute request in a body, and its prepared study; raise if it is invalid."""
+    """Return the execute request in a body, and its prepared study.
+
+    `name` is the process, such as `sweep`; `body` is JSON. Raises `StudyError` if the study is
+    invalid, and `LimitError` if it is larger than the service allows.
+    """
     asked = read_execution(read_json(body), name)
     prepared = prepare_content(asked.study)
     if name == ACCURACY:  # it takes some cells of a grid

@@ -34,7 +34,10 @@ class Compress:
         self.app = GZipMiddleware(app, SMALL, LEVEL, exclude_content_types=PLAIN)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request; compress its reply with gzip if the client accepts it."""
+        """Handle a request; compress its reply with gzip if the client accepts it.
+
+        Byte ranges and files of Zarr groups are sent as they are. The arguments are those of ASGI.
+        """
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return

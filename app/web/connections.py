@@ -16,9 +16,9 @@ from typing import Any
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-HEAD_SECONDS = 10.0  # for the head of a request, and before its body has to keep its rate
+HEAD_SECONDS = 10.0  # s for the head of a request, and before its body has to keep its rate
 BODY_RATE = 10_000.0  # bytes/s of a body, at least
-SEND_SECONDS = 20.0  # for a piece of a reply (`app.web.outgoing.PIECE`) to leave
+SEND_SECONDS = 20.0  # s within which a piece of a reply (`app.web.outgoing.PIECE`) has to leave
 
 MAX_HEAD = 16_384  # bytes of the head of a request
 MAX_LINES = 100  # of a head: each is parsed, and searched by every layer; browsers send some twenty
@@ -28,7 +28,7 @@ FREE_BYTES = 64_000  # that may have come beside twice the body: sizes and exten
 
 ACCEPTED_AT_ONCE = 64  # between two of them connections that make room are really closed
 SPARE = 64  # connections beyond the requests that may be under way
-CUT_AT_ONCE = 32  # looking for whom to cut takes time, and is done for several
+CUT_AT_ONCE = 32  # connections closed at a time: finding the longest idle ones takes time
 # Files beside those of connections and of downloads: ledger, workers, connections that are closing.
 OTHER_FILES = 256 + 2 * ACCEPTED_AT_ONCE
 
@@ -43,17 +43,21 @@ def raise_open_files() -> int:
 
 
 def most_requests(open_files: int) -> int:
-    """Return the number of requests that a limit of open files allows: each needs two of them."""
+    """Return the number of requests that can be under way within a limit of open files.
+
+    Each request needs two files, a connection and a file that is downloaded; some are kept free for
+    the ledger and the workers.
+    """
     if open_files == resource.RLIM_INFINITY:
         return 10**9
     return max(1, (open_files - OTHER_FILES - SPARE) // 2)
 
 
 class ThriftyParser(h11.Connection):
-    """h11's, which refuses what costs more than it holds.
+    """A parser of HTTP/1.1 requests that refuses those that cost more than they hold.
 
-    That is a head of many lines, before it is parsed: h11 limits only heads that have not come
-    whole. And it is a body in small chunks, or with long extensions of them.
+    These are heads of very many lines, refused before they are parsed (h11 limits only heads that
+    have not come whole), and bodies in very small chunks, or with long chunk extensions.
     """
 
     def __init__(self) -> None:
@@ -74,7 +78,7 @@ class ThriftyParser(h11.Connection):
         Raises
         ------
         h11.RemoteProtocolError
-            If it is no HTTP, too long a head, or a body in crumbs.
+            If the bytes are not HTTP, or the head is too long, or the body comes in tiny chunks.
         """
         if self.their_state is h11.IDLE:
             self._check_head()
@@ -116,9 +120,10 @@ class Connection(H11Protocol):
         super().connection_made(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Remove the connection from the list, also if the client has reset it.
+        """Remove the connection from the list; `exc` is the error that ended it, None for a close.
 
-        uvicorn keeps that one, with its request, until the timer of its next request is over.
+        Without this, uvicorn keeps a connection that the client has reset, with its request, until
+        the timer of its next request is over.
         """
         self._unset_keepalive_if_required()
         super().connection_lost(exc)
@@ -139,7 +144,10 @@ class Connection(H11Protocol):
         super().on_response_complete()
 
     def look(self) -> None:
-        """Close the connection if its client is too slow; called about once a second."""
+        """Close the connection if its client sends or reads too slowly.
+
+        Called about once a second.
+        """
         now = self.loop.time()
         if self.transport.get_write_buffer_size() == 0:
             self._sent = now
@@ -154,7 +162,10 @@ class Connection(H11Protocol):
         return not is_whole or self.cycle is None or self.cycle.response_complete
 
     def _due(self) -> float:
-        """Return the deadline for the rest of the request [s on the loop's clock]; else inf."""
+        """Return the time by which the rest of the request has to arrive [s on the loop's clock].
+
+        It is infinite while no part of a request is awaited.
+        """
         if not self.transport.is_closing() and self.transport.get_write_buffer_size() == 0:
             if self.conn.their_state is h11.IDLE:
                 return self._since + HEAD_SECONDS

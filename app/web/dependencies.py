@@ -61,7 +61,7 @@ def refuse_repeated(*several: str) -> params.Depends:
     """Return a dependency that refuses repeated query parameters, except the named ones."""
 
     async def check(request: Request) -> None:
-        """Raise a validation error if a query parameter is repeated."""
+        """Raise `RequestValidationError`, which becomes a 422, if a query parameter is repeated."""
         names = [name for name in _names(request) if name not in several]
         repeated = {name for name in names if names.count(name) > 1}
         if repeated:
@@ -79,7 +79,10 @@ def _names(request: Request) -> list[str]:
 
 
 async def body_of(request: Request) -> bytes:
-    """Return the request body; raise `TooLargeError` as soon as it exceeds the limit."""
+    """Return the request body; raise `TooLargeError` as soon as it exceeds the limit.
+
+    The limit is the setting `max_body_bytes`.
+    """
     limit = (await settings_of(request)).max_body_bytes
     pieces, size = [], 0
     async for piece in request.stream():
@@ -102,7 +105,10 @@ async def readable_sweep(
     admission: AdmissionOf,
     who: WhoOf,
 ) -> str:
-    """Return the identifier of a sweep that the client may read; raise not found otherwise."""
+    """Return the identifier of a sweep that the client may read; raise `NotFoundError` otherwise.
+
+    `key` is the identifier in the path; `who` is the API key of the request.
+    """
     if not who.sees_all and not await run_in_threadpool(admission.may_read, key, who):
         raise unknown(key)
     return key
@@ -113,7 +119,10 @@ async def readable_job(
     admission: AdmissionOf,
     who: WhoOf,
 ) -> str:
-    """Return the identifier of a job that the client may read; raise not found otherwise."""
+    """Return the identifier of a job that the client may read; raise `NoSuchJobError` otherwise.
+
+    `number` is the identifier in the path; `who` is the API key of the request.
+    """
     if not who.sees_all and await run_in_threadpool(admission.job, number, who) is None:
         raise no_such_job(number)
     return number

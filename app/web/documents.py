@@ -134,7 +134,10 @@ class Results(BaseModel):
 
 
 def summary(name: str, process: Process, base: str) -> dict[str, Any]:
-    """Return the summary of a process for the list of processes."""
+    """Return the summary of a process for the list of processes.
+
+    `name` is the identifier of the process; `base` is the address of the service, for links.
+    """
     return {
         "id": name,
         "version": core.__version__,
@@ -158,7 +161,11 @@ def process_list(base: str) -> dict[str, Any]:
 
 
 def description(name: str, process: Process, base: str, schema: bytes) -> dict[str, Any]:
-    """Return the description of a process, with the schemas of its inputs and outputs."""
+    """Return the description of a process, with the schemas of its inputs and outputs.
+
+    `name` is the identifier of the process, `base` the address of the service, for links, and
+    `schema` the JSON schema of its studies.
+    """
     return {
         **summary(name, process, base),
         "inputs": {
@@ -193,11 +200,11 @@ def status_info(
     job : Job
         The job.
     base : str
-        The service's address.
+        The service's address, for links.
     is_group : bool
-        Whether its result is a Zarr group that can be read by now.
+        True if the result is a Zarr group that can be read already.
     waits : str or None
-        What work that has not begun waits for, besides its turn.
+        The reason why unstarted work waits, other than its place in the queue.
     """
     share = job.done / job.blocks if job.blocks else 0.0
     # The last percent is the writing of the result.
@@ -247,7 +254,10 @@ def status_info(
 
 
 def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
-    """Return the document of a job's results: links to its files, and their cost."""
+    """Return the document of a job's results: links to its files, and their cost.
+
+    `manifest` lists the files; `base` is the address of the service, for links.
+    """
     here = f"{base}/jobs/{job.id}/results"
     others = [name for name in manifest.files if name not in (NETCDF, ZARR, JSON)]
     is_group = ZARR in manifest.files
@@ -277,7 +287,10 @@ def media_type_of(name: str) -> str:
 
 
 def _message(job: Job, waits: str | None) -> str:
-    """Return a sentence about the state of a job."""
+    """Return a sentence about the state of a job for its status document.
+
+    `waits` is the reason why unstarted work waits, other than its place in the queue.
+    """
     if job.gone:
         return "The result was removed to make room. Post the study again."
     if job.problem is not None:

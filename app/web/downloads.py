@@ -22,7 +22,9 @@ from app.jobs.integrity import Integrity
 from app.web.outgoing import reserve_bytes
 from app.web.replies import problem_document
 
-PIECE = 1 << 20  # as fast as sendfile, where the 64 KiB of FileResponse take three times as long
+# Bytes that are read at a time: as fast as sendfile, where the 64 KiB of FileResponse take three
+# times as long.
+PIECE = 1 << 20
 
 # The address of what is replied holds the hash of the study and of the version: it never changes.
 # Not "public": where keys are asked for, a proxy must not hand it on.
@@ -53,7 +55,10 @@ def document_reply(request: Request, content: bytes, etag: str) -> Response:
 
 
 def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
-    """Return content that never changes at its address, with headers for long caching."""
+    """Return a reply whose content never changes at its address, to be cached for a year.
+
+    `media_type` is the Content-Type, `etag` the ETag of the content.
+    """
     headers = {"ETag": etag, "Cache-Control": FOR_EVER}
     return Response(content, headers=headers, media_type=media_type)
 
@@ -70,9 +75,21 @@ def file_reply(
 ) -> Response:
     """Return a file, or the requested byte range of it, in pieces read by a thread.
 
-    The ETag is the SHA-256 of the content, `digest`, so that a part may be joined to one from
-    another server or from before a restart; or `etag` where the content is known by its place.
-    Before the reply begins, `check` compares the content with its digest.
+    Conditional requests are answered with 304 or 412, and ranges beyond the file with 416.
+
+    Parameters
+    ----------
+    request : Request
+        The request with its conditions and range.
+    path, media_type, filename : Path, str, str
+        The file, its Content-Type, and the name under which the client is to save it.
+    digest : str, optional
+        SHA-256 of the content, which is also the ETag: a part may then be joined to one from
+        another server.
+    etag : str, optional
+        The ETag where the content follows from its address.
+    check : Check, optional
+        Compares the content with `digest` before the reply begins.
 
     Raises
     ------
@@ -134,7 +151,10 @@ class Check:
     broken: Callable[[os.stat_result], Exception]
 
     def look(self, path: Path, digest: str) -> None:
-        """Raise the error for the client if a file is damaged; may take long, as it is read."""
+        """Raise the error for the client if a file is damaged; may take long, as the file is read.
+
+        `digest` is the SHA-256 that it should have. Raises `NotFoundError` if the file is gone.
+        """
         with _there():
             file = path.open("rb", buffering=0)
         with file:
@@ -163,7 +183,11 @@ class _FileResponse(StreamingResponse):
         self._path, self._start, self._stop, self._checked = path, start, stop, checked
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Open the file, then send headers and content; close it in any case."""
+        """Open the file, then send headers and content; close it in any case.
+
+        Before that compare it with its digest, if that is asked for. The arguments are those of
+        ASGI.
+        """
         with _there():
             file = await asyncio.to_thread(self._path.open, "rb", buffering=0)
         with file:
@@ -196,7 +220,10 @@ def _there() -> Iterator[None]:
 
 
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
-    """True if ETag headers name this ETag or ``*``; with `strong`, weak ETags do not match."""
+    """True if the values of an ETag header, such as If-Match, name this ETag or ``*``.
+
+    With `strong`, a weak ETag (``W/"..."``) in the header does not match.
+    """
     if any(header.strip() == "*" for header in headers):
         return True
     found = _TAGS.findall(",".join(headers))
@@ -206,8 +233,9 @@ def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
 def _part(request: Request, etag: str, size: int) -> tuple[int, int] | None:
     """Return start and stop of the requested byte range; None for the whole file.
 
-    A range that is malformed, or several of them, are answered by the whole, as the standard
-    allows. A range without a byte of the file gives stop <= start.
+    The whole is sent, as the standard allows, if the range is malformed, if there are several, or
+    if If-Range names another ETag. A range beyond the file gives stop <= start. `size` is that of
+    the file [bytes].
     """
     condition = request.headers.get("if-range")
     found = _RANGE.fullmatch(request.headers.get("range", "").strip())

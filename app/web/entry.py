@@ -22,28 +22,34 @@ SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 ADMIN_PATHS = frozenset({"/metrics"})
 MAX_KEYS = 2  # in one request: each takes a look at all keys
 OF_KEY = "key "  # begins the name of an owner who has a key
-SOON = 0.01  # s between looks at whether another request has read the keys
+SOON = 0.01  # s between checks that another request has read the keys
 
 
 def path_of(scope: Scope) -> str:
-    """Return the request's path without the prefix that a proxy adds."""
+    """Return the path of a request without the prefix that a proxy adds.
+
+    `scope` is ASGI's description of the request.
+    """
     path: str = scope.get("path", "")
     return path.removeprefix(scope.get("root_path", ""))
 
 
 def owner_of(scope: Scope) -> str:
-    """Return the account of a request: the name of its key, or its address without keys."""
+    """Return the account of a request: the name of its key, or its address without keys.
+
+    `scope` is ASGI's description of the request. Shares of the service are counted per account.
+    """
     name = getattr(scope.get("state", {}).get("key"), "name", "")
     return f"{OF_KEY}{name}" if name else str((scope.get("client") or ("",))[0])
 
 
 class Entry:
-    """Finds the key of a request, and refuses what it does not allow.
+    """Finds the API key of a request, and refuses requests that the key does not allow.
 
     Parameters
     ----------
     keys : Keys
-        Those that there are.
+        All keys that exist.
     """
 
     def __init__(self, keys: Keys):
@@ -55,12 +61,12 @@ class Entry:
         self._rates = MovingWindowRateLimiter(MemoryStorage())
 
     async def look(self) -> None:
-        """Read the keys again if due; requests meanwhile use the keys read before.
+        """Read the keys from the ledger if due; requests meanwhile use the keys read before.
 
         Raises
         ------
         Exception
-            If they have never been read and cannot be.
+            If the keys have never been read and the ledger cannot be read.
         """
         while self.keys.is_due:
             if not self._is_looking:
@@ -75,7 +81,12 @@ class Entry:
                 await asyncio.sleep(SOON)
 
     async def refusal(self, scope: Scope, headers: Headers) -> Response | None:
-        """Return the error reply to a request without a valid key; None if its key is accepted."""
+        """Return the error reply to a request without a valid key; None if its key is accepted.
+
+        The reply is 401 without a valid key, 403 if its role does not allow the request, and 429
+        for too many requests. An accepted key is stored in the state of the request. `scope` is
+        ASGI's description of the request.
+        """
         if not self.keys.are_needed:
             _enter(scope, NOBODY)
             return None
@@ -102,7 +113,7 @@ class Entry:
         return self._beyond_role(scope, key) or self._too_often(key)
 
     def _beyond_role(self, scope: Scope, key: Key) -> Response | None:
-        """Return the error reply if the role of a key does not allow the request; else None."""
+        """Return the reply 403 if the role of a key does not allow the request; else None."""
         if key.role == "read" and scope["method"] not in SAFE_METHODS:
             detail = "The role of this key is `read`: it may post, change and dismiss nothing."
         elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
@@ -112,10 +123,7 @@ class Entry:
         return problem_document(403, "role", "The role of the key does not allow it", detail)
 
     def _too_often(self, key: Key) -> Response | None:
-        """Return the error reply if a key sends more requests per second than allowed.
-
-        Else None.
-        """
+        """Return the reply 429 if a key sends more requests per second than allowed; else None."""
         if key.requests is None:
             return None
         if self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
@@ -139,7 +147,7 @@ def _without(detail: str) -> Response:
 
 
 def _sent_keys(headers: Headers) -> list[str]:
-    """Return the keys in the headers X-API-Key and Authorization."""
+    """Return the keys that a request sends in the headers X-API-Key and Authorization: Bearer."""
     keys = headers.getlist("x-api-key")
     for value in headers.getlist("authorization"):
         scheme, _, key = value.partition(" ")

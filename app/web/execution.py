@@ -97,13 +97,13 @@ class Execution:
 def read_execution(content: object, kind: str) -> Execution:
     """Return the study and the requested form of reply in the body of an execute request.
 
-    The body is the study itself, or an execute request with the study under ``inputs.study``. It
-    is of the kind of the process whether it says so or not.
+    The body (`content`, parsed JSON) is the study itself, or an execute request with the study
+    under ``inputs.study``. `kind` is the process; a study without `kind` gets this one.
 
     Raises
     ------
     StudyError
-        If it has no study, or one of another kind, or asks for what there is not.
+        If there is no study, or one of another kind, or an unsupported form of reply.
     """
     as_document = False
     if isinstance(content, Mapping) and "inputs" in content:
@@ -130,7 +130,11 @@ def read_execution(content: object, kind: str) -> Execution:
 
 
 def _read_wishes(content: Mapping[str, Any]) -> bool:
-    """True if the reply is to be a document; raise `StudyError` for unsupported outputs."""
+    """True if an execute request asks for a document as reply, False for the bare result.
+
+    `content` is the request. Raises `StudyError` with all problems if it asks for another form of
+    reply or another output.
+    """
     problems = []
     response = content.get("response", "raw")
     if response not in ("raw", "document"):

@@ -32,10 +32,10 @@ DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
-MAX_QUERY = 8_192  # bytes; reading a query takes longer than it is long
-MAX_NAMES = 256  # of a query
-# One key has at most this part of the requests that may be under way; without keys one address
-# leaves so much to others.
+MAX_QUERY = 8_192  # bytes of a query: the time to parse one grows faster than its length
+MAX_NAMES = 256  # parameters of a query
+# One key has at most 1/SHARE of the requests that may be under way; without keys one address
+# leaves 1/SHARE of them to others.
 SHARE = 4
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
@@ -56,7 +56,10 @@ PAGE_POLICY = (
 
 
 def is_loopback(host: str) -> bool:
-    """True if an address can only be reached from this machine; of names only localhost."""
+    """True if an address can only be reached from this machine, as `127.0.0.1`, `::1`, `localhost`.
+
+    `host` is an address or a name; other names than localhost are never loopback.
+    """
     try:
         address = ipaddress.ip_address(host)
     except ValueError:
@@ -81,7 +84,10 @@ def is_page(path: str) -> bool:
 
 
 def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
-    """Add the middleware of this module to the application; the last one added runs first."""
+    """Add the middleware of this module to the application; the last one added runs first.
+
+    It limits requests, checks keys and origins, and lets pages of the allowed origins in (CORS).
+    """
     app.add_middleware(Limits, settings=settings)
     app.add_middleware(Guard, settings=settings, keys=keys)
     if settings.cors_origins:
@@ -103,7 +109,7 @@ def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
 
 
 class SafeHeaders:
-    """Tells browsers to make nothing of a reply but what it says it is."""
+    """Middleware that adds security headers to every reply, such as a content security policy."""
 
     def __init__(self, app: ASGIApp):
         """Wrap an application."""
@@ -126,7 +132,7 @@ class SafeHeaders:
 
 
 class Guard:
-    """Lets in who holds a key or, where no keys are set, who is on this machine."""
+    """Middleware that lets in requests with a valid key or, without keys, those of this machine."""
 
     def __init__(self, app: ASGIApp, settings: Settings, keys: Keys):
         """Wrap an application, with the keys and the allowed origins."""
@@ -143,7 +149,11 @@ class Guard:
         await (refusal or self.app)(scope, receive, send)
 
     async def _refusal(self, scope: Scope) -> Response | None:
-        """Return the error reply to a request that may not pass; None if it may."""
+        """Return the error reply to a request that may not pass; None if it may.
+
+        Checked are path, query and host, the origin of the page that sent it, and the key. `scope`
+        is ASGI's description of the request.
+        """
         path = path_of(scope)
         if _CONTROL.search(path):  # routes do not tell a path from one with a line's end after it
             detail = "The path holds characters that no resource has in its name."
@@ -178,7 +188,11 @@ class Guard:
         return refusal
 
     def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
-        """Refuse requests from other machines, or from web pages that pretend to be local."""
+        """Return the reply 403 to a request from another machine while no keys exist; else None.
+
+        So are requests of web pages whose name resolves to this machine: `name`, that of the Host
+        header, has to be a loopback name.
+        """
         local = (scope.get("server") or ("",))[0] or ""
         if _is_address(local) and not is_loopback(local):
             why = "No keys exist, so the service answers only on loopback addresses."
@@ -191,7 +205,11 @@ class Guard:
         return problem_document(403, "no-keys", "The service has no keys", f"{why} {fix}")
 
     def _from_another_page(self, method: str, headers: Headers, host: str) -> Response | None:
-        """Refuse changes that a browser sends on behalf of a page of another origin."""
+        """Return the reply 403 to a change that a page of another origin has its browser send.
+
+        None if the request has no such origin, only reads, or comes from an allowed origin. `host`
+        is the Host header in small letters.
+        """
         origin = headers.get("origin")
         if origin is None or method in SAFE_METHODS or origin in self.origins:
             return None
@@ -202,7 +220,7 @@ class Guard:
 
 
 class Limits:
-    """Answers at once what is too much: too many requests under way, or too large a body."""
+    """Middleware that refuses a request if too many are under way, or if its body is too large."""
 
     def __init__(self, app: ASGIApp, settings: Settings):
         """Wrap an application, with limits of requests under way and of body size."""
@@ -233,7 +251,11 @@ class Limits:
                 del self.of_owners[owner]
 
     def _refusal(self, scope: Scope, owner: str) -> Response | None:
-        """Return the error reply if too many requests are under way or the body is too large."""
+        """Return the error reply if too many requests are under way or the body is too large.
+
+        None if the request may pass. `owner` is the account of the request, which has a share of
+        the requests under way: 429 beyond it, 503 if all are taken, 413 for the body.
+        """
         part = self.most // SHARE
         share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
         if share <= self.of_owners[owner] and self.under_way < self.most:
@@ -265,7 +287,10 @@ def _is_address(text: str) -> bool:
 
 
 def _describe(app: FastAPI, keys: Keys) -> None:
-    """Describe the keys in the OpenAPI document: required if there are any, else optional."""
+    """Make the OpenAPI document of an application describe its keys and the replies of refusals.
+
+    Keys are shown as required if any exist, else as optional.
+    """
     plain = app.openapi
     ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
 
@@ -292,7 +317,7 @@ def _describe(app: FastAPI, keys: Keys) -> None:
 
 
 def _tell_refusals(responses: dict[str, Any]) -> None:
-    """Add the replies of refused requests to those of a route."""
+    """Add the replies of refused requests (401, 403, 414, 429) to a route's OpenAPI replies."""
     header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
     told = problems(s401="No key, or a wrong one, where keys are needed")
     responses["401"] = {**told[401], "headers": header}

@@ -18,7 +18,10 @@ from app.web.downloads import document_reply, etag_of
 
 
 class MadeOnce:
-    """Makes documents in a thread, one at a time; who asks meanwhile waits without one."""
+    """A cache of documents: each is made once, in a thread, one at a time.
+
+    Requests for a document that is being made wait without holding a thread.
+    """
 
     def __init__(self) -> None:
         """Begin with an empty cache."""
@@ -27,7 +30,9 @@ class MadeOnce:
         self._lock = asyncio.Lock()
 
     async def __call__(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
-        """Return a cached document and its ETag by name; if missing, make it in a thread.
+        """Return a cached document and its ETag; if the document is missing, make it in a thread.
+
+        `name` is its key in the cache; `make` is called without arguments and returns the bytes.
 
         Raises
         ------

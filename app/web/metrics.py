@@ -25,6 +25,7 @@ from app.jobs.cluster import Cluster
 from app.jobs.ledger import Work
 from app.settings import Settings
 
+# Upper ends of the classes of histograms [s]: of requests and blocks, and of whole items of work.
 SECONDS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 WORK_SECONDS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5)
 # Clients may send any word as a method; each label value costs memory for ever.
@@ -84,7 +85,11 @@ class Metrics:
     def gauges(
         self, name: str, description: str, label: str, values: Callable[[], Mapping[str, float]]
     ) -> None:
-        """Add a labelled gauge whose values are computed when the metrics are read."""
+        """Add a gauge with one value per label, computed when the metrics are read.
+
+        `name` and `description` are shown by Prometheus; `label` is the label's name, and `values`
+        a function that returns the value for each of the label's values.
+        """
         self.registry.register(_Gauges(name, description, label, values))
 
     def gauge(self, name: str, description: str, value: Callable[[], float]) -> None:
@@ -96,16 +101,19 @@ class Metrics:
         return {}
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Count finished blocks and their seconds."""
+        """Count finished blocks of an item; `seconds` are their computing times [s]."""
         for one in seconds:
             self._blocks.labels(item.process).observe(one)
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """Count an ended item of work by outcome."""
+        """Count an ended item of work by its outcome; `seconds` is how long it was under way."""
         self._work.labels(item.process, outcome).observe(seconds)
 
     def count(self, method: str, route: str, status: int, seconds: float) -> None:
-        """Count one request; `route` is a template such as ``/sweeps/{key}``, never a real path."""
+        """Count one request; `route` is a template such as ``/sweeps/{key}``, never a real path.
+
+        `status` is the HTTP status, `seconds` the time until the end of the reply [s].
+        """
         method = method if method in METHODS else "other"
         self._requests.labels(method, route, str(status)).inc()
         self._seconds.labels(method, route).observe(seconds)
@@ -126,7 +134,10 @@ def _free(directory: Path) -> float:
 def watch_jobs(
     metrics: Metrics, admission: Admission, cluster: Cluster, settings: Settings
 ) -> None:
-    """Add the metrics of jobs, workers and disk."""
+    """Add the metrics of jobs, workers and disk.
+
+    Their values are read when metrics are asked for.
+    """
 
     def work() -> dict[str, float]:
         """Return the number of items of work that wait and run."""

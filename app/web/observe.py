@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 logger = logging.getLogger("vibrafeed.requests")
 
 REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
-CLIENT_LEFT = 499  # what proxies log where a client went before it was answered
-MAX_LEFT_LINES = 20  # a second
+CLIENT_LEFT = 499  # the status that proxies log for a client that left before the reply
+MAX_LEFT_LINES = 20  # log lines a second on clients that left
 NO_ROUTE = "(none)"
 
 
 class Observe:
-    """Gives requests identifiers, writes the log, counts, and answers unforeseen errors."""
+    """Outermost middleware: gives requests identifiers, logs and counts them, handles errors."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics, traces: Traces | None = None):
         """Wrap an application; record its requests in metrics, traces and log."""
@@ -41,7 +41,11 @@ class Observe:
         )
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request; write its log line, metrics and span when the reply has ended."""
+        """Handle a request; write its log line, metrics and span when the reply has ended.
+
+        An unforeseen error is logged, and becomes a 500 if the reply has not begun. The arguments
+        are those of ASGI.
+        """
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -97,7 +101,10 @@ class Observe:
 
 
 def route_of(scope: Scope) -> str:
-    """Return the route template of a request; real paths may be secret and are not recorded."""
+    """Return the route template of a request, such as `/sweeps/{key}`; `(none)` if no route fits.
+
+    Real paths may be secret and are not recorded. `scope` is ASGI's description of the request.
+    """
     route = scope.get("route")
     template = getattr(route, "path_format", None) or getattr(route, "path", None)
     if template is None and scope.get("endpoint") is not None:

@@ -26,9 +26,9 @@ def operation_id(route: APIRoute) -> str:
 
 
 def install(app: FastAPI) -> None:
-    """Add shared schemas to the OpenAPI document, and serve it from memory.
+    """Add shared schemas to the OpenAPI document, and serve the document from memory.
 
-    FastAPI would make it in the event loop, and write its megabyte anew for everybody who asks.
+    FastAPI would make the document, a megabyte, anew in the event loop for every request.
     """
     plain = app.openapi
     routes = app.router.routes
@@ -59,9 +59,9 @@ def install(app: FastAPI) -> None:
 
 @cache
 def _components() -> dict[str, Any]:
-    """Return the shared schemas: problem documents, studies, execute requests.
+    """Return the shared schemas of the OpenAPI document by name; callers must not change them.
 
-    Not to be changed.
+    They are those of problem documents, studies and execute requests.
     """
     models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
     models += [process.study for process in PROCESSES.values()]

@@ -31,7 +31,12 @@ def no_such_job(number: str) -> NoSuchJobError:
 
 
 def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
-    """Return the manifest of a job's result, or the problem document if the job failed."""
+    """Return the manifest of a job's result, or the problem document if the job failed.
+
+    Raises `NotReadyError` if the job is not done, or its result is damaged and computed again;
+    `BusyError` while the result is being fetched; `GoneError` and `NotFoundError` if it was
+    removed.
+    """
     if job.problem is not None:
         return problem_document(**job.problem)
     if job.gone:
@@ -52,7 +57,10 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
 
 
 def check_of(admission: Admission, job: Job, path: Path) -> Check:
-    """Return the integrity check that a file of a job's result must pass to be served."""
+    """Return the integrity check that a file of a job's result must pass to be served.
+
+    `path` is the file's. A damaged result is removed and its job queued again.
+    """
 
     def broken(status: os.stat_result) -> Exception:
         """Remove the damaged result, queue its job again, and return the error for the client."""
@@ -78,7 +86,11 @@ def _recompute(admission: Admission, job: Job) -> Exception:
 
 
 def results_reply(admission: Admission, job: Job, base: str) -> Response:
-    """Return the reply with the results of a job, or with the reason why there are none."""
+    """Return the reply with the results of a job, or the problem document if the job failed.
+
+    `base` is the address of the service, for links. Raises the errors of `manifest_of` if the
+    results are not there.
+    """
     manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):
         return manifest

@@ -11,12 +11,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.web.problems import STATUS, BusyError
 from app.web.replies import problem_document
 
-PIECE = 1 << 18  # bytes; what a connection holds of a reply beside the reply itself
+PIECE = 1 << 18  # bytes that are sent at a time: a connection copies no more of a reply
 SMALL = 1 << 16  # bytes of a body that is not counted: a connection holds as much anyway
 
 
 class Tide:
-    """Tells when a number has fallen far from the largest that it was."""
+    """Detects that a number has fallen far below the largest value that it had."""
 
     def __init__(self) -> None:
         """Begin with a largest value of 0."""
@@ -53,7 +53,10 @@ class Unsent:
         self._tide = Tide()
 
     def take(self, size: int) -> None:
-        """Add bytes to the count; raise `BusyError` if they exceed the limit."""
+        """Add the bytes of a reply to the count; raise `BusyError` if they exceed the bound.
+
+        A single reply may be larger than the bound.
+        """
         with self._lock:
             if self._bytes and self._bytes + size > self._most:
                 raise BusyError("Too many replies wait for their readers; ask again.")

@@ -36,8 +36,8 @@ class Preferences:
 def preferences(headers: Iterable[str]) -> Preferences:
     """Return the preferences in a request's Prefer headers; unknown ones are ignored.
 
-    Of a preference that is given more than once the first counts, as the standard asks. Nor does
-    what stands past the first 2,000 characters, or is cut off there.
+    Of a preference that is given more than once the first counts, as the standard asks. Anything
+    past the first 2,000 characters, or cut off there, is ignored.
     """
     values: dict[str, str | None] = {}
     text = ",".join(headers)

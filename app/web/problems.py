@@ -103,7 +103,10 @@ def install(app: FastAPI) -> None:
 
 
 def _known(request: Request, error: Exception) -> Response:
-    """Return the problem document of an error that the service raises on purpose."""
+    """Return the problem document of an error that the service raises on purpose.
+
+    Status, kind and title come from `STATUS`; the detail is the error's message.
+    """
     status, kind, title = STATUS[type(error)]
     if isinstance(error, StudyError):
         count = len(error.problems)
@@ -151,7 +154,10 @@ def _http(request: Request, error: Exception) -> Response:
 
 
 def _methods(request: Request) -> list[str]:
-    """Return all methods that a path supports; the router reports only those of one route."""
+    """Return all methods that the path of a request supports, sorted.
+
+    The router reports only those of one route.
+    """
     allowed: set[str] = set()
     for route in request.app.router.routes:
         if route.matches(request.scope)[0] is not Match.NONE:

@@ -12,11 +12,11 @@ logger = logging.getLogger("vibrafeed.keys")
 
 REMEMBERED = 60.0  # s for which a wrong key counts
 SLOWER = 0.1  # s that each of them adds to the next one's wait
-MAX_WAIT = 3.0  # s
+MAX_WAIT = 3.0  # s that the reply to a wrong key waits at most
 MAX_WAITING = 4  # of one address; more are refused at once
 MAX_WAITING_IN_ALL = 64
-MAX_ADDRESSES = 10_000
-MAX_COUNTED = 100  # of one address
+MAX_ADDRESSES = 10_000  # addresses whose wrong keys are remembered
+MAX_COUNTED = 100  # wrong keys that are counted of one address
 MAX_NOTED = 10  # entries in the audit a minute: each is written to the disk
 
 
@@ -37,9 +37,10 @@ class RefusedKeys:
         self._noted: deque[float] = deque(maxlen=MAX_NOTED)
 
     async def slowed(self, address: str, name: str) -> bool:
-        """Delay the reply to a wrong key.
+        """Delay the reply to a wrong key and return True; False at once if too many wait already.
 
-        Return False at once if too many requests wait already.
+        `address` is the client's; `name` is the key's if it was in force once, else empty. The
+        delay grows with the number of wrong keys that the address sent within a minute, up to 3 s.
         """
         count = self._count(address)
         if count == 1:
@@ -68,7 +69,10 @@ class RefusedKeys:
         return len(times)
 
     async def _write_down(self, address: str, name: str) -> None:
-        """Write the first wrong key of an address into the audit log; few a minute in total."""
+        """Write the first wrong key of an address into the audit log.
+
+        At most ten a minute in total.
+        """
         now = time.monotonic()
         if len(self._noted) == MAX_NOTED and now - self._noted[0] < REMEMBERED:
             return

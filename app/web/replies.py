@@ -51,9 +51,17 @@ ETAG = {"ETag": {"schema": {"type": "string"}}}
 def cached_replies(
     description: str, content: Mapping[str, Mapping[str, Any]], *, in_ranges: bool = False
 ) -> dict[int | str, dict[str, Any]]:
-    """Return OpenAPI replies with an ETag, including 304; `content` has schemas by media type.
+    """Return the OpenAPI replies of content with an ETag: 200, and 304 if the client has it.
 
-    With `in_ranges` so are ranges of bytes, which JSON is not sent in, and what is wrong with them.
+    Parameters
+    ----------
+    description : str
+        Description of the reply 200.
+    content : mapping
+        The schema of each media type.
+    in_ranges : bool
+        True to add the replies to requests for byte ranges (206, 412, 416); JSON is sent whole
+        only.
     """
     types = {name: {"schema": schema} for name, schema in content.items()}
     replies: dict[int | str, dict[str, Any]] = {
@@ -110,9 +118,23 @@ def problem_document(
     instance: str | None = None,
     headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return a problem document as a reply; `kind` is a short word, or a whole URL.
+    """Return a problem document (RFC 9457) as a reply.
 
-    Of many problems it names the first, and says how many there are besides.
+    Parameters
+    ----------
+    status : int
+        The HTTP status.
+    kind : str
+        A short word for the type of problem, or a whole URL.
+    title, detail : str
+        The type in words, and what is special about this case.
+    problems : iterable of Problem
+        Single problems, of which the first ones are listed; the detail says how many more there
+        are.
+    instance : str, optional
+        An identifier of this case.
+    headers : dict, optional
+        Further headers of the reply.
     """
     problems = tuple(problems)
     if len(problems) > MAX_PROBLEMS:

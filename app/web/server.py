@@ -29,7 +29,9 @@ QUEUE = 4096
 # s from the end of all replies to that of the process: jobs are handed on, workers ended, files
 # written. Containers give 10 s in all.
 LAST = 5.0
-CROWD = 64  # connections whose memory is worth giving back: a reader of a file has held a megabyte
+# Connections that have closed before their memory is given back to the system: each that read a
+# file has held a megabyte.
+CROWD = 64
 
 
 class Server(uvicorn.Server):
@@ -54,7 +56,11 @@ class Server(uvicorn.Server):
         self._crowd = Tide()  # of connections
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Record a signal to stop; a second one, or Ctrl-C, ends the waiting for open requests."""
+        """Record a signal to stop; a second one, or Ctrl-C, ends the waiting for open requests.
+
+        `sig` is the signal's number; `frame` is not used. After SIGTERM requests are still answered
+        for `drain_seconds`.
+        """
         state = self.config.app.state  # type: ignore[union-attr]
         is_first = not state.stopping.is_set()
         state.stopping.set()
@@ -79,7 +85,10 @@ class Server(uvicorn.Server):
             self._first = asyncio.create_task(self.config.app.state.process_pool.start())  # type: ignore[union-attr]
 
     async def on_tick(self, counter: int) -> bool:
-        """Check connections once a second, free memory after a crowd, and look at the deadline."""
+        """Check connections, free memory after a crowd, and end the draining; True to stop serving.
+
+        uvicorn calls it ten times a second; `counter` is the number of the call.
+        """
         if counter % 10 == 0:
             connections = list(self.server_state.connections)
             for connection in connections:
@@ -99,9 +108,9 @@ class Server(uvicorn.Server):
 
 
 def prepare_routes(app: FastAPI) -> None:
-    """Let FastAPI analyse all routes now instead of at their first request.
+    """Let FastAPI analyse all routes now instead of when a request first reaches them.
 
-    It would when a request first comes by them, in the event loop, and that takes a second.
+    It takes a second in the event loop, which requests would wait for.
     """
     nowhere = {"type": "http", "method": "GET", "path": "/-", "root_path": "", "headers": []}
     for route in app.router.routes:
@@ -145,7 +154,10 @@ def give_memory_back() -> None:
 
 
 def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) -> None:
-    """Serve an application until a signal ends it."""
+    """Serve an application at an address until a signal ends it.
+
+    `host` and `port` are where it listens.
+    """
     sys.setswitchinterval(TURN)
     keep_memory()
     config = uvicorn.Config(

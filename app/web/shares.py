@@ -31,15 +31,15 @@ BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more requ
 class Shares:
     """Gives out places for running requests to their owners, in turns.
 
-    The next place goes to the owner with the fewest, of those to who was served longest ago; of one
-    owner's requests to the first that came, but for those whose price lets others pass.
+    The next place goes to the owner who has the fewest, then to the one who was served longest ago.
+    Of one owner's requests the first comes first, unless its price lets later ones pass.
 
     Parameters
     ----------
     slots : int
-        How many there are.
+        Number of places.
     of_owner : int
-        How many of them one owner has at most.
+        The most places that one owner has at a time.
     """
 
     def __init__(self, slots: int = SLOTS, of_owner: int = SLOTS - 1):
@@ -54,7 +54,8 @@ class Shares:
     async def slot(self, owner: str, price: int = 0) -> AsyncIterator[None]:
         """Wait for a computing slot and hold it during the block.
 
-        As many later requests of the same owner as `price` may be served first.
+        `owner` is the account of the request; `price` is the number of later requests of the same
+        owner that may be served first.
         """
         asked = next(self._asked)
         got: asyncio.Future[None] = asyncio.get_running_loop().create_future()
@@ -91,7 +92,8 @@ class Shares:
     ) -> tuple[int, int, int, int]:
         """Return the sort key of a waiting request: the smallest is served next.
 
-        The places of its owner, then the turn in which that was served last, then what is due.
+        The key is the number of slots of its owner, then the turn in which that owner was served
+        last, then the request's order of arrival with its price added.
         """
         due, asked, owner, _ = waiter
         return self._taken[owner], self._served.get(owner, -1), due, -asked
@@ -99,14 +101,14 @@ class Shares:
 
 @asynccontextmanager
 async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
-    """Wait for a computing slot for a request; a larger body [bytes] lets more others pass.
+    """Wait for a computing slot for a request and hold it during the block.
 
-    Its address owns it without keys.
+    `size` is that of the body [bytes]: a larger one lets more requests of the same owner pass.
 
     Raises
     ------
     ClientDisconnect
-        If the client has left while it waited: nothing is computed for nobody.
+        If the client has left while it waited.
     """
     shares = cast(Shares, request.app.state.shares)
     async with shares.slot(owner_of(request.scope), size // BYTES_A_TURN):
@@ -117,9 +119,10 @@ async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
 async def calculate_in_process(
     request: Request, function: Callable[..., _T], *arguments: Any, seconds: float
 ) -> _T:
-    """Run a function in a process; end it at the time limit, or when the client leaves.
+    """Run a function in a process of the pool and return its result; the caller holds a slot.
 
-    Whoever calls has a place.
+    The process is ended after `seconds` [s] with `StoppedError`, or with `ClientDisconnect` when
+    the client leaves.
     """
     pool = cast(ProcessPool, request.app.state.process_pool)
     return await pool(function, *arguments, seconds=seconds, look=look_at(request))

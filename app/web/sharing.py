@@ -39,7 +39,10 @@ NO_SHARING = problems(s413="The body is too large", s422="The body or the identi
 
 
 def read_sharing(body: bytes) -> bool:
-    """Return the sharing state in a request body; raise with all its problems."""
+    """Return the value of `shared` in a request body; True makes a result readable for all keys.
+
+    Raises `RequestValidationError` with all problems of the body, which is JSON.
+    """
     try:
         content = read_json(body)
     except StudyError as error:

@@ -46,7 +46,10 @@ class SweepDescription(BaseModel):
 
 
 def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
-    """Return the JSON description of a sweep: study, size, axes, outputs."""
+    """Return the JSON description of a sweep: study, size, axes, outputs, links.
+
+    `key` is its identifier; `shared` is True if all keys may read it.
+    """
     equations = {equation.gives: equation for equation in sweep.plan.equations}
     return {
         "id": key,

@@ -55,14 +55,29 @@ def writer_version(form: str) -> str:
 
 
 def most_rows(settings: Settings, form: str, most: int) -> int:
-    """Return the largest number of rows of a table in a format; sheets have a lower limit."""
+    """Return the largest number of rows of a table in a format; Excel sheets have a lower limit.
+
+    `most` is the limit of the other formats.
+    """
     return min(most, settings.max_sheet_rows) if form == "xlsx" else most
 
 
 async def table_reply(
     request: Request, frame: Frame, form: str, *, lane: CapacityLimiter | None
 ) -> Response:
-    """Return a table as a reply in pieces, each written in a thread."""
+    """Return a table as a reply in pieces, each written in a thread.
+
+    Parameters
+    ----------
+    request : Request
+        The request, which reserves the bytes of its reply.
+    frame : Frame
+        The table as rows.
+    form : str
+        The format: csv, parquet or xlsx.
+    lane : CapacityLimiter or None
+        Limits the threads that write; None takes those of the event loop.
+    """
     values = [one.values for one in frame.table.variables.values()]
     reserve_bytes(request, sum(array.nbytes for array in values) + min(IN_WORK, 500 * frame.rows))
     write = FORMATS[f".{form}"].pieces

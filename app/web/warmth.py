@@ -40,7 +40,10 @@ class Warmth:
             await asyncio.gather(self._task, return_exceptions=True)
 
     async def _run(self) -> None:
-        """Run `vibrafeed warm` in a process and log its errors."""
+        """Run `vibrafeed warm` in a process of low priority and log its errors.
+
+        `is_warm` is True afterwards if the process succeeded.
+        """
         try:
             process = await asyncio.create_subprocess_exec(
                 sys.executable, "-m", "vibrafeed", "warm", "--processes", "1",

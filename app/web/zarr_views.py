@@ -29,6 +29,8 @@ class ZarrViews:
     def view(self, key: str, chunks: str = "") -> ZarrView:
         """Return the Zarr view of a sweep, with the chunk shapes that a reader asks for.
 
+        `key` is the sweep's identifier; `chunks` holds wishes such as `frequency:all,friction:1`.
+
         Raises
         ------
         NotFoundError
@@ -51,9 +53,10 @@ class ZarrViews:
         return view
 
     def read(self, key: str, path: str, chunks: str = "") -> bytes:
-        """Return the bytes at a path of a sweep's Zarr group.
+        """Return the bytes at a path of a sweep's Zarr group; raise `KeyError` if there are none.
 
-        Raise `KeyError` if there are none.
+        `key` is the sweep's identifier; `chunks` holds a reader's wishes for chunk shapes. Chunks
+        that were read last are cached.
         """
         entry = (key, chunks, path)
         self._store.note_use(key)

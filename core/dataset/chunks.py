@@ -25,26 +25,26 @@ if TYPE_CHECKING:
     import h5py
 
 Encode = Callable[[NDArray[Any], Box, NDArray[Any]], Any]
-"""Makes the bytes of a chunk, from the array of its tile, its place there, and room for it."""
+"""Returns the bytes of a chunk: from its tile's array, its box there, and a buffer to fill."""
 
 LEVEL: Final = 1
-"""Of libdeflate: its bytes follow from its input alone. ISA-L is three times as fast, but one chunk
-of some 10,000 came out different in another thread."""
+"""Level of compression by libdeflate, whose bytes follow from its input alone. ISA-L is three times
+as fast, but one chunk of some 10,000 came out different in another thread."""
 DEFLATED: Final = [2, 1]  # the numbers of the filters of HDF5, shuffle first
 
 
 class ChunkFile:
     """A NetCDF file whose arrays are defined and empty, open to take their chunks.
 
-    One thread uses it at a time. What HDF5 keeps is lost unless `close` is reached: until then the
-    file cannot be read.
+    One thread uses it at a time. The file cannot be read before `close` has finished it.
 
     Parameters
     ----------
     path : Path
         The file.
     threads : int, optional
-        How many encode chunks; one a core if left out. The bytes do not depend on it.
+        Number of threads that encode chunks; by default one per core. The bytes do not depend on
+        it.
     """
 
     def __init__(self, path: Path, threads: int | None = None):
@@ -58,7 +58,11 @@ class ChunkFile:
         self._buffers: dict[str, NDArray[Any]] = {}
 
     def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
-        """Write the arrays of a tile; return the lengths of its chunks, and their checksum."""
+        """Write the arrays of a tile; return the lengths of its chunks [bytes] and a checksum.
+
+        `arrays` are the tile's values by name, in the shape of the tile; the checksum is the CRC-32
+        of all its chunks.
+        """
         lengths, checksum = [], 0
         for name, chunks in self._encoded(tile, arrays).items():
             target = self._file[name].id
@@ -70,7 +74,11 @@ class ChunkFile:
         return lengths, checksum
 
     def pass_over(self, tile: Tile, lengths: Sequence[int]) -> int:
-        """Record a tile as written, given the lengths of its chunks; return their checksum."""
+        """Record a tile that is on disk as written, so that a run can go on after it.
+
+        `lengths` are those of its chunks [bytes]. Return the CRC-32 of what the disk has in their
+        place, to be compared with that at writing.
+        """
         self._disk.passing = np.zeros(max(lengths), dtype=np.uint8)
         left = iter(lengths)
         for name in tile.field.names:
@@ -87,7 +95,11 @@ class ChunkFile:
         os.fdatasync(self._disk.descriptor)
 
     def close(self, attributes: Mapping[str, float] | None = None) -> None:
-        """Finish the file; numeric global attributes that exist get new values."""
+        """Finish the file, so that it can be read.
+
+        `attributes` are new values of numeric global attributes; those that the file does not have
+        are left out. Raises `OSError` if an earlier write failed.
+        """
         import h5py
 
         for name, value in (attributes or {}).items():
@@ -115,7 +127,10 @@ class ChunkFile:
     def _encoded(
         self, tile: Tile, arrays: Mapping[str, NDArray[Any]]
     ) -> dict[str, Iterator[tuple[Box, Any]]]:
-        """Return the encoded chunks of all arrays of a tile, in the order of the file."""
+        """Return the encoded chunks of all arrays of a tile, each with its box, by array.
+
+        They are in the order of the file, and are encoded by threads while they are taken.
+        """
         layout = tile.field.layout
         chunks = list(layout.chunks(tile.box))
         encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
@@ -128,9 +143,10 @@ class ChunkFile:
         return encoded
 
     def _buffer(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-        """Return a reusable buffer for the chunks of a tile, since new memory is slow.
+        """Return a buffer for the chunks of a tile, which is reused, since new memory is slow.
 
-        What it held is on its way to the disk when the next tile comes.
+        Its contents are overwritten by the next tile. The buffer belongs to the array `name`; the
+        first entry of `shape` is the number of chunks.
         """
         if name not in self._buffers or len(self._buffers[name]) < shape[0]:
             self._buffers[name] = np.empty(shape, dtype)
@@ -146,14 +162,21 @@ class ChunkFile:
 
 
 def encoder(filters: Sequence[int]) -> Encode:
-    """Return the function that encodes a chunk for an array's HDF5 filters."""
+    """Return the function that encodes a chunk for an array's HDF5 filters.
+
+    `filters` are the filters' numbers: none, deflate (1), or shuffle and deflate (2, 1).
+    """
     if not filters:
         return lambda values, box, buffer: chunk_of(values, box, buffer).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
 
     def deflated(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> Any:
-        """Return a chunk shuffled and compressed."""
+        """Return the bytes of a chunk, shuffled and compressed.
+
+        Shuffled means that the first bytes of all values come first, then the second ones, and so
+        on.
+        """
         chunk = chunk_of(values, box, buffer)
         if chunk.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
             octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.itemsize)
@@ -164,7 +187,10 @@ def encoder(filters: Sequence[int]) -> Encode:
 
 
 def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[Any]:
-    """Return `buffer`, filled with one chunk of a tile; cells beyond an axis are 0."""
+    """Return `buffer`, filled with one chunk of a tile; cells beyond an axis are 0.
+
+    `values` is the array of the tile, and `box` start and stop of the chunk along each axis of it.
+    """
     part = values[tuple(slice(*ends) for ends in box)]
     if part.shape == buffer.shape:
         buffer[...] = part
@@ -180,12 +206,12 @@ def slice_in_tile(chunk: Box, tile: Box) -> Box:
 
 
 class _Disk:
-    """The object that HDF5 takes for a file.
+    """A file on disk in the form that HDF5 writes to.
 
     Attributes
     ----------
     passing : ndarray or None
-        What stands for chunks that are on the disk: writing it reads them into the checksum.
+        Stands for a chunk that is on disk already: writing it only reads the disk into `checksum`.
     """
 
     def __init__(self, path: Path):
@@ -211,15 +237,16 @@ class _Disk:
         return os.pread(self.descriptor, length, self._at)
 
     def readinto(self, buffer: memoryview) -> int:
-        """Read bytes at the position into a buffer."""
+        """Read bytes at the position into a buffer; return their number."""
         done = os.preadv(self.descriptor, [buffer], self._at)
         self._at += done
         return done
 
     def write(self, data: memoryview) -> int:
-        """Write bytes at the position, or only check them if they are passed over.
+        """Write bytes at the position.
 
-        Keep any error.
+        Those that stand for a passed-over chunk are only read instead. An error is kept until
+        `check` raises it, since HDF5 would replace it. Return the number of bytes.
         """
         length = len(data)
         if not self.is_open:

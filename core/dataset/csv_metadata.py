@@ -21,7 +21,7 @@ def metadata_path(path: Path) -> Path:
 
 
 def csv_metadata(frame: Frame, name: str) -> bytes:
-    """Return the JSON metadata (CSV on the Web) of a CSV file.
+    """Return the JSON metadata (CSV on the Web) of a CSV file, whose name is `name`.
 
     The study is among the notes as an object; `study_sha256` is the hash of its canonical text.
     """

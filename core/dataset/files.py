@@ -9,18 +9,20 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-PART = ".part"  # ends the names of what is being written
-PARTIAL = ".partial"  # ends those of what a run that was stopped can go on with
+PART = ".part"  # ends the names of files that are being written
+PARTIAL = ".partial"  # ends the names of folders with which a stopped run can go on
 
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
     """Yield a temporary path; the file takes its final name when the block ends without error.
 
+    `path` is that name. A reader sees either the whole file or none.
+
     Raises
     ------
     OSError
-        If it cannot be written, with the name of the file itself; nothing is left behind.
+        If the file cannot be written, with its final name; nothing is left behind.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}{PART}")
     try:
@@ -53,7 +55,7 @@ def sync(path: Path) -> None:
 
 
 class Behind:
-    """Waits for the disk behind the back of who writes; for one thing at a time."""
+    """Waits for the disk in a thread, so that the writer need not; for one call at a time."""
 
     def __init__(self) -> None:
         """Start a thread for waiting; nothing is under way."""
@@ -61,7 +63,10 @@ class Behind:
         self._last: Future[None] | None = None
 
     def start(self, wait: Callable[..., None], *arguments: object) -> None:
-        """Start a wait in the background, after the previous one; raises the error of that one."""
+        """Start a wait in the background, once the previous one has ended; raise that one's error.
+
+        `wait` is the function to run, with its arguments.
+        """
         self.end()
         self._last = self._thread.submit(wait, *arguments)
 

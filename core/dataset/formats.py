@@ -23,7 +23,7 @@ from core.errors import VibrafeedError
 
 NETCDF: Final = ".nc"
 ZARR: Final = ".zarr"
-MAKER: Final = "vibrafeed "  # begins the attribute `source` of all that is ours
+MAKER: Final = "vibrafeed "  # begins the attribute `source` of every result of vibrafeed
 
 
 def _nothing() -> None:
@@ -87,22 +87,22 @@ def write_result(table: Table, where: str, *, history: str, compression: bool = 
     Parameters
     ----------
     table : Table
-        What to write.
+        The result to write.
     where : str
         A path with a known suffix, or the URL of a Zarr group.
     history : str
         The CF history attribute: a date and a command.
     compression : bool
-        Whether to compress, in NetCDF and MAT files; the others always do, or never.
+        True to compress NetCDF and MAT files; the other formats always do, or never.
 
     Raises
     ------
     MissingPackageError
         If a package is missing.
     LimitError
-        If the format cannot hold it.
+        If the format cannot hold the table.
     OSError
-        If it cannot be written.
+        If the file cannot be written.
     """
     FORMATS[suffix_of(where)].write(table, where, history, compression)
 
@@ -120,7 +120,7 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     Raises
     ------
     LimitError
-        If they are larger.
+        If the arrays are larger.
     VibrafeedError
         If it is not a result of vibrafeed.
     OSError
@@ -152,7 +152,10 @@ def _write_zarr(table: Table, where: str, history: str, compression: bool) -> No
 
 
 def _write_csv(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as CSV with its metadata file."""
+    """Write a table as CSV, and its metadata as JSON in a file beside it.
+
+    `where` is the path of the CSV file; `compression` is not used.
+    """
     frame, path = Frame.of(_with_history(table, history)), Path(where)
     with whole(metadata_path(path)) as beside, whole(path) as temporary:
         beside.write_bytes(csv_metadata(frame, path.name))

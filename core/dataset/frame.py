@@ -20,8 +20,8 @@ from core.errors import LimitError, MissingPackageError
 from core.extras import installing
 from core.quantities import REGIMES
 
-CSV_ROWS: Final = 8192  # of a piece; the interpreter writes it in one go, which others wait for
-PARQUET_ROWS: Final = 131_072  # of a row group
+CSV_ROWS: Final = 8192  # rows of a piece; other threads wait while the interpreter writes one
+PARQUET_ROWS: Final = 131_072  # rows of a group in the file
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,7 @@ class Frame:
 
     @classmethod
     def of(cls, table: Table, *, most: int | None = None) -> Frame:
-        """Return the rows of a table, one per cell.
-
-        Raise `LimitError` if there are more than `most`.
-        """
+        """Return the rows of a table, one per cell; `LimitError` if there are more than `most`."""
         columns = (*table.coordinates.values(), *table.variables.values())
         sizes: dict[str, int] = {}
         for column in columns:
@@ -65,7 +62,10 @@ class Frame:
 
     @property
     def note(self) -> str:
-        """A sentence on cells whose regime describes no real part; empty if there are none."""
+        """A sentence on the cells whose regime is not valid for a real part.
+
+        Empty if there are none.
+        """
         regime = self.table.variables.get("regime")
         if regime is None or "flag_values" not in regime.attributes:
             return ""
@@ -86,7 +86,7 @@ class Frame:
     def csv(self) -> Iterator[bytes]:
         """Yield the pieces of a CSV file after RFC 4180, in UTF-8.
 
-        Numbers have all their digits; what has no value is an empty field.
+        Numbers have all their digits; a value that is NaN is an empty field.
         """
         yield ",".join(map(_quote_field, map(heading, self.columns))).encode() + b"\r\n"
         # What is repeated is put into words once.
@@ -104,8 +104,8 @@ class Frame:
     def parquet(self) -> Iterator[bytes]:
         """Yield the pieces of a Parquet file.
 
-        Units, labels and descriptions are metadata of the columns, the attributes of the whole,
-        such as the study and its hash, are those of the schema.
+        Units, labels and descriptions are metadata of the columns; the attributes of the table,
+        such as the study and its hash, are metadata of the schema.
 
         Raises
         ------
@@ -123,7 +123,7 @@ class Frame:
         ]
 
     def piece(self, column: FrameColumn, start: int, rows: int) -> NDArray[Any]:
-        """Return the values of a column in some rows."""
+        """Return the values of a column in `rows` rows from number `start` on; fewer at the end."""
         own = column.variable.dims
         order = [own.index(dim) for dim in self.sizes if dim in own]
         shape = [size if dim in own else 1 for dim, size in self.sizes.items()]
@@ -175,7 +175,7 @@ class FrameColumn:
 
     @cached_property
     def codes(self) -> NDArray[np.int8]:
-        """The position of each flag value's word; one beyond the last if it has none."""
+        """The index of each flag value's word; one beyond the last word for an unknown value."""
         known = np.asarray(self.variable.attributes["flag_values"])
         found = np.full(256, known.size, dtype=np.int8)
         found[known.astype(np.uint8)] = np.arange(known.size)
@@ -189,7 +189,10 @@ def heading(column: FrameColumn) -> str:
 
 
 def _texts(values: NDArray[Any]) -> NDArray[Any]:
-    """Return values as CSV fields, in the same shape; numbers with the fewest exact digits."""
+    """Return values as CSV fields, in the same shape; numbers with the fewest exact digits.
+
+    NaN becomes an empty field.
+    """
     flat = values.reshape(-1)
     write: Callable[[Any], str] = repr
     if flat.dtype == object:
@@ -213,7 +216,7 @@ def _quote_field(text: object) -> str:
 
 
 class _Sink:
-    """A file that can be taken away as it grows."""
+    """A file in memory from which the bytes written so far can be taken, piece by piece."""
 
     closed = False
 
@@ -253,7 +256,7 @@ def _parquet(frame: Frame) -> Iterator[bytes]:
 
 
 def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
-    """Yield the pieces of a Parquet file, a block of rows each."""
+    """Yield the pieces of a Parquet file, each a group of rows; `arrow` is the package pyarrow."""
     columns = frame.columns
     schema = arrow.schema(
         [
@@ -282,7 +285,10 @@ def _type(arrow: Any, column: FrameColumn) -> Any:
 
 
 def _array(arrow: Any, frame: Frame, column: FrameColumn, start: int) -> Any:
-    """Return some rows of a column as an Arrow array; missing words are null, numbers NaN."""
+    """Return the rows of a column from `start` on as an Arrow array, one group of them.
+
+    Flags become words; unknown ones are null. Numbers keep NaN. `arrow` is the package pyarrow.
+    """
     if not column.words:
         piece = frame.piece(column, start, PARQUET_ROWS)
         piece = piece.astype(piece.dtype.newbyteorder("="), copy=False)

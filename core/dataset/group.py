@@ -18,7 +18,7 @@ from core.dataset.table import Table, TableVariable
 if TYPE_CHECKING:
     import zarr
 
-# What follows from the names of dimensions, and is written anew.
+# Attributes that link variables to coordinates; they follow from dimensions and are written anew.
 _LINKS = ("coordinates", "ancillary_variables")
 
 
@@ -28,16 +28,16 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
     Parameters
     ----------
     table : Table
-        What to write.
+        The result to write.
     where : str
         A path, or the URL of an object store.
     history : str, optional
-        The CF history attribute; brings the table's price along.
+        The CF history attribute; with it the cost of the run is written, too.
 
     Raises
     ------
     FileExistsError
-        If there is something already.
+        If there is a group or another file already.
     OSError
         If it cannot be written.
     """
@@ -71,9 +71,9 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
     Raises
     ------
     LimitError
-        If they are larger.
+        If the arrays are larger.
     OSError
-        If it cannot be read.
+        If the group cannot be read.
     """
     import zarr
 
@@ -108,7 +108,7 @@ def _dims(array: zarr.Array[Any]) -> tuple[str, ...]:
 
 
 def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
-    """Return the values of an array, in the machine's byte order."""
+    """Return the values of a Zarr array in the machine's byte order; texts as Python objects."""
     values = np.asarray(array[...])
     if values.dtype.kind in "UT":
         return values.astype(object)
@@ -116,7 +116,10 @@ def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
 
 
 def _attributes(raw: Any) -> dict[str, Any]:
-    """Return the attributes of an array without links."""
+    """Return the attributes of an array without those that link it to coordinates.
+
+    `flag_values` becomes an array of int8, as in a table.
+    """
     attributes = {name: value for name, value in dict(raw).items() if name not in _LINKS}
     with contextlib.suppress(KeyError):
         attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)

@@ -21,36 +21,37 @@ from core.dataset.files import Behind, partial, settle, sync
 from core.dataset.journal import Journal
 from core.dataset.layout import Tiles
 
-SYNC_BYTES = 64 * 2**20  # after which the disk is asked to have them, while more are written
+# Written bytes, or seconds, after which a thread waits until the disk has them, while more are
+# written: a kill loses no more.
+SYNC_BYTES = 64 * 2**20
 SYNC_SECONDS = 5.0
 
 
 class GrowingNetcdf:
-    """A NetCDF file under way; what its name stands for appears when it is complete.
-
-    Tiles are written in their order.
+    """A NetCDF file that is written tile by tile, in order; it gets its name once it is complete.
 
     Parameters
     ----------
     path : Path
-        The file that is to be; one that is there is replaced at the end.
+        The name of the complete file; an existing file is replaced at the end.
     tiles : Tiles
-        Of all arrays.
+        The tiles of all arrays.
     identity : mapping of str to str
-        What must be equal for a run to go on with what another has begun.
+        Values that must be equal for a run to go on with what another has begun, as the study's
+        hash.
     begin : callable
-        Writes the file without its arrays at the path that it is given.
+        Writes the file without its arrays at the path that it is called with.
     resume : bool
-        Go on with what is there, if it has this identity; otherwise it is begun anew.
+        True to go on with stored tiles of this identity; otherwise the file is begun anew.
 
     Attributes
     ----------
     tiles : Tiles
-        Of all arrays.
+        The tiles of all arrays.
     done : int
         Number of the tiles that are written.
     seconds : float
-        What the tiles cost that were there at the start.
+        Computing time of the tiles that were stored at the start [s].
     """
 
     def __init__(
@@ -86,7 +87,17 @@ class GrowingNetcdf:
         return iter(range(self.done, len(self.tiles)))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write a tile; `seconds` is the cost of all tiles so far."""
+        """Write the next tile, and its lengths and checksum into the journal.
+
+        Parameters
+        ----------
+        index : int
+            Number of the tile, which has to be that of the tiles written so far.
+        arrays : mapping of str to ndarray
+            The values of each array in the tile.
+        seconds : float
+            Computing time of all tiles so far [s].
+        """
         assert self._file is not None
         lengths, checksum = self._file.write(self.tiles[index], arrays)
         self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
@@ -97,7 +108,10 @@ class GrowingNetcdf:
             self._behind.start(self._sync)
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Finish the file and give it its name; `price` are attributes known only now."""
+        """Finish the file and give it its name; remove the folder of the unfinished file.
+
+        `price` holds numeric attributes that are known only now: the cost of the run.
+        """
         assert self._file is not None
         self._behind.end()
         self._file.close(price)
@@ -122,7 +136,10 @@ class GrowingNetcdf:
         self._journal.sync()
 
     def _is_of(self, identity: Mapping[str, str]) -> bool:
-        """True if the unfinished file was begun by the same study and its head is intact."""
+        """True if the unfinished file was begun by the same study and its head is intact.
+
+        `identity` is compared with the first record of the journal.
+        """
         if not self._journal.records:
             return False
         known = dict(self._journal.records[0])
@@ -131,7 +148,11 @@ class GrowingNetcdf:
         return known == identity and start.exists() and _digest(start) == digest
 
     def _begin(self, identity: Mapping[str, str], begin: Callable[[Path], None]) -> None:
-        """Begin a new file: write its head and the first record of the journal."""
+        """Begin a new file: write its head and the first record of the journal.
+
+        `begin` writes the file without its arrays at the path that it is called with; `identity`
+        goes into the record.
+        """
         self._journal.keep(0)
         start = self._folder / "start"
         start.unlink(missing_ok=True)
@@ -142,7 +163,7 @@ class GrowingNetcdf:
         self._sync()
 
     def _go_on(self) -> None:
-        """Take over the tiles that the journal records, up to the first damaged one."""
+        """Continue with the stored tiles that the journal records, up to the first damaged one."""
         records = self._journal.records[1:]
         while (good := self._passed(records)) < len(records):
             records = records[:good]
@@ -151,7 +172,10 @@ class GrowingNetcdf:
         self.seconds = float(records[-1]["seconds"]) if records else 0.0
 
     def _passed(self, records: list[dict[str, Any]]) -> int:
-        """Return the number of recorded tiles that the file contains undamaged."""
+        """Return the number of recorded tiles that the file contains undamaged, from the first on.
+
+        `records` are those of the journal, with lengths and checksum of each tile's chunks.
+        """
         file = self._open()
         for number, record in enumerate(records):
             if file.pass_over(self.tiles[number], record["lengths"]) != record["checksum"]:
@@ -159,7 +183,10 @@ class GrowingNetcdf:
         return len(records)
 
     def _open(self, *, new: bool = False) -> ChunkFile:
-        """Open the file for chunks, as it was before the first one."""
+        """Open the file as it was before the first chunk, ready for chunks.
+
+        `new` discards stored ones.
+        """
         if self._file is not None:
             self._file.leave()
         data = self._folder / "data"

@@ -11,7 +11,9 @@ from typing import Any
 
 
 class Journal:
-    """Records in a file, one a line, each with a checksum; a torn end is cut off.
+    """A file of records, one a line with a checksum each; a damaged end is cut off.
+
+    Only one process may have it open.
 
     Parameters
     ----------
@@ -21,7 +23,7 @@ class Journal:
     Attributes
     ----------
     records : list of dict
-        What it held when it was opened, as far as it is whole.
+        The intact records, from the first on.
 
     Raises
     ------

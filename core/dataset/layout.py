@@ -15,10 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-CHUNK_CELLS = 65_536  # 512 KiB of floats, 64 KiB of flags: a request pays, and none is long
-TILE_CELLS = 4_194_304  # 32 MiB of floats: long enough to write, and four of them are little memory
-MAX_PADDING = 1.05  # of chunks that are cut alike; beyond it, lengths are sought that fit better
-MAX_TRIED = 128  # longer pieces of nearly equal length pad less than one in so many
+# Values of a chunk, 512 KiB of floats or 64 KiB of flags: worth a request, and soon sent.
+CHUNK_CELLS = 65_536
+# Values of a tile, 32 MiB of floats: long enough to write, and four of them fit into memory.
+TILE_CELLS = 4_194_304
+# Largest ratio of stored to real values of chunks that are cut alike; beyond it, lengths are sought
+# that fit the axes better.
+MAX_PADDING = 1.05
+MAX_TRIED = 128  # largest length that is tried: longer ones pad by less than 1/128 anyway
 
 Box = tuple[tuple[int, int], ...]
 """A part of an array: start and stop along each of its dimensions."""
@@ -64,7 +68,10 @@ class Layout:
         )
 
     def box(self, index: int) -> Box:
-        """Return start and stop of a tile on each axis."""
+        """Return start and stop of a tile on each axis.
+
+        `index` is its number in C order, from 0.
+        """
         at = np.unravel_index(index, self.counts) if self.shape else ()
         return tuple(
             (int(k) * length, min((int(k) + 1) * length, n))
@@ -72,7 +79,10 @@ class Layout:
         )
 
     def chunks(self, box: Box) -> Iterator[Box]:
-        """Yield start and stop of each chunk of a tile, in C order."""
+        """Yield start and stop of each chunk of a tile on each axis, in C order.
+
+        `box` is the tile's start and stop on each axis.
+        """
         steps = (
             [(start, min(start + length, stop)) for start in range(begin, stop, length)]
             for (begin, stop), length in zip(box, self.chunk, strict=True)
@@ -151,7 +161,7 @@ class Tiles:
         return map(self.__getitem__, range(len(self)))
 
     def __getitem__(self, index: int) -> Tile:
-        """Return a tile by its number."""
+        """Return a tile by its number, counted from 0 through all fields."""
         at = bisect_right(self._ends, index)
         layout = self.fields[at].layout
         return Tile(self.fields[at], layout.box(index - self._ends[at] + layout.tiles))
@@ -162,7 +172,10 @@ class Tiles:
         return sum(math.prod(field.layout.shape) for field in self.fields)
 
     def stored(self, widths: Mapping[str, int]) -> int:
-        """Return the uncompressed bytes of all chunks; `widths` are bytes per value."""
+        """Return the uncompressed bytes of all chunks.
+
+        `widths` are the bytes of a value, by array.
+        """
         return sum(f.layout.stored * sum(widths[name] for name in f.names) for f in self.fields)
 
 
@@ -170,8 +183,8 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
     """Return the chunk shape of an array, with at most `most` values.
 
     All axes are cut alike as far as they are long enough: a reader who frees any two of them then
-    reads as little beside what was asked for as can be. Where chunks so cut would hold much padding
-    (seven axes of 13 values: three times the array), lengths that fit the axes better are taken.
+    reads few values that were not asked for. Where chunks so cut would hold much padding (seven
+    axes of 13 values: three times the array), lengths that fit the axes better are taken.
     """
     alike = _cut_alike(shape, most)
     if math.prod(map(_padding, shape, alike)) <= MAX_PADDING:
@@ -197,7 +210,7 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
 
 
 def _cut_alike(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return piece lengths as nearly equal as the axes allow."""
+    """Return chunk lengths as nearly equal as the axes allow, with a product of at most `most`."""
     lengths = [1] * len(shape)
     budget = most
     # Short axes first: what they leave over goes to the long ones.
@@ -210,12 +223,18 @@ def _cut_alike(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
 
 
 def _padding(size: int, length: int) -> float:
-    """Return the ratio of padded to real values for pieces of a length."""
+    """Return the ratio of stored to real values if an axis is cut into pieces of a length.
+
+    `size` is the length of the axis; it is 1 if `length` divides it.
+    """
     return -(-size // length) * length / size
 
 
 def _tile_shape(shape: tuple[int, ...], chunk: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return the tile shape: whole trailing axes where possible, tiles nearly equal."""
+    """Return the tile shape, a whole number of chunks along each axis, at most `most` values.
+
+    Last axes are taken whole where possible, and tiles are nearly equal.
+    """
     budget = max(1, most // math.prod(chunk))
     tile: list[int] = []
     for size, length in zip(reversed(shape), reversed(chunk), strict=True):

@@ -17,7 +17,7 @@ from core.dataset.files import whole
 from core.dataset.table import Table, TableVariable
 from core.errors import LimitError
 
-MAX_BYTES: Final = 2**31 - 2**20  # of one variable of a file of MATLAB's version 5
+MAX_BYTES: Final = 2**31 - 2**20  # bytes that a variable of a MAT file of version 5 may have
 LONGEST: Final = 63  # characters of a name in MATLAB
 
 
@@ -33,18 +33,18 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
     Parameters
     ----------
     table : Table
-        What to write.
+        The result to write.
     path : Path
         The file; an existing one is replaced.
     compression : bool
-        Deflate the arrays.
+        True to compress the arrays (deflate).
 
     Raises
     ------
     LimitError
-        If the file cannot hold it.
+        If the file cannot hold the table.
     OSError
-        If it cannot be written.
+        If the file cannot be written.
     """
     from scipy.io import savemat
 
@@ -74,7 +74,10 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
 
 
 def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
-    """Return distinct names that MATLAB allows, unchanged where possible."""
+    """Return a distinct name that MATLAB allows for each name, unchanged where possible.
+
+    Other characters become underscores, and names end after 63 characters.
+    """
     renamed: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)
@@ -105,7 +108,10 @@ def _list(texts: Iterable[str]) -> NDArray[Any]:
 def _text_attributes(
     variables: Mapping[str, TableVariable], named: Mapping[str, str], attribute: str
 ) -> dict[str, str]:
-    """Return a text attribute of each variable, by MATLAB name."""
+    """Return a text attribute of each variable that has it, by MATLAB name.
+
+    `named` holds the MATLAB name of each variable; `attribute` is the attribute's name.
+    """
     return {
         named[name]: str(one.attributes[attribute])
         for name, one in variables.items()
@@ -114,7 +120,7 @@ def _text_attributes(
 
 
 def _flags(variable: TableVariable) -> dict[str, float]:
-    """Return the value of each word of a flag."""
+    """Return the value of each word of a flag variable, by MATLAB name."""
     words = str(variable.attributes.get("flag_meanings", "")).split()
     named = names_in_matlab(words)
     values = np.asarray(variable.attributes["flag_values"]).tolist()
@@ -122,7 +128,7 @@ def _flags(variable: TableVariable) -> dict[str, float]:
 
 
 def _about(table: Table) -> dict[str, Any]:
-    """Return the attributes of the table, by MATLAB name."""
+    """Return the attributes of a table by MATLAB name, without the study."""
     attributes = {**table.attributes, **table.price}
     named = names_in_matlab(attributes)
     return {

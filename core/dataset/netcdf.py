@@ -35,26 +35,25 @@ def write_netcdf(
     level: int = COMPRESSION_LEVEL,
     significant_bits: int | None = None,
 ) -> None:
-    """Write a table as a CF NetCDF-4 file, which appears only when complete.
+    """Write a table as a CF NetCDF-4 file, which appears only when complete and on the disk.
 
-    The file appears under its name only when it is complete and on the disk. Without `history`, two
-    writes of equal results are equal to the byte: what the run cost is left out too.
+    Without `history`, equal results give equal bytes: the cost of the run is left out, too.
 
     Parameters
     ----------
     table : Table
-        What to write.
+        The result to write.
     path : Path
         The file; an existing one is replaced.
     history : str, optional
-        The CF history attribute, such as a date and a command; brings the table's price along.
+        The CF history attribute, such as a date and a command; with it the cost is written, too.
     compression : bool
-        Deflate with shuffle, which every reader opens; otherwise plain.
+        True for deflate with shuffle, which every reader opens.
     level : int
-        Of the compression, 1 to 9.
+        Level of compression, 1 to 9.
     significant_bits : int, optional
-        Binary digits of the fraction that floats are rounded to; all if left out. What is cut off
-        compresses to nothing.
+        Binary digits of the fraction that floats are rounded to; all by default. Digits that are
+        cut off take almost no space after compression.
 
     Raises
     ------
@@ -77,16 +76,16 @@ def write_netcdf(
 
 
 def define(path: Path, table: Table, *, history: str | None, compression: bool) -> None:
-    """Create the NetCDF file of a table without array values, which are written chunk by chunk.
+    """Create the NetCDF file of a table without the values of its arrays.
 
-    What has no dimension, coordinates and texts are in it. The price is written only with a
-    `history`, as by `write_netcdf`.
+    Those are written chunk by chunk later. Coordinates, texts and variables without dimension have
+    their values. The cost of the run is written only with a `history`, as by `write_netcdf`.
     """
     _define(path, table, history, _Storage(compression), empty=True)
 
 
 def tiles_of(table: Table) -> Tiles:
-    """Return the tiles of a table's arrays, without texts."""
+    """Return the tiles of the arrays of a table; texts have none."""
     arrays = {n: v for n, v in table.variables.items() if v.values.dtype != object}
     sizes = {
         dim: size
@@ -99,7 +98,8 @@ def tiles_of(table: Table) -> Tiles:
 def is_large(tiles: Tiles) -> bool:
     """True if a result is so large that its chunks are written without the NetCDF library.
 
-    Small ones do not repay it. It follows from the study alone, as does every byte of its file.
+    For small results that does not pay. It depends on the study alone, as does every byte of the
+    file.
     """
     return tiles.cells > layout.TILE_CELLS
 
@@ -113,7 +113,10 @@ class _Storage:
     significant_bits: int | None = None
 
     def of(self, values: NDArray[Any]) -> dict[str, Any]:
-        """Return the library's storage arguments for an array."""
+        """Return the arguments of the NetCDF library for the storage of an array.
+
+        Arrays without dimension are not compressed, and only floats are rounded.
+        """
         settings: dict[str, Any] = {}
         if self.compression and values.ndim:
             settings = {"compression": "zlib", "complevel": self.level}
@@ -128,7 +131,10 @@ PLAIN = _Storage(compression=False)
 def _define(
     path: Path, table: Table, history: str | None, storage: _Storage, *, empty: bool = False
 ) -> None:
-    """Create a file with the library; `empty` leaves the values of arrays out."""
+    """Create a NetCDF file with the library; `empty` leaves the values of arrays out.
+
+    Arguments as in `write_netcdf`.
+    """
     import netCDF4  # a process that writes nothing does not load it
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
@@ -138,7 +144,10 @@ def _define(
 def _fill(
     file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage, *, empty: bool
 ) -> None:
-    """Write attributes, dimensions, coordinates and variables into an open file."""
+    """Write attributes, dimensions, coordinates and variables into an open NetCDF file.
+
+    Arguments as in `write_netcdf`; `empty` leaves the values of arrays out.
+    """
     file.setncatts(_attributes(table.attributes))
     if history is not None:
         file.setncatts({"history": history, **_attributes(table.price)})
@@ -154,7 +163,10 @@ def _fill(
 
 
 def _links(table: Table, name: str) -> dict[str, str]:
-    """Return the attributes that link a variable to its coordinates and regime."""
+    """Return the CF attributes that link a variable to its coordinates and to the regime.
+
+    `name` is that of a variable of the table; the result may be empty.
+    """
     dims, regime = set(table.variables[name].dims), table.variables.get("regime")
     others = [n for n, one in table.coordinates.items() if one.dims != (n,)]
     near = [n for n in others if set(table.coordinates[n].dims) <= dims]
@@ -171,7 +183,19 @@ def _add(
     links: Mapping[str, str],
     storage: _Storage,
 ) -> netCDF4.Variable[Any]:
-    """Create a variable in the file with attributes and storage."""
+    """Create a variable in a NetCDF file, without values, and return it.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+        The open file.
+    name, variable : str, TableVariable
+        Its name; its dimensions, type, shape and attributes.
+    links : mapping
+        Attributes that link it to others.
+    storage : _Storage
+        Compression and rounding.
+    """
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     if variable.values.dtype == object:  # texts, of any length: the library compresses none
         created = file.createVariable(name, str, variable.dims)

@@ -22,7 +22,19 @@ NO_CHUNK = np.iinfo(np.uint64).max
 
 
 def pack(document: Mapping[str, Any], tile: Tile, values: NDArray[Any], key: str) -> bytes:
-    """Return the Zarr shard that contains a tile of an array."""
+    """Return the bytes of the Zarr shard that contains a tile of an array.
+
+    Parameters
+    ----------
+    document : mapping
+        The metadata document of the array.
+    tile : Tile
+        The tile, with its start and stop on each axis.
+    values : ndarray
+        The values in the tile.
+    key : str
+        The key of the shard in the array, such as `c/0/1`.
+    """
     import zarr
     from zarr.buffer.cpu import Buffer
 
@@ -41,7 +53,10 @@ def index_length(layout: Layout) -> int:
 
 
 def is_whole(index: bytes, size: int) -> bool:
-    """True if the index of a shard is valid and covers all its bytes."""
+    """True if the index of a shard is intact, and its chunks fill the rest of the shard.
+
+    `index` are the last bytes of the shard, and `size` is the number of all its bytes.
+    """
     if int(google_crc32c.value(index[:-4])).to_bytes(4, "little") != index[-4:]:
         return False
     places = np.frombuffer(index[:-4], "<u8").reshape(-1, 2)

@@ -50,16 +50,16 @@ def read_netcdf(
     path : Path
         The file.
     most_rows : int, optional
-        Most cells; of a larger result no array is read.
+        Largest number of cells; of a larger result no array is read.
     most_bytes : int, optional
         Largest size of all arrays, likewise.
 
     Raises
     ------
     LimitError
-        If there are more cells, or bytes.
+        If the result has more cells, or bytes.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     import h5py  # a process that reads nothing does not load it
 
@@ -81,7 +81,7 @@ def read_netcdf(
 
 
 def check_size(size: int, most: int | None) -> None:
-    """Raise `LimitError` if arrays have more bytes than allowed."""
+    """Raise `LimitError` if arrays have more bytes than `most`; None allows any size."""
     if most is not None and size > most:
         fix = "Read slices of it with xarray, in Python"
         raise LimitError("bytes of memory", size, most, fix)
@@ -97,7 +97,10 @@ def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariabl
 
 
 def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the attributes that vibrafeed wrote, without those of the libraries."""
+    """Return the attributes that vibrafeed wrote, without those that the libraries add.
+
+    `raw` are the attributes of an HDF5 file or variable.
+    """
     return {
         name: _plain(value)
         for name, value in raw.items()

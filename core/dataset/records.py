@@ -18,7 +18,7 @@ from core.dataset.files import whole
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
 
-ENDING = ".parts"
+ENDING = ".parts"  # ends the name of the folder of a result's records
 _DIGEST = hashlib.sha256().digest_size
 _FIELDS = "told"
 
@@ -39,7 +39,7 @@ class Record:
     arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def pack(self) -> bytes:
-        """Return the record as bytes, preceded by their digest; equal records give equal bytes."""
+        """Return the record as bytes, preceded by their SHA-256; equal records give equal bytes."""
         content = io.BytesIO()
         packed = np.frombuffer(json.dumps(dict(self.fields), sort_keys=True).encode(), np.uint8)
         np.savez(content, allow_pickle=False, **{_FIELDS: packed}, **self.arrays)
@@ -47,7 +47,7 @@ class Record:
 
     @classmethod
     def unpack(cls, data: bytes) -> Record | None:
-        """Return the record in bytes; None if they are damaged."""
+        """Return the record in the bytes that `pack` made; None if they are damaged."""
         content = memoryview(data)[_DIGEST:]
         if hashlib.sha256(content).digest() != data[:_DIGEST]:
             return None

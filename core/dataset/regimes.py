@@ -13,10 +13,9 @@ from core.quantities import REGIMES
 
 
 def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs, in ascending order of flag value.
+    """Return the share of cells in each regime that occurs, 0 to 1, in the order of flag values.
 
-    Every cell counts as one, wherever it lies on its axes: a share depends neither on how they
-    are spaced nor on how they are drawn.
+    Every cell counts equally, whatever the spacing of the axes.
 
     Parameters
     ----------
@@ -28,7 +27,10 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
 
 
 def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
-    """Return the share of cells in each regime, from counts by flag value."""
+    """Return the share of cells in each regime that occurs, 0 to 1, by name.
+
+    `counts` holds the number of cells by flag value.
+    """
     whole = sum(counts.values())
     return {
         name: counts[regime.value] / whole
@@ -46,7 +48,8 @@ def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:
 def percent_with_error(share: float, error: float | None) -> str:
     """Return a sampled share in per cent with its error, rounded to the error.
 
-    An error of 0.27 % leaves one decimal, `92.2 % ± 0.3 %`; without an error, there is one.
+    Both are from 0 to 1. An error of 0.27 % leaves one decimal, `92.2 % ± 0.3 %`; without an error
+    there is one, too. A share that is NaN becomes a dash.
     """
     if not math.isfinite(share):
         return "-"

@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 GROUP = "zarr.json"
 UNFINISHED = "unfinished.json"  # beside the arrays while some are missing: whose they are
 GROWING = "growing.json"  # the group's document for those who read it meanwhile
-STAGING = "#"  # in the names under which obstore writes files that are not whole yet
+STAGING = "#"  # occurs in the names of files that obstore has not written completely
 UNDER_WAY = "This group is being written: what is not there yet reads as NaN, a regime as 0."
 
 
 class GrowingZarr:
-    """A Zarr group under way.
+    """A Zarr group that is written tile by tile, in any order.
 
     Parameters
     ----------
@@ -45,29 +45,30 @@ class GrowingZarr:
         A path, or the URL of an object store such as ``s3://bucket/key``, whose keys and address
         come from the environment as for its other clients.
     tiles : Tiles
-        Of all arrays.
+        The tiles of all arrays.
     table : Table
         Coordinates, attributes, and arrays whose values do not count unless they are scalars.
     identity : mapping of str to str
-        What must be equal for a run to go on with what another has begun.
+        Values that must be equal for a run to go on with what another has begun, as the study's
+        hash.
     resume : bool
-        Go on with what is there, if it has this identity; otherwise it is begun anew.
+        True to go on with stored tiles of this identity; otherwise the group is begun anew.
     shared : bool
-        Others write to it at the same time, each its own tiles: nothing of theirs is looked at, or
-        begun anew.
+        True if other processes write to the group at the same time, each its own tiles: theirs are
+        neither checked nor removed.
     history : str, optional
-        The CF history attribute; brings the price along.
+        The CF history attribute; with it the cost of the run is written, too.
 
     Attributes
     ----------
     tiles : Tiles
-        Of all arrays.
+        The tiles of all arrays.
     done : int
         Number of the tiles that are written.
     seconds : float
-        Zero: nobody knows what they cost.
+        Always 0: the cost of stored tiles is not recorded.
     digests : dict of str to str
-        The SHA-256 of each shard that it has written, by key, if others write too.
+        The SHA-256 of each shard that this object has written, by key, if it is shared.
 
     Raises
     ------
@@ -101,7 +102,10 @@ class GrowingZarr:
             self._begin(where, identity, resume=resume)
 
     def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
-        """Begin the group, or continue an unfinished one of the same study."""
+        """Begin the group, or continue an unfinished one of the same identity.
+
+        Arguments as of the class. Raises `FileExistsError` if the place is taken.
+        """
         there = self._listed()
         self._documents = self._described()
         is_same = UNFINISHED in there and self._get(UNFINISHED) == _as_json(identity)
@@ -118,7 +122,17 @@ class GrowingZarr:
         self.done = self._begun = len(tiles) - len(self._missing)
 
     def _check_free(self, where: str, there: Collection[str], is_same: bool) -> None:
-        """Raise `FileExistsError` if other results exist at the path."""
+        """Raise `FileExistsError` if other results or files exist at the path.
+
+        Parameters
+        ----------
+        where : str
+            The path or URL, for the message.
+        there : collection of str
+            Keys of the objects that are stored there.
+        is_same : bool
+            True if they belong to an unfinished group of the same identity.
+        """
         if self._path.exists() if self._path is not None else GROUP in there:
             raise FileExistsError(f"{where} is there already")
         if UNFINISHED not in there and there:
@@ -132,11 +146,10 @@ class GrowingZarr:
         return iter(self._missing)
 
     def show(self) -> None:
-        """Write everything but the tiles, so that readers may open the group.
+        """Write everything but the tiles, so that readers may open the group while it grows.
 
-        Tiles read as fill values.
-
-        The group's document is under another name, so that nobody takes it for complete.
+        Missing tiles read as fill values. The group's document has another name than that of a
+        complete group.
         """
         with plain_errors():
             self._write_untiled()
@@ -146,7 +159,11 @@ class GrowingZarr:
             self._put(GROWING, _as_json(group))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write a tile; equal studies write equal bytes."""
+        """Write a tile, one shard for each array; equal studies write equal bytes.
+
+        `index` is the number of the tile, `arrays` holds the values of each array in it, and
+        `seconds` is not used.
+        """
         tile = self.tiles[index]
         for name in tile.field.names:
             key = _shard(tile)
@@ -158,7 +175,10 @@ class GrowingZarr:
         self.done += 1
 
     def digest(self, key: str) -> str:
-        """Return the SHA-256 of a stored shard; empty if there is none."""
+        """Return the SHA-256 of a stored shard in hexadecimal; empty if there is none.
+
+        `key` is its path in the group.
+        """
         try:
             return hashlib.sha256(self._get(key)).hexdigest()
         except FileNotFoundError:
@@ -170,7 +190,11 @@ class GrowingZarr:
             self._finish(price)
 
     def _finish(self, price: Mapping[str, float]) -> None:
-        """Write the documents, remove the mark of unfinished groups and rename the folder."""
+        """Write the group's document, and remove the mark of unfinished groups.
+
+        A folder gets its final name. `price` holds the cost of the run, which is left out if
+        another run has written some of the tiles.
+        """
         self._write_untiled()
         attributes = dict(self._table.attributes)
         if self._history is not None:
@@ -209,7 +233,7 @@ class GrowingZarr:
         self._behind.close()
 
     def _described(self) -> dict[str, dict[str, Any]]:
-        """Return the metadata documents of all arrays."""
+        """Return the metadata document of each array, by name."""
         table = self._table
         fields: dict[str, StoredField] = {n: f for f in self.tiles.fields for n in f.names}
         documents = {}
@@ -223,7 +247,10 @@ class GrowingZarr:
         return documents
 
     def _is_there(self, tile: Tile, there: Mapping[str, int]) -> bool:
-        """True if all shards of a tile are stored completely."""
+        """True if all shards of a tile are stored completely; only their indices are read.
+
+        `there` holds the size of each stored object [bytes], by key.
+        """
         length = index_length(tile.field.layout)
         for name in tile.field.names:
             key = f"{name}/{_shard(tile)}"
@@ -252,7 +279,7 @@ class GrowingZarr:
 
 
 def attributes_at(where: str) -> dict[str, Any]:
-    """Return the attributes of a complete Zarr group; none if there is no such group."""
+    """Return the attributes of a complete Zarr group at a path or URL; none if there is none."""
     if "://" not in where:
         path = Path(where) / GROUP
         return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
@@ -264,7 +291,7 @@ def attributes_at(where: str) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def plain_errors() -> Iterator[None]:
-    """Turn errors of object stores into errors of files."""
+    """Turn errors of object stores that are raised in the block into `OSError`."""
     from obstore.exceptions import BaseError
 
     try:
@@ -292,7 +319,7 @@ def needed_for_zarr() -> None:
 
 
 def _shard(tile: Tile) -> str:
-    """Return the key of a tile's shard within its array."""
+    """Return the key of a tile's shard within its array, such as `c/0/1`."""
     at = (start // n for (start, _), n in zip(tile.box, tile.field.layout.tile, strict=True))
     return "/".join(["c", *map(str, at)])
 

@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 
 def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset:
-    """Return a copy of a dataset with values in the units for reading; flags stay unchanged."""
+    """Return a copy of a dataset with values in the units for reading; flags stay unchanged.
+
+    `units` chooses the unit of each variable by the unit in the dataset and the largest value.
+    """
     changed = {}
     for name, array in dataset.variables.items():
         if "units" not in array.attrs or array.dtype.kind not in "fiu":

@@ -58,7 +58,7 @@ class Table:
     price: Attributes = field(default_factory=dict)
 
     def with_price(self, price: Attributes) -> Table:
-        """Return the table with the cost of computing it."""
+        """Return the table with other attributes for the cost of computing it, such as seconds."""
         return replace(self, price=price)
 
     @classmethod
@@ -93,7 +93,10 @@ class Table:
 
 
 def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
-    """Return the CF attributes of a quantity, with further ones in `extra`."""
+    """Return the CF attributes of a quantity: unit, label, symbol and description.
+
+    `name` is a key of `QUANTITIES`; `extra` are further attributes.
+    """
     quantity = QUANTITIES[name]
     return {
         "units": quantity.unit,
@@ -112,7 +115,17 @@ def regime_attributes(names: tuple[str, ...]) -> dict[str, Any]:
 def flag_attributes(
     variable: str, flags: Mapping[str, Flag], names: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Return the CF flag attributes of a variable with the named flags."""
+    """Return the CF flag attributes of a variable, which give each value a name.
+
+    Parameters
+    ----------
+    variable : str
+        The quantity whose label is taken.
+    flags : mapping of str to Flag
+        All flags by name, with value and description.
+    names : tuple of str
+        The flags that may occur in the variable.
+    """
     ordered = sorted(names, key=lambda name: flags[name].value)
     legend = "; ".join(f"{name}: {flags[name].description}" for name in ordered)
     return {

@@ -21,8 +21,8 @@ from core.errors import LimitError, MissingPackageError
 from core.extras import installing
 
 MAX_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
-ROWS: Final = 1024  # between which the one who writes can be stopped
-PIECE: Final = 2**20  # bytes of a file at a time
+ROWS: Final = 1024  # rows that are added at a time; writing can be stopped in between
+PIECE: Final = 2**20  # bytes of the finished file that are handed on at a time
 LONGEST: Final = 32_767  # characters of a cell of Excel
 # Equal results are equal files, so that what was fetched before need not be fetched again.
 NEVER: Final = datetime(1980, 1, 1)  # the first day that a ZIP file can name
@@ -50,8 +50,7 @@ def xlsx(frame: Frame) -> Iterator[bytes]:
 
     Its sheets are `values`, axes and outputs, with headings as in CSV; `constants`, the parameters
     that have one value; `columns`, with units and descriptions; and `study`, with the attributes of
-    the whole. What has no value is an empty cell; an infinite
-    number is a text, since Excel has none.
+    the table. NaN is an empty cell; an infinite number is a text, since Excel has none.
 
     Raises
     ------
@@ -66,7 +65,7 @@ def xlsx(frame: Frame) -> Iterator[bytes]:
 
 
 def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
-    """Yield the bytes of a workbook, empty pieces first."""
+    """Yield the bytes of a workbook, empty pieces first; `library` is the package openpyxl."""
     from openpyxl.writer.excel import ExcelWriter
 
     book = library.Workbook(write_only=True)
@@ -87,7 +86,7 @@ def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
 
 
 def _add_values(book: Any, frame: Frame) -> Iterator[None]:
-    """Add the sheet with the rows, yielding now and then."""
+    """Add the sheet with the rows to a workbook, yielding after every 1,024 rows."""
     shown = [column for column in frame.columns if not _is_constant(frame, column)]
     headings = [heading(column) for column in shown]
     sheet = _sheet(book, "values", [max(10, len(text) + 2) for text in headings])
@@ -100,12 +99,12 @@ def _add_values(book: Any, frame: Frame) -> Iterator[None]:
 
 
 def _is_constant(frame: Frame, column: FrameColumn) -> bool:
-    """True if a column is a parameter with a single value."""
+    """True if a column is a parameter with a single value, which has its own sheet."""
     return column.name in frame.table.coordinates and not column.variable.dims
 
 
 def _add_constants(book: Any, frame: Frame) -> None:
-    """Add the sheet with the constant parameters."""
+    """Add the sheet of the constant parameters to a workbook: name, value, unit, label."""
     sheet = _sheet(book, "constants", [30, 24, 12, 40])
     sheet.append(["name", "value", "unit", "label"])
     for column in frame.columns:
@@ -117,7 +116,7 @@ def _add_constants(book: Any, frame: Frame) -> None:
 
 
 def _add_columns(book: Any, frame: Frame) -> None:
-    """Add the sheet that describes the columns."""
+    """Add the sheet that describes the columns to a workbook: unit, label, dimensions and so on."""
     sheet = _sheet(book, "columns", [30, 12, 10, 40, 100, 30])
     sheet.append(["name", "unit", "symbol", "label", "description", "depends on"])
     for column in frame.columns:
@@ -133,7 +132,10 @@ def _dims(column: FrameColumn) -> str:
 
 
 def _add_study(book: Any, frame: Frame) -> None:
-    """Add the sheet with the attributes; long ones continue in the rows below."""
+    """Add the sheet of the table's attributes to a workbook, the study among them.
+
+    Texts that are too long for a cell continue in the rows below.
+    """
     sheet = _sheet(book, "study", [24, 120])
     sheet.append(["attribute", "value"])
     for name, value in frame.about.items():
@@ -146,7 +148,7 @@ def _add_study(book: Any, frame: Frame) -> None:
 
 
 def _sheet(book: Any, title: str, widths: list[int]) -> Any:
-    """Return a new sheet with column widths and fixed headings."""
+    """Return a new sheet of a workbook with column widths [characters] and a fixed first row."""
     sheet = book.create_sheet(title)
     sheet.freeze_panes = "A2"
     for number, width in enumerate(widths, 1):
@@ -164,7 +166,10 @@ def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
 
 
 def _number(sheet: Any, value: float) -> Any:
-    """Return a number's cell with all digits, where openpyxl would write 16."""
+    """Return the cell of a number with all its digits; openpyxl would write 16.
+
+    NaN becomes None, an empty cell; an infinite number becomes a text.
+    """
     if not math.isfinite(value):
         return None if math.isnan(value) else str(value)
     if float(f"{value:.16g}") == value:
@@ -173,7 +178,10 @@ def _number(sheet: Any, value: float) -> Any:
 
 
 def _text(sheet: Any, text: str) -> Any:
-    """Return a text cell, never interpreted as a formula."""
+    """Return the cell of a text, never interpreted as a formula; None for an empty text.
+
+    Control characters, which Excel cannot hold, are removed.
+    """
     if not text:
         return None
     text = _CONTROL.sub("", text)
@@ -181,14 +189,14 @@ def _text(sheet: Any, text: str) -> Any:
 
 
 def _cell(sheet: Any, text: str, kind: str) -> Any:
-    """Return a cell of a type."""
+    """Return a cell with a text and a type of openpyxl, `n` for a number or `s` for a text."""
     cell = openpyxl().cell.WriteOnlyCell(sheet, value=text)
     cell.data_type = kind
     return cell
 
 
 class _Archive(ZipFile):
-    """A ZIP file that does not tell when it was made."""
+    """A ZIP file without the time at which it was made, so that equal contents give equal bytes."""
 
     def writestr(self, name: Any, data: Any, *others: Any) -> None:
         """Write data into the archive without a date."""
@@ -211,7 +219,7 @@ def _dateless_entry(name: str) -> ZipInfo:
 
 
 def _remove_rests(book: Any) -> None:
-    """Remove temporary files of an unsaved workbook's sheets."""
+    """Remove the temporary files of a workbook's sheets, whether it was saved or not."""
     for sheet in book.worksheets:
         writer = sheet._writer
         if writer is None:

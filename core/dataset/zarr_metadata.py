@@ -24,7 +24,11 @@ CHECKSUM: dict[str, Any] = {"name": "crc32c"}
 
 
 def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
-    """Return the sharding codec with compressed chunks and checksums."""
+    """Return the Zarr codec of shards: compressed chunks, an index at the end, and checksums.
+
+    `chunk_shape` is the number of values of a chunk along each axis; `width` is the size of a value
+    [bytes].
+    """
     # lz4 is the fastest of those that every reader of version 3 has; with a shuffle it packs floats
     # better than zstd does without.
     blosc = {
@@ -46,9 +50,9 @@ def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
 
 
 def group_document(table: Table, arrays: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return the metadata document of a group, with those of its arrays.
+    """Return the metadata document of a group, which also holds those of its arrays.
 
-    Readers then need no list of what there is, and one request to open it.
+    Readers then open the group with one request. `arrays` are the documents by name.
     """
     return {
         "zarr_format": 3,
@@ -78,9 +82,9 @@ def array_document(
     name : str
         A coordinate or variable of the table.
     shape, chunk_shape : tuple of int
-        The size of the whole and of a chunk along each dimension.
+        The number of values of the array and of a chunk along each dimension.
     shard_shape : tuple of int, optional
-        The size of a shard, which is one file of compressed chunks.
+        The number of values of a shard, which is one file of compressed chunks.
     """
     is_output = name in table.variables
     variable = table.variables[name] if is_output else table.coordinates[name]
@@ -108,7 +112,10 @@ def array_document(
 
 
 def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
-    """Return the CF attributes that link an output to its coordinates and regime."""
+    """Return the CF attributes that link an output to its coordinates and to the regime.
+
+    `name` and `variable` are of an output of the table; the result may be empty.
+    """
     scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
     links = {"coordinates": scalars} if scalars else {}
     has_regime = name != "regime" and "regime" in table.variables

@@ -39,7 +39,7 @@ def list_figures() -> Response:
 
 @functools.cache
 def _figures() -> list[dict[str, Any]]:
-    """Return name, title, notes and study of each figure of the thesis."""
+    """Return name, title, notes and study of each figure of the thesis, in its order."""
     figures = []
     for path in sorted(FOLDER.glob("fig-*.toml"), key=_figure_number):
         content = load_study(path).content()

@@ -91,7 +91,7 @@ def metrics(request: Request) -> Response:
 
 
 def _written(directory: Path) -> str | None:
-    """Return None if a file can be written in a directory, else the reason why not."""
+    """Return the reason why no file can be written in a directory; None if one can."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as file:

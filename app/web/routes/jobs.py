@@ -43,6 +43,9 @@ NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
 def parse_interval(text: str | None) -> tuple[float | None, float | None]:
     """Return start and end [s since the epoch] of a time or an interval; None for an open end.
 
+    `text` is a time of RFC 3339 with time zone, or START/END, of which one may be `..`; a single
+    time is both start and end.
+
     Raises
     ------
     ValueError
@@ -193,7 +196,7 @@ async def follow_job(
     keys: Keys = request.app.state.keys
 
     async def over() -> bool:
-        """True if the service stops or the key is no longer in force."""
+        """True if the stream has to end: the service stops or the key is no longer in force."""
         if request.app.state.stopping.is_set():
             return True
         if who == NOBODY:
@@ -211,7 +214,21 @@ async def follow_job(
 async def _events(
     admission: Admission, number: str, who: Key, base: str, over: Callable[[], Awaitable[bool]]
 ) -> AsyncIterator[bytes]:
-    """Yield a server-sent event whenever a job's state or progress changes, until it ends."""
+    """Yield a server-sent event whenever a job's state or progress changes, until it ends.
+
+    Parameters
+    ----------
+    admission : Admission
+        Reads the job.
+    number : str
+        The job's identifier.
+    who : Key
+        The API key of the reader; the stream ends when it may no longer read the job.
+    base : str
+        Address of the service, for links.
+    over : callable
+        Awaited before each look; True ends the stream.
+    """
     sent, at = None, time.monotonic()
     while not await over():
         job = await admission.looks.job(number)

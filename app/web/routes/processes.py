@@ -115,7 +115,24 @@ async def describe_process(
 async def execute(
     request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
 ) -> Response:
-    """Carry out the study in a body at once, or as a job."""
+    """Carry out the study in a body at once, or as a job; return the reply.
+
+    It is 200 with the results of a study that has ended, or 201 with the status of its job. The
+    Prefer header says whether and how long the client waits.
+
+    Parameters
+    ----------
+    request : Request
+        The request.
+    name : str
+        The process, such as `sweep`.
+    body : bytes
+        The study or execute request as JSON.
+    settings, admission : Settings, Admission
+        The service's.
+    who : Key
+        The API key of the request.
+    """
     base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
     begun = await _reply_or_job(request, name, body, settings, admission, who)
@@ -140,12 +157,14 @@ async def execute(
 async def _reply_or_job(
     request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
 ) -> Response | Job:
-    """Return the dataset of a short study, or the job that it has become.
+    """Return the dataset of a short study, or the job that the study has become.
+
+    Arguments as in `execute`.
 
     Raises
     ------
     ClientDisconnect
-        If the client has left, and has not asked for a job in any case: nobody knows of it.
+        If the client has left and has not asked for a job; a job that was posted is dismissed.
     """
     wishes = preferences(request.headers.getlist("prefer"))
     async with slot_of(request, len(body)):
@@ -163,7 +182,11 @@ async def _reply_or_job(
 async def _dataset_in_time(
     request: Request, name: str, body: bytes, settings: Settings, who: Key
 ) -> bytes | None:
-    """Return the dataset of a study as JSON; None if it takes too long for one request."""
+    """Return the dataset of a study as JSON; None if it takes too long for one request.
+
+    `name` is the process, `who` the API key, whose limit of cells holds. Raises `StudyError` or
+    `LimitError` if the study cannot be carried out.
+    """
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
         return await calculate_in_process(
@@ -176,7 +199,11 @@ async def _dataset_in_time(
 
 
 def _post(name: str, body: bytes, settings: Settings, admission: Admission, who: Key) -> Job:
-    """Post a study as a job and return the job."""
+    """Post the study in a body as a job and return the job.
+
+    `name` is the process, `who` the API key. Raises `StudyError` or `LimitError` if the study
+    cannot be carried out, and the errors of `Admission.post` if the job is not accepted.
+    """
     _, prepared = read_study(name, body, settings)
     prepared.check_limits(cells=who.cells, bytes_=None)
     return admission.post(prepared, name, who)
@@ -185,7 +212,10 @@ def _post(name: str, body: bytes, settings: Settings, admission: Admission, who:
 async def _wait_for_job(
     admission: Admission, job: Job, seconds: float, stopping: Callable[[], bool]
 ) -> Job:
-    """Wait until a job ends, a time has passed, or the service stops; return the job."""
+    """Wait until a job ends, `seconds` have passed, or the service stops; return the job as it is.
+
+    `stopping` is a function that returns True when the service stops.
+    """
     until, look = time.monotonic() + seconds, LOOK
     while job.state in ACTIVE and time.monotonic() < until and not stopping():
         await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
@@ -206,7 +236,10 @@ def _applied_preferences(wishes: Preferences) -> str:
 
 
 def _body(process: Process) -> dict[str, Any]:
-    """Return the OpenAPI request body of a process: its study, or an execute request."""
+    """Return the OpenAPI request body of a process: its study, or an execute request.
+
+    The Prefer header is described along with it.
+    """
     schemas = [component(process.study.__name__), component(execution_name(process.study))]
     content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
     prefer = {

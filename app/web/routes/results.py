@@ -121,7 +121,11 @@ async def get_dataset(
 def _stored_table(
     request: Request, admission: Admission, number: str, form: str
 ) -> Response | tuple[Path, str]:
-    """Return the stored table as a reply; if it must be made, the NetCDF file and its ETag."""
+    """Return the reply with a stored table, or the NetCDF file and ETag from which it is written.
+
+    `number` is the job's identifier; `form` is netcdf, json, or a table format such as csv, which
+    has to be written from the NetCDF file. Raises `NotFoundError` if the result has no such form.
+    """
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):

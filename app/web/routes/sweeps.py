@@ -59,8 +59,8 @@ router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
 BINARY_TYPE = "application/octet-stream"
 FORMS = {"json": "application/json", "binary": BINARY_TYPE}
-LARGE = 100_000  # values of a slice
-BYTES_A_VALUE = 24  # in JSON, with its regime; less in binary
+LARGE = 100_000  # values of a slice; a larger one waits for a slot and a thread of its own
+BYTES_A_VALUE = 24  # bytes of a slice's value in JSON, with its regime; fewer in binary
 NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
@@ -348,12 +348,18 @@ def _not_made(key: str) -> Response:
 
 
 def binary(piece: dict[str, Any]) -> bytes:
-    """Return a slice in binary form: a JSON header, then raw values (docs/api-reference.md)."""
+    """Return a slice in binary form: length of the header, JSON header, raw little-endian values.
+
+    `piece` is the slice as `carried_out` returns it; docs/api-reference.md describes the form.
+    """
     values: list[bytes] = []
     offset = 0
 
     def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
-        """Append an array's bytes; return its type, offset and shape for the header."""
+        """Append an array's bytes to the values.
+
+        Return its type, offset and shape for the header.
+        """
         nonlocal offset
         place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
         raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
@@ -371,7 +377,7 @@ def binary(piece: dict[str, Any]) -> bytes:
 
 
 def _check_size(sweep: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if a sweep is too large to be stored."""
+    """Raise `LimitError` if a sweep has too many cells, or too many values on one axis."""
     sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
     for name, size in sweep.grid.shape.items():
         if size > settings.max_axis_values:

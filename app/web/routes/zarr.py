@@ -30,9 +30,10 @@ ZarrKey = Annotated[
 
 @router.api_route("/{key}/zarr", methods=["GET", "HEAD"], include_in_schema=False)
 async def get_wished(request: Request, key: SweepKey, chunks: str | None = None) -> Response:
-    """Lead on who has put the wish for chunks into the address of the group.
+    """Redirect to the Zarr group of a sweep whose address carries wishes for chunks in its query.
 
-    Clients that append keys to an address as a text append them to its query.
+    Clients that append keys to an address as a text append them to its query: the new address has
+    the wishes in its path.
     """
     if chunks is None:
         raise NotFoundError("Open this address with a Zarr client; its document is zarr/zarr.json.")
