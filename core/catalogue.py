@@ -32,7 +32,8 @@ def describe_all() -> list[dict[str, Any]]:
 def describe(name: str, variant: str | None = None, *, method: str | None = None) -> dict[str, Any]:
     """Return the description of a scene: parameters, outputs, equations, regimes, validity.
 
-    With a method it describes the scene's motion in time, as `kind = "simulate"` studies it.
+    It is that of a variant of the closed forms, by default the scene's own; with `method`, a method
+    of simulation, that of the scene's motion in time.
 
     Raises
     ------
@@ -74,7 +75,10 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
 
 
 def _other_drives() -> list[dict[str, Any]]:
-    """Return the drives that may replace the plain sine, with their parameters."""
+    """Return the drives that may replace the plain sine: harmonics and steps, each with parameters.
+
+    `instead_of` are the parameters of the sine that they replace.
+    """
     kinds = {
         "harmonics": ("amplitude_", "phase_", "drive_factor"),
         "steps": ("acceleration_", "duration_", "drive_factor"),
@@ -108,8 +112,8 @@ def asked_parameters(
 ) -> tuple[str, ...]:
     """Return the parameters that a study of one output may set, for it and its regime.
 
-    With `required` those alone that it has to give. A simulation always follows the part, to tell
-    how that ended.
+    With `required`, only those that it has to give. A simulation always includes those of its
+    status, as it follows the part in any case.
     """
     regimes = (one for one in scene.conditions[variant] if output in one.outputs)
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)
@@ -144,7 +148,7 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
 
 
 def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
-    """Return the description of an output: unit, equation, threshold."""
+    """Return the description of an output: unit, equation, threshold, parameters, regimes."""
     quantity = QUANTITIES[equation.gives]
     level, begins = LEVELS.get(equation.gives, (None, ""))
     return {

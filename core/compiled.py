@@ -40,14 +40,17 @@ def compiled(function: Function) -> Function:
 def borrowing(function: Function) -> Function:
     """Return a compiled function that neither allocates nor returns arrays.
 
-    It takes its arrays on loan, and does not count their users, which takes half of the time of a
+    It does not count references to its array arguments, which would take half of the time of a
     short kernel.
     """
     return _compiled(function, _nrt=False)
 
 
 def disjoint(function: Function) -> Function:
-    """Return a compiled function as `borrowing` does, whose array arguments may not overlap."""
+    """Return a compiled function that allocates no arrays and whose array arguments do not overlap.
+
+    Like `borrowing`; LLVM is promised the absence of overlap, and vectorises loops without checks.
+    """
     return _compiled(function, _without_aliases, _nrt=False)
 
 
@@ -61,8 +64,8 @@ def compiled_source(source: str) -> Any:
     """Return the compiled function of a source text that defines exactly one.
 
     Its arrays may not overlap. It may call `choose` (a selection, never a branch), `binade` and
-    `exponent` (of `core.mechanics.elementwise`) and the functions of `math`. The code is cached as
-    that of `compiled` is; a name tells the text.
+    `exponent` (of `core.mechanics.elementwise`) and the functions of `math`. The code is cached
+    under a digest of the text.
     """
     file = loop_name(source)
     names: dict[str, Any] = {"choose": _choose, "binade": _binade, "exponent": _exponent}
@@ -76,7 +79,10 @@ def compiled_source(source: str) -> Any:
 
 @intrinsic
 def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
-    """Return one of two values without a branch; both are computed."""
+    """Return `first` if the condition holds, else `second`, without a branch; both are computed.
+
+    An intrinsic of numba: it returns the types of the call and a function that generates its code.
+    """
     del context
     truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
     result = types.boolean if truth else types.float64
@@ -95,7 +101,7 @@ def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
 
 @intrinsic
 def _binade(context: Any, value: Any) -> Any:
-    """Return the largest power of 2 that is not above |value|."""
+    """Return the largest power of 2 that is not above |value|, in compiled code."""
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -106,10 +112,10 @@ def _binade(context: Any, value: Any) -> Any:
 
 @intrinsic
 def _exponent(context: Any, value: Any) -> Any:
-    """Return the exponent of that power, as a float.
+    """Return the exponent of the largest power of 2 that is not above |value|, as a float.
 
-    The bits of a whole number below 2^52 are the last of those of 2^52 and the number: no processor
-    needs a conversion.
+    The exponent's bits, put into the last bits of the float 2^52, make the float 2^52 + exponent +
+    1023, from which the constants are subtracted: no conversion is needed.
     """
     del context
 
@@ -146,7 +152,10 @@ bits: Any = _bits
 
 @intrinsic
 def _raised(context: Any, flag: Any) -> Any:
-    """True if the first byte of an array is not 0 now; the read is never optimised away."""
+    """True if the first byte of an array is not 0 now; the read is never optimised away.
+
+    `flag` is the array, which another thread may change.
+    """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         """Generate an atomic load and a comparison."""
@@ -162,14 +171,20 @@ raised: Any = _raised
 
 
 def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
-    """Return a decorator: compiled code calls one of `ways`, chosen by the type of an argument.
+    """Return a decorator: compiled code then calls one of several functions by an argument's type.
 
-    Which one, the type of an argument tells, a named tuple, when the caller is compiled. The
-    function itself only says what all of them return; their arguments have its order.
+    The decorated function itself is what Python calls, and declares arguments and result of all.
+
+    Parameters
+    ----------
+    argument : str
+        Name of the argument that decides, a named tuple.
+    ways : mapping
+        The compiled function for each type of this argument.
     """
 
     def register(function: Function) -> Function:
-        """Return the function registered with the choice of its implementations."""
+        """Return the name under which compiled code finds the implementations of a function."""
         place = list(inspect.signature(function).parameters).index(argument)
         chosen: Any = Choice(function, place, ways)
         return chosen
@@ -178,7 +193,10 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
 
 
 def _compiled(function: Any, change: Callable[[Any], None] | None = None, **options: bool) -> Any:
-    """Return a compiled function with the cache and options of vibrafeed."""
+    """Return a compiled function with the cache and options of vibrafeed.
+
+    `change` sets flags of the compiler that are not options; `options` are those of `numba.njit`.
+    """
     options = {"nopython": True, "nogil": True, **options}
     return EntryDispatcher(function, {"error_model": "numpy", **options}, cache_of, change)
 

@@ -66,7 +66,7 @@ ONCE = "compiling once, some seconds; it is kept"
 
 @contextmanager
 def announced(write: Callable[[str], object]) -> Iterator[None]:
-    """Write a message the first time that something is compiled within the block."""
+    """Write a message by calling `write`, the first time that the block compiles something."""
     waiting = [ONCE]
 
     def tell(compiles: bool) -> None:

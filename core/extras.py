@@ -12,15 +12,15 @@ ROOT = Path(__file__).resolve().parents[1]
 def installing(package: str, extra: str | None = None) -> str:
     """Return the command that installs a package, alone or with an extra of vibrafeed.
 
-    In a clone it is to be typed in its folder, and keeps to the versions that the tests pass with.
-    Elsewhere it names the package itself: no index need know vibrafeed.
+    In a clone the command is to be typed in its folder, and keeps to the versions that the tests
+    pass with. Elsewhere it names the package itself: no index need know vibrafeed.
 
     Parameters
     ----------
     package : str
-        As an index has it.
+        Name of the package on the index.
     extra : str, optional
-        The extra of vibrafeed that it belongs to; else vibrafeed itself needs it.
+        The extra of vibrafeed that needs the package; by default vibrafeed itself does.
     """
     if not (ROOT / "constraints.txt").is_file():
         return f"pip install {package}"

@@ -69,13 +69,16 @@ def packages() -> dict[str, Path]:
 
 
 def package_of(file: Path) -> str:
-    """Return the package of a kernel's file: its folder, such as `motion-planar`."""
+    """Return the name of the package of a kernel's file, from its folder, as in `motion-planar`."""
     return "-".join(part for part in file.parent.relative_to(CORE).parts if part != "kernels")
 
 
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
-    """Return all files that the code of a package depends on, in a fixed order."""
+    """Return all files that the code of a package of kernels depends on, in a fixed order.
+
+    They are its own files, the files that these import, and those that say how to compile.
+    """
     files = {CORE / name for name in COMPILERS}
     if package != LOOPS:
         left = sorted(packages()[package].glob("*.py"))
@@ -90,7 +93,7 @@ def sources(package: str) -> tuple[Path, ...]:
 
 
 def imported(text: str) -> Iterator[Path]:
-    """Yield the files of vibrafeed that a module imports."""
+    """Yield the files of vibrafeed that a module imports; `text` is the module's source."""
     for module, names, whole in IMPORT.findall(text):
         below = [f"{module}.{name}" for name in re.findall(r"\w+", names)]
         for dotted in (module or whole, *below):
@@ -102,7 +105,10 @@ def imported(text: str) -> Iterator[Path]:
 
 @functools.cache
 def digest(package: str) -> str:
-    """Return a digest of everything that a package's code depends on, 16 hexadecimal digits."""
+    """Return a digest of everything that a package's code depends on, 16 hexadecimal digits.
+
+    That is its sources, the compiler's versions and settings.
+    """
     settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
     content = hashlib.sha256(repr((versions, settings)).encode())
@@ -122,7 +128,8 @@ def root() -> Path:
 def folder(package: str) -> Path | None:
     """Return the cache folder of a package's code; create it if necessary.
 
-    One that cannot be written is there to be read (an image may ship it); None if there is none.
+    A folder that exists but cannot be written is used for reading, as an image may ship one; None
+    if there is none.
     """
     path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):
@@ -153,7 +160,10 @@ def is_on_disk(source: str) -> bool:
 
 
 def _forget_old(package: str, current: Path) -> None:
-    """Remove outdated cache folders of a package, except the most recent one."""
+    """Remove outdated cache folders of a package, except the eight used last.
+
+    `current` is the folder in use.
+    """
     others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
     with contextlib.suppress(OSError):  # another process removes the same ones
         for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
@@ -209,10 +219,10 @@ class _Cache(caching.FunctionCache):
     _impl_class = _Results
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Return the cached code of one signature, if there is any.
+        """Return the cached code of one signature, None if there is none.
 
         numba would first load all that it knows how to compile, and scipy with it: half a second.
-        Code that is compiled needs the counts of users of arrays and no more.
+        Cached code needs only the counting of references to arrays.
         """
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
@@ -225,7 +235,7 @@ class _Cache(caching.FunctionCache):
 
 
 def cache_of(function: Callable[..., Any]) -> Any:
-    """Return numba's cache for a function; None if there is no folder."""
+    """Return numba's cache for a function; None if the function has no cache folder."""
     try:
         return _Cache(function)  # type: ignore[no-untyped-call]
     except RuntimeError:

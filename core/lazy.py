@@ -21,11 +21,11 @@ def lazily(
     Parameters
     ----------
     package : str
-        Its name.
+        Name of the package.
     homes : mapping of str to tuple of str
-        Modules of the package, and the names that it hands on from each.
+        The names that the package exports from each of its modules.
     modules : mapping of str to str
-        Names of modules that it hands on as they are, and where in the package they are.
+        Names of modules that the package exports as they are, each with its path in the package.
     """
     places = {name: module for module, names in homes.items() for name in names}
 

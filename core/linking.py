@@ -88,7 +88,10 @@ class _Entry(_Library):
 
 
 def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
-    """Return all libraries that one links, directly or not, each once."""
+    """Return all libraries that a library links, directly or not, each once and in order.
+
+    `known` collects them; pass an empty dict.
+    """
     for called in library._linking_libraries:
         if called not in known:
             known[called] = None
@@ -106,7 +109,10 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         self._library, self._change = library, change
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
-        """Compile the function for types of arguments into a library of ours."""
+        """Compile the function for types of arguments into a library of ours.
+
+        Return numba's result. `return_type` is None where numba is to infer it.
+        """
         flags: Any = Flags()  # type: ignore[no-untyped-call]
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_cfunc_wrapper = True
@@ -227,7 +233,7 @@ class Choice:
         return self._way(signature).get_overload(signature)
 
     def _way(self, types: Any) -> Any:
-        """Return the function chosen by the types of arguments."""
+        """Return the function chosen by the types of the arguments."""
         return self._ways[types[self._position].instance_class]
 
 

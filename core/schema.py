@@ -15,11 +15,11 @@ from core.quantities import QUANTITIES
 
 DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 NOTES: Final = ("title", "description", "default", "examples")
-"""What is said of a value beside what it has to be; it may stand beside a reference."""
+"""Keys of a schema that describe a value without restricting it; they may stand beside a $ref."""
 BY_NAME: Final = ("properties", "$defs")
 BELOW: Final = ("items", "anyOf", "oneOf", "allOf", "additionalProperties")
 SHORT: Final = 70
-"""Characters up to which a schema is written again: a reference is hardly shorter."""
+"""Largest length of a schema that is repeated [characters]: a reference is hardly shorter."""
 
 Schema = dict[str, Any]
 
@@ -37,7 +37,7 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    """Return the schema of a kind with the names of scenes, variants and outputs."""
+    """Return the schema of a kind with the names of its scenes, variants and outputs as choices."""
     first, properties = kind.scenes[0], {**schema["properties"]}
     giving = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
@@ -61,7 +61,7 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     Parameters
     ----------
     kinds : sequence of dict
-        The schemas.
+        The schemas of the alternatives.
     named : mapping of str to dict
         Definitions that they refer to.
     """
@@ -70,7 +70,7 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     shared: dict[str, Schema] = {}
 
     def short(schema: Any) -> Any:
-        """Return a schema with references in place of shared parts."""
+        """Return a schema with references in place of shared parts, which become definitions."""
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
             return _map_children(schema, short)
         if text not in names:

@@ -107,7 +107,10 @@ What comes first is meant where several are known.
 
 
 def by_synonym(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name for which the typed word is a synonym; None if there is none."""
+    """Return the known name for which a typed word is a synonym; None if there is none.
+
+    `known` are the names to choose from.
+    """
     choice = frozenset(known)
     spoken = name.strip().casefold().replace("-", "_").replace(" ", "_")
     return next((one for one in OTHER_NAMES.get(spoken, ()) if one in choice), None)
@@ -118,7 +121,10 @@ LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name most similar to a mistyped or shortened one; None if there is none."""
+    """Return the known name most similar to a mistyped or shortened one; None if none is similar.
+
+    Synonyms come first, then names that begin with the typed one, then similar spellings.
+    """
     choice, name = sorted(known), name[:LONGEST]
     said = by_synonym(name, choice)
     if said is not None:
@@ -135,7 +141,7 @@ SEARCHED = 8  # names of one request that are worth a search for what was meant
 def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
     """Return the sentence ``Did you mean ...?``, or the list of known names.
 
-    `listed` are those of the known names that are the choice, if not all of them.
+    `name` is the unknown name; `listed` are the known names to list, if not all of them.
     """
     choice = sorted(known)
     near = nearest(name, choice)

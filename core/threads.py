@@ -18,17 +18,17 @@ _T = TypeVar("_T")
 def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
     """Call a function for each task in several threads, and return when all are done.
 
-    The caller is one of them: it begins at once, while others are being woken up, and does all by
-    itself where they have other work.
+    The calling thread is one of them: it begins at once, while others wake up, and does everything
+    itself if they are busy.
 
     Parameters
     ----------
     function : callable
-        Called by any of the threads.
+        Called with a task, by any of the threads; its results are dropped.
     tasks : iterable
-        What it is called with, one after another.
+        The arguments, one for each call.
     threads : int
-        How many calls there are at a time, at most.
+        The largest number of calls at a time.
 
     Raises
     ------

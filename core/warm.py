@@ -32,12 +32,12 @@ def compile_kernels(processes: int) -> Path | None:
     Parameters
     ----------
     processes : int
-        Most processes at a time.
+        The largest number of processes at a time.
 
     Returns
     -------
     Path or None
-        Where compiled code is kept; None if no folder can be written.
+        Folder of the compiled code; None if no folder can be written.
     """
     from core.kernel_cache import root
 
@@ -64,7 +64,10 @@ def is_warm() -> bool:
 
 
 def carry_out(package: str, part: slice = slice(None)) -> None:
-    """Run studies that use all kernels of a package, which compiles them."""
+    """Run studies that use all kernels of a package, which compiles them.
+
+    `part` selects from the package's studies: the first one, the others, or all.
+    """
     for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
 

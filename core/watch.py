@@ -54,7 +54,10 @@ class Watch:
 
     @contextlib.contextmanager
     def flag(self) -> Iterator[NDArray[np.int8]]:
-        """Yield a one-element array for compiled code, which becomes nonzero when it is to stop."""
+        """Yield a one-element array for compiled code, which becomes nonzero when it is to stop.
+
+        A thread of the process sets it every 50 ms while the block runs.
+        """
         flag = np.zeros(1, dtype=np.int8)
         if self.stop is None and self.deadline is None:
             yield flag
@@ -71,7 +74,7 @@ class Watch:
             self.progress(share)
 
     def part(self, share: float) -> Watch:
-        """Return a watch over a share of the work."""
+        """Return a watch over a share of the work, 0 to 1, which scales its reported progress."""
         return replace(self, progress=lambda done: self.advance(done * share))
 
 
@@ -85,7 +88,7 @@ class _Lookout:
         self._thread: threading.Thread | None = None
 
     def begin(self, watch: Watch, flag: NDArray[np.int8]) -> None:
-        """Begin to poll a watch and set its flag."""
+        """Begin to poll a watch, and set its flag when it says to stop."""
         with self._changed:
             self._watched[id(flag)] = watch, flag
             if self._thread is None or not self._thread.is_alive():

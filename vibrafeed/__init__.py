@@ -277,7 +277,7 @@ def plot(
 
 
 def _opened(source: Any) -> Any:
-    """Return the datasets to be drawn, files read."""
+    """Return the datasets to be drawn: paths are read as files, lists entry by entry."""
     if isinstance(source, str | _os.PathLike):
         return import_module("core.plots.files").read(source)
     return [_opened(one) for one in source] if isinstance(source, list | tuple) else source

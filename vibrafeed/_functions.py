@@ -351,7 +351,11 @@ def drive_error(
 
 
 def said(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords that say something, by name, of all that a function was given."""
+    """Return the keywords that are not None, by name, of all arguments of a public function.
+
+    `arguments` are its `locals()`: the study comes first and is left out, and the mappings `others`
+    and `numbered` are merged in.
+    """
     _, *named = arguments.items()  # the first is the study
     keywords = dict(named)
     for name in ("others", "numbered"):
@@ -360,7 +364,10 @@ def said(arguments: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> Any:
-    """Return a study of one kind, ready to be carried out."""
+    """Return a study of one kind, ready to be computed; warn of unusual values.
+
+    `base` is the study, mapping or path, if any, and `keywords` add to it.
+    """
     intake = import_module("core.intake")
     content = intake.gather(base, keywords, kind)
     if not isinstance(content, dict):
@@ -372,6 +379,11 @@ def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) ->
 
 
 def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
+    """Compute a study of one kind and return its dataset.
+
+    `base` is the study, mapping or path, if any, and `keywords` add to it. Raises `StudyError` with
+    every problem, and `LimitError` if the result exceeds this machine's memory.
+    """
     prepared = _prepared(kind, base, keywords)
     prepared.check_limits(cells=None, bytes_=_memory())
     _import_accessor()
@@ -392,10 +404,14 @@ def _watch() -> Watch | None:
 
 
 def _progress(clock: Callable[[], float]) -> Callable[[float], None]:
-    """Return a function that is told of shares done, and writes how far all is now and then."""
+    """Return a function that takes shares of the work done and writes the progress now and then.
+
+    `clock` returns the time [s].
+    """
     began, said, done = clock(), clock(), 0.0
 
     def advance(share: float) -> None:
+        """Add a share of the work, and write a line if the last one is long enough ago."""
         nonlocal said, done
         done += share
         now = clock()
@@ -417,7 +433,7 @@ def _say(words: str) -> None:
 
 
 def of_kind(kind: str) -> Callable[..., xarray.Dataset]:
-    """Return the function that carries out studies of a kind, as `sweep` does."""
+    """Return the function that computes studies of a kind, as `sweep` does those of its kind."""
 
     def carry_out(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
         return _carry_out(kind, study, said({"study": study, **keywords}))

@@ -85,7 +85,10 @@ def claim(*packages: str) -> None:
 
 
 def load(name: str) -> ModuleType:
-    """Return a module of vibrafeed by its name in the repository, such as `app.jobs.work`."""
+    """Return a module of vibrafeed by its name in the repository, such as `app.jobs.work`.
+
+    Workers of a cluster use it, where other packages may be called `app` and `core`.
+    """
     from importlib import import_module
 
     claim("core", "app")
@@ -93,6 +96,7 @@ def load(name: str) -> ModuleType:
 
 
 def _is_ours(imported: ModuleType) -> bool:
+    """True if an imported package is the one of this clone."""
     own = PathFinder.find_spec(imported.__name__, _SEARCH_PATH)
     file = getattr(imported, "__file__", None)
     if own is None or own.origin is None or file is None:

@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 @dataclass
 class Draft:
-    """A study on its way in.
+    """A study on its way in: content that is resolved, checked and prepared.
 
     Attributes
     ----------
     content : object
-        What stands in the file or request; the numbers of files once they are resolved.
+        Content of the file or request; after `resolve` with the numbers of files in it.
     problems : list of Problem
-        What the files lack.
+        Problems of the files that the study names.
     unread : set of str
-        Sections whose files could not be read: nothing more is said of them.
+        Sections whose files could not be read: no further problem of them is reported.
     fit : Fit or None
-        That of the recording, if the study names one.
+        Fit of the recording, if the study names one.
     """
 
     content: Any
@@ -54,7 +54,8 @@ class Draft:
     def resolve(self, *, files: bool) -> Draft:
         """Return the draft with file names replaced by the numbers in the files.
 
-        `files` lets it name files of this machine: never what comes over the network.
+        `files` is True if files of this machine may be read, which no study from the network may
+        ask for.
         """
         keys = _keys_of(self.kind) if self.kind else SECTIONS
         for key, section in SECTIONS.items():
@@ -96,11 +97,14 @@ class Draft:
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]
     ) -> tuple[Study | None, list[Problem]]:
-        """Return the study if its content is valid, and the problems of its content."""
+        """Return the study if its content is valid, else None, and the problems of its content.
+
+        `kind` is the kind of study whose model checks the content.
+        """
         keys = _keys_of(kind)
 
         def unknown(stranger: Stranger) -> Problem:
-            """Return the problem of an unknown key of the study."""
+            """Return the problem of an unknown key at the top level of the study."""
             name, section = stranger.name, SECTIONS.get(stranger.name)
             if section is not None and section.absent is not None:
                 return section.absent(stranger)
@@ -114,7 +118,10 @@ class Draft:
             return None, [one for one in problems if one.place not in self.unread]
 
     def _parameters(self) -> Collection[str]:
-        """Return the parameters of the named scene; all parameters if the scene is unknown."""
+        """Return the names of the parameters of the named scene, for suggestions.
+
+        They are all parameters if the scene is unknown.
+        """
         names: set[str] = set()
         for scenes in self.kind.scenes if self.kind else ():
             scene = scenes.get(str(self.content.get("scene"))[:100])
@@ -125,7 +132,10 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        """Return the problems that the plan would report, as far as the known names allow."""
+        """Return the problems that the plan would report, as far as the content can be read.
+
+        `known` is the error of the check; places that it names are left out.
+        """
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
@@ -138,7 +148,10 @@ class Draft:
         variant, method = (text if isinstance(text, str) else None for text in texts)
 
         def names(parameters: Collection[str]) -> list[str]:
-            """Return the parameter names that the sections of the study use."""
+            """Return the parameters that the sections of the study give or leave open.
+
+            `parameters` are those of the scene, or none while the scene is not known.
+            """
             problems = (
                 section.names(self.content.get(key), parameters)
                 for key, section in sections.items()
@@ -156,7 +169,7 @@ class Draft:
         return [problem for problem in problems if problem.place not in places]
 
     def _outputs(self, kind: Kind) -> Iterable[Any]:
-        """Yield the outputs that the study asks for."""
+        """Yield the outputs that the study asks for in all sections, or those of its kind."""
         keys = _keys_of(kind)
         if "outputs" in keys and "outputs" not in self.content:
             default = kind.model.model_fields["outputs"].get_default()
@@ -172,9 +185,9 @@ def _keys_of(kind: Kind) -> Collection[str]:
 
 
 def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
-    """Return the problem of an unknown kind, with the kind that was probably intended.
+    """Return the problem of an unknown or missing kind, and the kind that was probably intended.
 
-    The rest is checked all the same, as the kind that has most of its keys.
+    It is the kind with the most similar name, else the one that has most of the keys in `content`.
     """
     kind = content.get("kind")
     missing = kind is None

@@ -21,11 +21,14 @@ from core.intake.sections import SECTIONS
 
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
-WIDTH: Final = 88
+WIDTH: Final = 88  # characters of a line of Python
 
 
 def to_toml(content: Mapping[str, Any]) -> str:
-    """Return a study as TOML text, with ranges of parameters on one line."""
+    """Return a study as TOML text, with ranges of parameters on one line.
+
+    `content` is the study as it was typed.
+    """
     import tomlkit
 
     document = tomlkit.document()
@@ -51,6 +54,8 @@ def to_json(content: Mapping[str, Any]) -> str:
 def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     """Return a curl command that posts the study to a service, for POSIX shells.
 
+    `content` is the study as it was typed, `service` the address of the service.
+
     Raises
     ------
     StudyError
@@ -70,7 +75,10 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
 
 
 def to_python(content: Mapping[str, Any]) -> str:
-    """Return a Python program that runs the study, with units as they were typed."""
+    """Return a Python program that runs the study, with units as they were typed.
+
+    `content` is the study as it was typed.
+    """
     keywords = {name: value for name, value in content.items() if name != "kind"}
     parameters = keywords.get("parameters", {})
     if not set(parameters) & set(KEYS):
@@ -92,8 +100,15 @@ FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
     """Return content whose files of recordings and observations are found from the new place.
 
-    A file names it from its own `folder`; a program from the current one; a service, which reads no
-    files of others, gets what stands in it.
+    Parameters
+    ----------
+    content : mapping
+        The study as it was typed, with file names from the current folder.
+    form : str
+        A key of `FORMS`. A file gets names from its own folder, a program from the current one; a
+        request gets the contents of the files, as a service reads no files of others.
+    folder : Path
+        The folder of the new file.
 
     Raises
     ------
@@ -121,7 +136,10 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
 
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
-    """Return observations with the path of their file, or with its content."""
+    """Return the path of the file of observations from the new place, or its rows for a request.
+
+    Arguments as in `placed`.
+    """
     if form == "curl":
         return read_rows(Path(content["observations"]))
     file = Path(content["observations"])
@@ -137,7 +155,7 @@ def _depth(value: object) -> int:
 
 
 def _in_line(tomlkit: Any, value: Any) -> Any:
-    """Return a value as an inline TOML item."""
+    """Return a value as a TOML item on one line; `tomlkit` is the package of this name."""
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
@@ -146,9 +164,10 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
 
 
 def _writable(tomlkit: Any, value: Any) -> Any:
-    """Return a value without None, with arrays in the form that tomlkit takes.
+    """Return a value without None, with arrays in the form that tomlkit writes fast.
 
-    What it reads takes as long as it is; an array that it puts together itself, the square of that.
+    An array is handed over as text: tomlkit takes time that grows with the square of the length for
+    one that it puts together itself.
     """
     if isinstance(value, Mapping):
         return {n: _writable(tomlkit, part) for n, part in value.items() if part is not None}
@@ -160,7 +179,7 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 
 
 def _literal(value: Any, column: int) -> str:
-    """Return the Python literal of a value that starts in a column, wrapped and indented."""
+    """Return the Python literal of a value, wrapped; further lines are indented to `column`."""
     if isinstance(value, str):
         return repr(value)
     text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)

@@ -26,15 +26,15 @@ StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 def gather(
     study: StudyLike | None, keywords: Mapping[str, Any], kind: str | None = None
 ) -> Study | dict[str, Any]:
-    """Return a given study, or the content of the study described by keywords.
+    """Return a study as it is, or the content of the study described by keywords.
 
-    Keywords, and the keys of a mapping, are those of a study or names of parameters; keywords
-    replace what `given` says. Values may be arrays of numpy and ranges of Python too.
+    Keywords, and the keys of a mapping, are keys of a study or names of parameters; keywords
+    replace what `study` says. Values may be arrays of numpy and ranges of Python, too.
 
     Parameters
     ----------
-    given : Study, mapping, str or path, optional
-        A study, what stands in a file of one, or the path of the file.
+    study : Study, mapping, str or path, optional
+        A study, the content of its file, or the path of the file.
     keywords : mapping
         Further keys and parameters.
     kind : str, optional
@@ -43,8 +43,8 @@ def gather(
     Raises
     ------
     StudyError
-        If it is of another kind, cannot be read, or gives a value twice. Whether the values are
-        right is for `parse_study` to say.
+        If it is of another kind, cannot be read, or gives a value twice. `parse_study` checks the
+        values later.
     """
     if isinstance(study, Study) and not keywords:
         _check_kind(study.kind, kind)
@@ -63,8 +63,8 @@ def gather(
 def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     """Return the content of a study, with parameters moved from its top level to `parameters`.
 
-    The name of a single output need not be a list. A name that is neither is left where it was most
-    likely meant, for the reader to refuse it.
+    `written` is the content, whose `outputs` may be a single name instead of a list. An unknown
+    name goes where the most similar known name belongs, so that the reader refuses it there.
 
     Raises
     ------
@@ -93,10 +93,12 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
 def plain(value: object, path: str) -> Any:
     """Return a value as a file can hold it: ranges and arrays become lists.
 
+    `path` is the place of the value in the study, for messages.
+
     Raises
     ------
     StudyError
-        If a range or an array has more values than an axis may have, or more dimensions than one.
+        If a range has more values than an axis may have, or an array more than one dimension.
     """
     if isinstance(value, Mapping):
         return {str(name): plain(item, f"{path}.{name}") for name, item in value.items()}
@@ -144,7 +146,7 @@ def _is_key(name: str) -> bool:
 
 
 def _check_kind(actual: object, kind: str | None) -> None:
-    """Raise `StudyError` if a study is not of the kind of the called function."""
+    """Raise `StudyError` if a study (`actual`) is of another known kind than `kind`, if given."""
     if kind is not None and actual != kind and isinstance(actual, str) and actual in KINDS:
         message = f"this is a study of kind '{actual}', not '{kind}'"
         fix = f"Carry it out with {actual}(), or give a study of kind '{kind}'"

@@ -15,7 +15,7 @@ from core.suggestions import Suggestions
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
-OUTSIDE = 5  # misplaced parameters that are named
+OUTSIDE = 5  # misplaced parameters that a message names at most
 LONGEST = 60  # characters of a value that a message repeats
 
 _TEXT = "a text", "Write a text in quotes"
@@ -65,15 +65,15 @@ def problems_of(
     Parameters
     ----------
     error : ValidationError
-        What pydantic found.
+        The error that pydantic raised.
     sections : mapping of str to Section
-        Those of the study.
+        The sections of the study by their keys.
     unknown : callable
-        Takes a key that stands in none of them, and is not known; returns what is wrong with it.
+        Returns the problem of an unknown key at the top level.
     keys, parameters : collection of str
-        As in `Stranger`.
+        Keys of the study and parameters of its scene, for suggestions; as in `Stranger`.
     within : str
-        The section that it was that pydantic looked at, if not a whole study.
+        The section that was validated, if not a whole study.
     """
     faults = error.errors(include_url=False)
     outside = [] if within else [str(fault["loc"][0]) for fault in faults if _is_outside(fault)]
@@ -101,7 +101,11 @@ def problems_of(
 def _path_of(
     error: ErrorDetails, within: str, sections: Mapping[str, Section]
 ) -> tuple[list[Any], str, Section]:
-    """Return path, tried alternative, and section of one pydantic error."""
+    """Return the path of one pydantic error, the alternative that was tried, and the section.
+
+    `within` is the section that was validated, if not a whole study. The alternative, such as a
+    kind of criterion, is empty where there are none.
+    """
     path, tag = [within, *error["loc"]] if within else [*error["loc"]], ""
     section = sections.get(str(path[0]), Section()) if path else Section()
     if len(path) > 1 and path[1] in section.tags:
@@ -112,7 +116,7 @@ def _path_of(
 
 
 def _outside(names: list[str]) -> Problem:
-    """Return the problems of parameters at the top level of a study."""
+    """Return the problem of parameters (`names`) that stand at the top level of a study."""
     listed = ", ".join(names[:OUTSIDE]) + (", ..." if len(names) > OUTSIDE else "")
     message = f"{listed} {'stands' if len(names) == 1 else 'stand'} outside"
     fix = "Write them below the line [parameters], in JSON within that object"
@@ -128,7 +132,10 @@ def _is_outside(error: ErrorDetails) -> bool:
 def _problem(
     error: ErrorDetails, path: list[Any], section: Section, suggest: Suggestions
 ) -> Problem:
-    """Return the problem of one pydantic error, in vibrafeed's words."""
+    """Return the problem of one pydantic error, in vibrafeed's words.
+
+    `path` is the place of the value in the study; `suggest` looks for names similar to a wrong one.
+    """
     key = section.place(path)
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] == "value":
@@ -153,7 +160,8 @@ def _problem(
 def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
     """Return the message and the fix for a wrong value, by the type of pydantic's error.
 
-    The message is empty where pydantic has to say it.
+    The message is empty if pydantic's own has to do. `kind` is the type of the error, and `context`
+    holds its details, such as a bound.
     """
     said = shown(value)
     if kind in KINDS_OF_VALUES:

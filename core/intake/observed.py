@@ -31,9 +31,10 @@ def beside(observations: Any, folder: Path) -> Any:
 
 
 def with_rows(content: Content, files: bool) -> Resolved:
-    """Return content with the rows of the observations' file in place of its name.
+    """Return content with the rows of the file of observations in place of the file's name.
 
-    What the cells say is for others to read.
+    `files` is True if files of this machine may be read. Without a readable file the section is
+    left out, and the result has the problems. The cells are checked later.
     """
     named = content["observations"]
     if not isinstance(named, str):
@@ -77,7 +78,10 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns; raise `StudyError` for a faulty heading."""
+    """Return names and units of the columns of a file; `StudyError` if its heading has a fault.
+
+    `cells` are those of the first line; the unit is empty where a heading has none.
+    """
     names, units = [], []
     for cell in cells:
         name, unit = name_and_unit(str(cell))
@@ -102,7 +106,11 @@ def _value(cell: Any, unit: str) -> Any:
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
-    """Yield the rows of a CSV file, decimal commas replaced where cells are separated otherwise."""
+    """Yield the rows of a CSV file, separated by commas, semicolons or tabs.
+
+    Decimal commas become points unless commas separate the cells. Empty lines and lines that begin
+    with # are left out.
+    """
     text = path.read_text(encoding="utf-8-sig")
     lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
     first = lines[0] if lines else ""
@@ -119,7 +127,10 @@ def _with_point(cell: str) -> str:
 
 
 def _workbook(path: Path) -> Iterable[list[Any]]:
-    """Return the rows of the first sheet of an Excel workbook."""
+    """Yield the rows of the first sheet of an Excel workbook, without empty rows.
+
+    Raises `StudyError` without openpyxl, and `ValueError` if the file is damaged.
+    """
     try:
         import openpyxl
     except ImportError:
@@ -146,7 +157,10 @@ def _fail(message: str, fix: str) -> NoReturn:
 
 
 def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
-    """Yield the parameters that some runs set individually."""
+    """Yield the parameters that some runs set individually: columns that are not measured values.
+
+    `rows` is the section as it was read; `known` is not used.
+    """
     del known
     for row in rows if isinstance(rows, list | tuple) else ():
         if isinstance(row, Mapping):
@@ -154,7 +168,10 @@ def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
 
 
 def _problem_path(path: Sequence[Any]) -> str:
-    """Return the path of a problem, with rows counted from 1."""
+    """Return the place of a problem as users read it, with rows counted from 1.
+
+    `path` holds the section, the row from 0, and the column.
+    """
     if len(path) < 2:
         return dotted(path)
     return f"observations row {int(path[1]) + 1}" + "".join(f", {name}"[:60] for name in path[2:3])

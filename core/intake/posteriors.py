@@ -32,8 +32,8 @@ def beside(uncertain: Any, folder: Path) -> Any:
 def with_posteriors(content: Content, files: bool) -> Resolved:
     """Return content with densities in place of calibration files, and the problems found.
 
-    What is wrong is left out. Without `files`, as for what comes over the network, the content
-    stays as it is, and its reader refuses it.
+    A parameter whose file has a problem is left out. `files` is True if files of this machine may
+    be read; without that the content stays as it is, and its reader refuses it.
     """
     uncertain = content.get("uncertain")
     if not files or not isinstance(uncertain, Mapping):
@@ -51,7 +51,11 @@ def with_posteriors(content: Content, files: bool) -> Resolved:
 
 
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
-    """Return values and densities of a parameter in a calibration result; or the problem."""
+    """Return values and probability densities of a parameter in a calibration result.
+
+    Or its problem, if the file at `path` cannot be read or has no density of the parameter. Both
+    lists are in the units of files; densities of 0 at the ends are cut off.
+    """
     from core.dataset.read import read_netcdf  # few studies need it
 
     key = f"uncertain.{name}.{CALIBRATION}"

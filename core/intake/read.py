@@ -30,7 +30,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 
 
 def study_of(content: object) -> Study:
-    """Return the study that a mapping describes, with the content of its files.
+    """Return the study that a mapping describes, with the content of the files that it names.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def study_of(content: object) -> Study:
 def parse_study(content: object) -> Study:
     """Return the study that a mapping describes; raise `StudyError` with every problem of it.
 
-    It may name no files.
+    A study that names files is refused: this is for content from the network.
     """
     return Draft(content).check()
 
@@ -59,7 +59,7 @@ def parse_json(text: str | bytes) -> Study:
 
 
 def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
-    """Return a study of motion, and the fit of its recording.
+    """Return a study of motion, and the fit of the recording that its drive names.
 
     Raises
     ------
@@ -78,8 +78,9 @@ def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
 def prepare_content(content: object, only: str | None = None, *, files: bool = False) -> Prepared:
     """Return the prepared study that the content of a file or request describes.
 
-    `only` is the one kind that is wanted, of which cells are read; by default any will do. `files`
-    lets it name files of this machine: never what comes over the network.
+    `only` is the one accepted kind, whose cells are to be read one by one; by default every kind is
+    accepted. `files` is True if files of this machine may be read, which no study from the network
+    may ask for.
 
     Raises
     ------

@@ -20,8 +20,9 @@ from core.study.drive import (
     only_the_plain_sine,
 )
 
-MAX_ROWS_SENT = 20_000  # of a stranger's recording, whose fit takes a second
-DIGITS = 10  # of what is kept: more than a fit tells, fewer than differ between processors
+MAX_ROWS_SENT = 20_000  # rows of a recording from the network; fitting so many takes a second
+# Digits of kept numbers: more than a fit determines, and few enough to be equal on all processors.
+DIGITS = 10
 SENT = "data"  # the name of a recording without a file
 
 
@@ -35,8 +36,9 @@ def beside(drive: Any, folder: Path) -> Any:
 def with_drive(content: Content, files: bool) -> Resolved:
     """Return content with the harmonics fitted to its recording, if it names one.
 
-    What the study gives itself, as a parameter, variable or uncertain one, stays as it is.
-    Strangers may name no file of this machine, nor send more than `MAX_ROWS_SENT` rows.
+    Parameters, variables and uncertain ones that the study gives itself stay as they are. `files`
+    is True if files of this machine may be read; without that a recording has at most 20,000 rows.
+    On a problem the section is left out, and the result has the problems.
     """
     if not names_recording(content):
         return Resolved(content)
@@ -114,7 +116,10 @@ def _rounded_number(value: float) -> float:
 
 
 def _source(drive: RecordedDrive, files: bool) -> str | Path:
-    """Return the text or the path of a recording."""
+    """Return the text or the path of a recording; raise `StudyError` if there is not exactly one.
+
+    `files` is True if files of this machine may be read.
+    """
     if (drive.file is None) == (drive.data is None):
         message = "it names no recording" if drive.file is None else "both file and data are given"
         raise StudyError([Problem("drive", message, _which(files))])
@@ -133,7 +138,11 @@ def _which(files: bool) -> str:
 
 
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
-    """Return the table of a recording; raise `StudyError` if it is too long for a request."""
+    """Return the table of a recording; raise `StudyError` if it is too long for a request.
+
+    `source` is the CSV text or its path, `path` the key in the study for messages, and `files` is
+    False for a request from the network.
+    """
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     if not files and lines > 2 * MAX_ROWS_SENT:

@@ -81,7 +81,10 @@ def no_key(stranger: Stranger) -> Problem:
 
 
 def no_parameter(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown name in a section whose keys are parameters."""
+    """Return the problem of an unknown name in a section whose keys are parameters.
+
+    A key of the study gets the advice to move it; another name the most similar parameter.
+    """
     name, within = stranger.name, stranger.within
     if name in stranger.keys:
         message = f"'{name}' is a key of the study, and stands among the {within}"

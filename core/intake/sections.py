@@ -21,7 +21,10 @@ def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
 
 
 def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
-    """Return the variables; the default ones if none are given."""
+    """Return the variables of an optimisation; if none are given, the drive's angles in the scene.
+
+    `known` are the parameters of the scene.
+    """
     if isinstance(variables, Mapping):
         return map(str, variables)
     return (name for name in ANGLES if name in known)
@@ -33,14 +36,14 @@ def _asked(outputs: Any) -> Iterable[str]:
 
 
 def _looked_for(criterion: Any) -> Iterable[str]:
-    """Return the names of the outputs in a criterion."""
+    """Return the names of the outputs in a criterion: its objective, and what it trades against."""
     found = criterion if isinstance(criterion, Mapping) else {}
     names = (found.get("output", "acceleration_x"), found.get("against"))
     return (name for name in names if isinstance(name, str))
 
 
 def _no_key_of_reduce(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown key of `reduce`."""
+    """Return the problem of an unknown key of the section `reduce`, or of its level set."""
     part = LevelSet if len(stranger.path) > 2 else Reduction
     fix = stranger.suggest(stranger.name, part.model_fields)
     return Problem(stranger.place, f"'{stranger.name}' is not a key of reduce", fix)

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 from core.errors import Problem, StudyError
 from core.intake.sections import SECTIONS
 
-DEEPEST = 32  # levels; a study has 5, an execute request around it 2
+DEEPEST = 32  # levels of nesting; a study has 5, an execute request around it 2
 # What no study comes near: who sends more is refused before it is looked at closely.
 MAX_KEYS = 1_000  # of one object of JSON
 EXPECTED = "Send one JSON object, a study"
@@ -25,7 +25,7 @@ NO_STUDIES = {
         ("it is a table, not a study", "Name a TOML or JSON study"),
     ),
 }  # what other files are, and what to do instead of running them
-MAX_BRACKETS = 10_000  # of the objects and lists of one text
+MAX_BRACKETS = 10_000  # objects and lists of one text
 LARGEST = sys.float_info.max
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -33,8 +33,8 @@ _HALVES = re.compile("[\ud800-\udfff]")
 def read_content(path: Path) -> object:
     """Return the content of a TOML or JSON file; raise `StudyError` if it cannot be read.
 
-    The files of a recording, of observations and of calibrations are named beside that of the
-    study.
+    File names in it (a recording, observations, calibrations) are relative to its folder, and
+    become paths from the current one.
     """
     suffix = path.suffix.lower()
     if suffix in NO_STUDIES:
@@ -54,7 +54,11 @@ def read_content(path: Path) -> object:
 
 
 def _read_text(text: str, suffix: str, stem: str) -> object:
-    """Return the content of a text, as TOML or JSON according to its suffix, or its form."""
+    """Return the content of a text, as TOML or JSON according to the suffix of its file.
+
+    A text that is valid in the other format gets the advice to rename the file, whose name without
+    suffix is `stem`. Raises `StudyError`.
+    """
     try:
         return _READERS[suffix](text)
     except StudyError as error:
@@ -80,7 +84,11 @@ def read_toml(text: str) -> object:
 
 
 def read_json(text: str | bytes) -> object:
-    """Return the content of a JSON text; raise `StudyError` if it is invalid."""
+    """Return the content of a JSON text; raise `StudyError` if it is invalid.
+
+    Refused are also repeated keys, NaN, numbers beyond double precision, characters that are not
+    valid text, and content that is nested too deeply.
+    """
     try:
         # By itself json would let halves of characters through, and take other encodings.
         text = text if isinstance(text, str) else text.decode("utf-8")
@@ -101,7 +109,10 @@ _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": rea
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the pairs of a JSON object as a mapping; raise for repeated keys."""
+    """Return the pairs of a JSON object as a mapping.
+
+    Raises `ValueError` for a repeated key, and `StudyError` for too many keys.
+    """
     if len(pairs) > MAX_KEYS:
         begins = f"the object that begins with '{_shown(pairs[0][0])}'"
         _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
@@ -119,10 +130,10 @@ def _refuse_constant(constant: str) -> NoReturn:
 
 
 def _check_values(content: object, *, texts: bool) -> None:
-    """Raise `StudyError` for values that only JSON can hold, such as huge numbers.
+    """Raise `StudyError` for values that JSON can hold, but no study.
 
-    That is: objects within objects without end, numbers beyond floats and, where `texts` are to be
-    looked at, NUL and halves of characters in them.
+    These are objects within objects without end, numbers beyond double precision and, if `texts`,
+    NUL and halves of characters in texts.
     """
     level: list[tuple[str, Any]] = [("", [content])]
     for _ in range(DEEPEST + 1):
@@ -146,7 +157,10 @@ def _check_values(content: object, *, texts: bool) -> None:
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
-    """Raise `StudyError` if one of some values is beyond floating-point range, or invalid text."""
+    """Raise `StudyError` if one of some values is beyond double precision, or is invalid text.
+
+    `path` is their place in the content; texts are checked only if `texts`.
+    """
     kinds = {*map(type, values)}
     if kinds <= {int, float}:
         numbers = values

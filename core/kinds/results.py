@@ -25,7 +25,7 @@ def prepare(study: Study) -> Prepared:
 
 
 def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
-    """Compute a prepared study and return its labelled results."""
+    """Compute a prepared study and return its labelled results; `watch` may stop it."""
     kind = KINDS[prepared.study.kind]
     return carry_out(prepared, kind.compute, kind.label, watch)
 
@@ -43,7 +43,7 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
 
 
 def share_left_out(table: Table) -> float:
-    """Return the share of cells that a stop left uncomputed."""
+    """Return the share of cells, 0 to 1, that a stop has left uncomputed."""
     shares = (
         np.mean(table.variables[name].values == value)
         for name, value in STATUSES.items()

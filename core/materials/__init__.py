@@ -9,16 +9,16 @@ from importlib.resources import files
 from typing import Any, Final
 
 VALUES: Final = ("static", "kinetic", "coefficient", "restitution")
-"""Ranges that a row may have; `coefficient` where the source tells neither static nor kinetic."""
+"""Ranges of a row [1]; `coefficient` where the source names neither static nor kinetic."""
 
 WORDS: Final = ("part", "track", "surface", "note")
-"""What of a row is words."""
+"""Columns of a row that are searched for words."""
 
 OF_LEAVES: Final = ("elastic_modulus", "density")
 """Ranges that a material of leaf springs may have [GPa, kg/m3]."""
 
 WORDS_OF_LEAVES: Final = ("material", "form", "note")
-"""What of a material of leaf springs is words."""
+"""Columns of a material of leaf springs that are searched for words."""
 
 
 def friction(words: str = "") -> dict[str, Any]:
@@ -84,7 +84,7 @@ def leaf_springs(words: str = "") -> dict[str, Any]:
 
 
 def shown(row: Mapping[str, Any], value: str) -> str:
-    """Return a range as text: ``0.2``, ``0.1 to 0.3``, or nothing."""
+    """Return the range in a column of a row as text: ``0.2``, ``0.1 to 0.3``, or an empty text."""
     found = row[value]
     if found is None:
         return ""
@@ -98,7 +98,10 @@ def _rows(
     words: Sequence[str],
     values: Sequence[str],
 ) -> list[dict[str, Any]]:
-    """Return the rows that match some words, with all columns of their kind."""
+    """Return the rows that contain all wanted words, each with all columns of its kind.
+
+    `words` are the columns of texts, which are searched, and `values` those of ranges.
+    """
     return [
         {
             **{name: row.get(name, "") for name in words},
@@ -111,13 +114,16 @@ def _rows(
 
 
 def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the sources that rows cite."""
+    """Return the sources that rows cite, by name; `data` is the content of the data file."""
     used = {row["source"] for row in rows}
     return {name: dict(source) for name, source in data["sources"].items() if name in used}
 
 
 def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
-    """True if each word is the beginning of a word in the row."""
+    """True if each wanted word is the beginning of a word in the row.
+
+    `words` are the columns that are searched; capitals make no difference.
+    """
     text = " ".join(row.get(name, "") for name in words).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")

@@ -18,10 +18,10 @@ from core.plots.style import LIGHT, Style, mix
 from core.plots.text import words
 
 MARKERS = "osD^vPX*ph<"
-NOTHING = 1e-18  # stands for no error at all
-NOT_SOLVED = 10.0  # stands for an answer that was not found
-MAX_RATIO = 30.0
-LEAST_ULPS, MAX_ULPS = 1e-2, 1e16  # no error, and no digit right
+NOTHING = 1e-18  # drawn in place of an error of 0, which a logarithmic axis cannot show
+NOT_SOLVED = 10.0  # drawn in place of the error of a missing result
+MAX_RATIO = 30.0  # largest ratio of formula to true velocity that is drawn
+LEAST_ULPS, MAX_ULPS = 1e-2, 1e16  # drawn for no error, and for no correct digit
 
 Values = NDArray[np.float64]
 
@@ -34,7 +34,9 @@ def draw_accuracy(dataset: xarray.Dataset, family: str, style: Style = LIGHT) ->
     dataset : xarray.Dataset
         The report, as `core.assurance.accuracy` makes it or as its file is read.
     family : str
-        One of its families.
+        One of its families, such as `motion`.
+    style : Style
+        Colours and sizes.
     """
     points = dataset.isel(point=_flag(dataset, "family") == family)
     if not points.sizes["point"]:
@@ -43,7 +45,11 @@ def draw_accuracy(dataset: xarray.Dataset, family: str, style: Style = LIGHT) ->
 
 
 def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw error against time per cell of closed forms, and errors in units of rounding."""
+    """Draw error against time per cell of closed forms, and errors in units of rounding.
+
+    As all painters: `points` are the family's measurements, `title` is that of the study, and the
+    result is a figure, or None without anything to show.
+    """
     figure, (left, right) = _sheet(style, 2)
     subjects, settings = _flag(points, "subject"), _flag(points, "setting")
     for number, subject in enumerate(dict.fromkeys(subjects)):
@@ -230,7 +236,7 @@ def _flag(dataset: xarray.Dataset, name: str) -> NDArray[np.str_]:
 
 
 def _sheet(style: Style, panels: int) -> tuple[Figure, Sequence[Any]]:
-    """Return an empty figure with panels side by side."""
+    """Return an empty figure with `panels` axes side by side, and these axes."""
     figure = style.sheet(5.0 * max(panels, 1) + 1.0, 5.6)
     sheets = figure.subplots(1, panels, squeeze=False, sharey=False)[0]
     return figure, list(sheets)
@@ -246,7 +252,19 @@ def _line(
     marker: str = "o",
     floor: float = NOTHING,
 ) -> None:
-    """Draw a curve: a mark at each median error, a bar up to each largest error."""
+    """Draw a curve: a mark at each median error, a bar up to each largest error.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    cost, median, largest : ndarray, shape (n,)
+        Cost of each measurement, its median and its largest error; missing errors are drawn as 10.
+    colour, label, marker : str
+        Look of the curve, and its name in the legend.
+    floor : float
+        Smallest error that is drawn.
+    """
     low = np.clip(np.where(np.isfinite(median), median, NOT_SOLVED), floor, NOT_SOLVED)
     high = np.clip(np.where(np.isfinite(largest), largest, NOT_SOLVED), floor, NOT_SOLVED)
     axes.vlines(cost, low, high, color=colour, lw=1.2)
@@ -264,7 +282,23 @@ def _finish(
     *,
     log_cost: bool = True,
 ) -> Figure:
-    """Add heading, labels and legend to a figure, and return it."""
+    """Add heading, labels and legend to a figure of an accuracy report, and return it.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    what, title : str
+        Name of the picture, and title of the study.
+    style : Style
+        Colours and sizes.
+    first : Axes
+        The axes whose curves make the legend.
+    sheets : sequence of Axes
+        All axes.
+    log_cost : bool
+        True for a logarithmic axis of cost.
+    """
     for axes in sheets:
         if axes.get_yscale() != "symlog":
             axes.set_yscale("log")
@@ -279,7 +313,7 @@ def _finish(
 
 
 def _tick(value: float, _: object = None) -> str:
-    """Return the label of a tick; the lowest one means no error."""
+    """Return the label of a tick as a power of ten; the lowest tick is labelled 0: no error."""
     if value <= NOTHING * 1.01:
         return "0" if value >= NOTHING * 0.99 else ""
     return f"$10^{{{round(np.log10(value))}}}$"

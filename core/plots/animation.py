@@ -21,10 +21,10 @@ from core.quantities.pictures import FILLS
 
 SIZE = (6.4, 4.0)  # inches
 MARGIN = 0.06  # of the view's width, left and right
-DEPTH = 0.18  # of its height: how far the track is seen below its lowest place
-SEEN = 0.74  # of its height, that all motion takes at most
-MARKS = 12  # on the width of the view, or a few more
-PALE = 0.25
+DEPTH = 0.18  # of the view's height that shows the track below its lowest position
+SEEN = 0.74  # of the view's height that all motion takes at most
+MARKS = 12  # marks of the track on the width of the view, or a few more
+PALE = 0.25  # share of the ground colour in the colour of a mode
 DOT = " \N{MIDDLE DOT} "
 NICE = (1.0, 2.0, 5.0)
 
@@ -47,11 +47,13 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
     Parameters
     ----------
     film : Film
-        What to show.
+        Positions of track and part in each frame.
+    style : Style
+        Colours and sizes.
     dots : int
-        Points of the picture an inch.
+        Resolution [dots per inch].
     title : str, optional
-        Its name; one that says how slow it is if left out.
+        Title of the picture; by default one that says how slow it is.
 
     Yields
     ------
@@ -78,7 +80,7 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
     )  # fmt: skip
 
     def put(i: int) -> None:
-        """Move all artists to their positions in frame i."""
+        """Move all artists to their positions in the frame of number i, from 0."""
         time = 1000 * film.times[i]
         moving.put(i)
         clock.set_xdata([time, time])
@@ -91,7 +93,21 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
 def frames_of(
     figure: Figure, count: int, put: Callable[[int], None], artists: Sequence[tuple[Axes, Artist]]
 ) -> Iterator[Frame]:
-    """Yield frames: static artists are drawn once, `put` moves the others for each frame."""
+    """Yield frames of a figure as arrays of red, green and blue, shape (rows, columns, 3).
+
+    What stands still is drawn once.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    count : int
+        Number of frames.
+    put : callable
+        Moves the artists to their positions in the frame of a number, from 0.
+    artists : sequence of (Axes, Artist)
+        The moving artists, drawn in each frame.
+    """
     canvas: Any = figure.canvas
     canvas.draw()
     empty = canvas.copy_from_bbox(figure.bbox)
@@ -147,7 +163,10 @@ class _Moving:
 
 
 def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, float]:
-    """Set the view to scale and add a scale bar; return left, right and bottom."""
+    """Set the view to scale and add a scale bar; return left, right and bottom of the view.
+
+    They are in the unit of the film.
+    """
     if film.pitch.any():
         reach = above = float(np.hypot(*film.outline).max())
     else:
@@ -177,7 +196,7 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
 
 
 def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
-    """Draw the modes of the part over time; return the line that marks the present time."""
+    """Draw the modes of the part over time as a strip; return the line that marks the time."""
     for mode, start, stop in film.spells:
         axes.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
     first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]
@@ -189,12 +208,15 @@ def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
 
 
 def _colour(mode: str, style: Style) -> RGB | str:
-    """Return the colour of a mode, pale."""
+    """Return the colour of a mode of the part, paler than in the legend.
+
+    Flight has the ground's.
+    """
     return mix(COLOURS[mode], style.ground, PALE) if mode in COLOURS else style.ground
 
 
 def _turned(outline: NDArray[np.float64], pitch: float) -> NDArray[np.float64]:
-    """Return an outline rotated clockwise by an angle [rad]."""
+    """Return an outline, shape (2, k), rotated clockwise by an angle [rad]."""
     c, s = np.cos(pitch), np.sin(pitch)
     return np.array([[c, s], [-s, c]]) @ outline
 

@@ -17,9 +17,9 @@ from core.plots.text import number
 BODIES = (1, 2)
 RIM = 48  # points of a rim
 ARROW = 0.45  # of the width of the bodies: the arrow of the faster one
-MARGIN = 0.12  # of the width of the bodies, about them
+MARGIN = 0.12  # of the width of the bodies, left free around them
 AXES = "xyz"
-MILLI = 1000.0
+MILLI = 1000.0  # millimetres in a metre
 
 Array = NDArray[np.float64]
 
@@ -38,15 +38,21 @@ def is_pair(dataset: xarray.Dataset) -> bool:
 
 
 def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:
-    """Return the axes (across, up) of each view: from above, and for bodies in space the side."""
+    """Return the axes (across, up) of each view, as indices into x, y, z.
+
+    Bodies in space are seen from the side and from above, bodies in a plane from above only.
+    """
     return ((0, 2), (0, 1)) if "position_z_1" in dataset.coords else ((0, 1),)
 
 
 def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[Outline, ...]:
-    """Return both bodies [mm, m/s]; ranged parameters are taken at `positions`."""
+    """Return both bodies: corners and centres in mm, velocities in m/s.
+
+    `positions` holds the index at which each ranged parameter is taken; the middle is the default.
+    """
 
     def value(name: str, body: int) -> float:
-        """Return a parameter of a body; 0 if it is not set."""
+        """Return a parameter of a body, in the unit of the dataset; 0 if it is not set."""
         array = dataset.coords.get(f"{name}_{body}")
         if array is None:
             return 0.0
@@ -73,14 +79,20 @@ def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[
 
 
 def _rectangle(length: float, width: float, angle: float) -> Array:
-    """Return the corners of a rectangle about its centre, turned from x towards y."""
+    """Return the corners of a rectangle about its centre, shape (4, 3), in a level plane.
+
+    `angle` [rad] turns its length from x towards y; lengths are in any unit.
+    """
     along = np.array([np.cos(angle), np.sin(angle), 0.0]) * length / 2
     across = np.array([-np.sin(angle), np.cos(angle), 0.0]) * width / 2
     return np.array([along + across, across - along, -along - across, along - across])
 
 
 def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) -> Array:
-    """Return points on both rims of a cylinder about its centre."""
+    """Return points on both rims of a cylinder about its centre, shape (96, 3).
+
+    The axis has an azimuth from x towards y and an elevation above the level plane [rad].
+    """
     axis = np.array(
         [
             np.cos(elevation) * np.cos(azimuth),
@@ -111,7 +123,7 @@ def convex_hull(points: Array) -> Array:
     """
 
     def chain(ordered: Array) -> list[Array]:
-        """Return the lower or upper half of the hull, from sorted points."""
+        """Return the lower or upper half of the hull, from points sorted upwards or downwards."""
         kept: list[Array] = []
         for point in ordered:
             while len(kept) > 1 and _turn(kept[-2], kept[-1], point) <= 0:
@@ -134,7 +146,10 @@ def _turn(start: Array, corner: Array, end: Array) -> float:
 def draw_bodies(
     axes: Axes, bodies: tuple[Outline, ...], view: tuple[int, int], style: Style
 ) -> None:
-    """Draw numbered outlines of both bodies, with arrows for their velocities."""
+    """Draw numbered outlines of both bodies, with arrows for their velocities.
+
+    `view` holds the indices of the axes that are drawn across and up.
+    """
     seen = [body.points[:, view] for body in bodies]
     every = np.concatenate(seen)
     low, high = every.min(axis=0), every.max(axis=0)

@@ -29,7 +29,7 @@ def write_book(
     slopes: Sequence[float] = SLOPES,
     watch: Watch | None = None,
 ) -> str:
-    """Write the book of charts; return its size in words.
+    """Write the book of charts; return its number of pages in words.
 
     Two books of one version are equal to the byte: there is no date in them.
 
@@ -38,17 +38,17 @@ def write_book(
     target : Path
         The PDF; an existing one is replaced, all of it or nothing.
     frictions, slopes : sequence of float
-        Coefficients of friction, and angles of the track in degrees: a page for each pair
-        that is not steeper than friction.
+        Coefficients of friction, and angles of the track in degrees: a page for each pair that is
+        not steeper than friction.
     watch : Watch, optional
-        May stop it.
+        Takes the progress, and may stop the work.
 
     Raises
     ------
     StoppedError
         If it was stopped; nothing is written.
     OSError
-        If it cannot be written.
+        If the file cannot be written.
     """
     watch = watch or Watch()
     wanted = [

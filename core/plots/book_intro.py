@@ -61,7 +61,11 @@ class Example(NamedTuple):
 
     @property
     def readings(self) -> tuple[float, float]:
-        """The text on what both charts show for the example."""
+        """The ordinates of both charts for the example: v f/g, and v/(A0 w cos(beta)).
+
+        v is the mean velocity, f the frequency, g gravity, A0 the amplitude, w = 2 pi f, and beta
+        the angle of the drive.
+        """
         speed, share, _ = followed(
             self.friction, 0.0, np.array([self.beta]), np.array([self.throw])
         )
@@ -92,7 +96,7 @@ def draw_introduction() -> Figure:
 
 
 def _draw_example(figure: Figure, chart: Chart, example: Example) -> None:
-    """Draw a chart with the lines by which the example is read."""
+    """Draw a chart with the lines by which the example is read, and the steps in words."""
     speed, share = example.readings
     axes = figure.add_axes((0.62, 0.50, 0.34, 0.36))
     draw_curves(axes, chart, chart.speed)

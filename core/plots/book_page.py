@@ -26,7 +26,7 @@ from core.quantities.pictures import FILLS
 BETAS: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0)  # degrees
 MARKERS: Final = "os^Dv<>ph"
 LARGEST: Final = 3.7  # throw number: from 3.724 on the period doubles
-STEPS: Final = 370
+STEPS: Final = 370  # throw numbers of a curve, each computed
 WIDTH, HEIGHT = 11.69, 8.27  # inches: a sheet of A4 on its side
 SMALLEST: Final = 1e-9  # of the drive's speed: less is rest
 
@@ -157,7 +157,11 @@ def sheet() -> Figure:
 def draw_curves(
     axes: Axes, chart: Chart, values: Array, ends: tuple[float, float] = (0.0, LARGEST)
 ) -> None:
-    """Draw a curve for each drive angle between two throw numbers, dashed by regime."""
+    """Draw a curve for each drive angle between two throw numbers, with dashes by regime.
+
+    `values` are the ordinates, an array (angles, throw numbers) of the chart; `ends` are the throw
+    numbers at the left and the right of the axes.
+    """
     seen = values[:, (chart.throw >= ends[0]) & (chart.throw <= ends[1])]
     finite = seen[np.isfinite(seen)]
     least, largest = min(0.0, float(finite.min())), max(0.0, float(finite.max()))
@@ -189,7 +193,11 @@ def draw_curves(
 
 
 def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, str]]:
-    """Return start, stop and name of each stretch of one regime; each touches the next."""
+    """Return start, stop and name of each stretch of a curve in one regime.
+
+    `regime` and `values` are along the curve; each stretch ends with the first point of the next.
+    Stretches that are not drawn (no value, another regime) are left out.
+    """
     names = {REGIMES[name].value: name for name in LINES}
     ends = [0, *(np.flatnonzero(np.diff(regime)) + 1).tolist(), regime.size]
     stretches = []
@@ -201,14 +209,17 @@ def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, s
 
 
 def _marked(chart: Chart, values: Array, k: int) -> list[int]:
-    """Return positions for a curve's marks, apart from those of other curves."""
+    """Return the indices of a curve's points that get a mark, apart from those of other curves.
+
+    `k` is the number of the curve, by which marks are shifted; points at rest get none.
+    """
     places = np.arange(0.15 + 0.035 * k, LARGEST, 0.35)
     at = [int(np.argmin(np.abs(chart.throw - place))) for place in places]
     return [one for one in at if np.abs(chart.coefficient[k][one]) > SMALLEST]
 
 
 def name_bands(axes: Axes) -> None:
-    """Write the kinds of motion above the bands of throw numbers."""
+    """Write the kinds of motion above the bands of throw numbers that the axes show."""
     least, largest = axes.get_xlim()
     for start, end, _, name in BANDS:
         if start >= largest or end <= least:
@@ -253,7 +264,11 @@ def line_entries() -> list[Artist]:
 
 
 def _facts(chart: Chart) -> list[str]:
-    """Return the throw number at which each curve leaves rest, and the best speed share."""
+    """Return lines of text: for each curve, where the part begins to move, and its best share.
+
+    The first is a throw number; the share is v/(A0 w cos(beta)), that of the drive's own speed
+    along the track.
+    """
     lines = ["   β  moves    best share", "      from Γ   of the drive"]
     for k, beta in enumerate(BETAS):
         share = chart.coefficient[k]

@@ -23,8 +23,8 @@ from core.plots.text import axis_label, number, scaled, shown_in, with_unit
 from core.study.shown import ShownUnits
 
 Array = NDArray[np.float64]
-SHARES = (0.95, 0.68)
-PALE, DEEP = 0.2, 0.5  # of the colour of a curve, for areas of 95 and of 68 %
+SHARES = (0.95, 0.68)  # of the posterior, that are drawn as areas
+PALE, DEEP = 0.2, 0.5  # share of the curve's colour in the areas of 95 % and 68 %
 MAX_TICKS = 5
 MAX_NUMBERED = 40  # runs of which each has its number
 SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
@@ -56,7 +56,10 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def _draw_posterior(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
-    """Draw the posterior: densities of each unknown and of pairs."""
+    """Return the picture of the posterior: the density of each unknown and of each pair.
+
+    `units` are those for reading, `title` replaces the name of the picture.
+    """
     names = str(dataset.attrs["unknowns"]).split()
     count = len(names)
     figure = style.sheet(*SIDE[count])
@@ -100,7 +103,11 @@ def _draw_posterior(
 def _draw_marginal(
     panel: Axes, dataset: xarray.Dataset, name: str, x: Array, factor: float, style: Style
 ) -> None:
-    """Draw the density of one unknown with its intervals and modes."""
+    """Draw the density of one unknown with its intervals of 95 and 68 % and its modes.
+
+    `x` are the values of the unknown in the unit for reading, and `factor` leads to that unit from
+    the dataset's.
+    """
     density = np.asarray(dataset[f"density_{name}"].values, dtype=np.float64)
     panel.plot(x, density, color=style.curve, lw=style.width(1.8))
     for share, depth in zip((95, 68), (PALE, DEEP), strict=True):
@@ -116,7 +123,10 @@ def _draw_marginal(
 
 
 def _draw_pair(panel: Axes, x: Array, y: Array, density: Array, style: Style) -> None:
-    """Fill the regions of highest density that hold 95 and 68 % of two unknowns."""
+    """Fill the regions of highest density that hold 95 and 68 % of two unknowns.
+
+    `x` and `y` are the values across and up, and `density` has a row for each y.
+    """
     ordered = np.sort(density.ravel())[::-1]
     below = np.cumsum(ordered) / ordered.sum()
     levels = [float(ordered[min(np.searchsorted(below, s), below.size - 1)]) for s in SHARES]
@@ -135,7 +145,7 @@ def _draw_modes(
     shown: Sequence[object],
     style: Style,
 ) -> None:
-    """Mark the modes of two unknowns."""
+    """Mark the modes of two unknowns; `shown` are the units in which these are read."""
     values = [
         np.atleast_1d(dataset[f"mode_{name}"].values) * one.factor  # type: ignore[attr-defined]
         for name, one in zip(names, shown, strict=True)
@@ -144,7 +154,7 @@ def _draw_modes(
 
 
 def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
-    """Return the density of two unknowns, rows along the vertical one."""
+    """Return the density of two unknowns, a row for each value of `below`."""
     for name in (f"density_{across}_{below}", f"density_{below}_{across}"):
         if name in dataset:
             return np.asarray(dataset[name].transpose(below, across).values, dtype=np.float64)
@@ -164,7 +174,10 @@ def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
 def _draw_speeds(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
-    """Draw predicted against measured values of the runs."""
+    """Return the picture of predicted against measured values of the runs.
+
+    `units` are those for reading, `title` replaces the name of the picture.
+    """
     measured, factor, unit = _measured(dataset, units)
     figure = style.sheet()
     axes = figure.add_subplot()
@@ -204,7 +217,10 @@ def _draw_speeds(
 def _draw_residuals(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
-    """Draw the residuals of the runs."""
+    """Return the picture of the residuals of the runs: measured less predicted values.
+
+    `units` are those for reading, `title` replaces the name of the picture.
+    """
     measured, factor, unit = _measured(dataset, units)
     figure = style.sheet()
     axes = figure.add_subplot()
@@ -243,9 +259,9 @@ def _draw_residuals(
 
 
 def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float, str]:
-    """Return the measured values in shown units.
+    """Return the measured values in the unit for reading, the factor to it, and the unit.
 
-    Raise `PlotError` if only regimes were observed.
+    Raises `PlotError` if only regimes were observed.
     """
     array = dataset[str(dataset.attrs["output"])]
     if not np.isfinite(array.values).any():
@@ -256,7 +272,10 @@ def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float,
 
 
 def _whole_error(dataset: xarray.Dataset) -> Array:
-    """Return the standard deviation of each run: error, spread and discrepancy combined."""
+    """Return the standard deviation of each run: error, spread and discrepancy combined.
+
+    It is the root of the sum of their squares, in the unit of the dataset.
+    """
     parts = (dataset["error"], dataset["predicted_spread"], dataset["discrepancy"])
     squares = [
         np.square(np.nan_to_num(np.asarray(part.values, dtype=np.float64))) for part in parts
@@ -266,7 +285,10 @@ def _whole_error(dataset: xarray.Dataset) -> Array:
 
 
 def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
-    """Return the rms of the residuals and the discrepancy in words."""
+    """Return the rms of the residuals and the discrepancy in words, in the unit for reading.
+
+    `factor` leads from the unit of the dataset to `unit`.
+    """
     residual = np.asarray(dataset["residual"].values) * factor
     rms = float(np.sqrt(np.nanmean(np.square(residual))))
     facts = [f"residuals {with_unit(number(rms, 3), unit)} rms"]
@@ -277,7 +299,10 @@ def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
 
 
 def _number(axes: Axes, x: Array, y: Array, known: NDArray[np.bool_], style: Style) -> None:
-    """Write the number of each run beside its point, if they are few."""
+    """Write the number of each run beside its point (x, y), if the runs are few.
+
+    `known` is True for the runs that are drawn.
+    """
     if known.sum() > MAX_NUMBERED:
         return
     for k in np.flatnonzero(known):

@@ -26,9 +26,9 @@ PALE = "#f2f2f2"
 
 
 def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
-    """Return the names of an output's numbers; None if they are plain values.
+    """Return the names of an output's numbers; None if its values are plain numbers.
 
-    What is not finite is `NO_VALUE`.
+    Values that are not finite have the number `NO_VALUE`. None, too, if there are more than eight.
     """
     name = str(array.name)
     if "flag_values" in array.attrs:
@@ -46,14 +46,14 @@ def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
 
 
 def codes_of(values: NDArray[np.generic]) -> NDArray[np.int64]:
-    """Return numbers as integers."""
+    """Return numbers rounded to integers; those that are not finite become `NO_VALUE`."""
     numbers = np.asarray(values, dtype=np.float64)
     finite = np.isfinite(numbers)
     return np.where(finite, np.where(finite, numbers, 0).round(), NO_VALUE).astype(np.int64)
 
 
 def looks_of_categories(named: Mapping[int, str], style: Style) -> list[Look]:
-    """Return colours and names of categories, ascending; those without a value are pale."""
+    """Return colour and name of each category, ascending; "no value" is pale."""
     looks = []
     for value, name in named.items():
         paint = PALE if value == NO_VALUE else FILLS[COLOURS[value % len(COLOURS)]]

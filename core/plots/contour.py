@@ -32,7 +32,10 @@ Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 def draw_contour(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output as contours; return axes and legend entries."""
+    """Draw an output over two axes as filled, labelled contours; return axes and legend entries.
+
+    `looks` are the regimes that occur, which are shaded where they are not valid.
+    """
     axes = figure.add_subplot()
     across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
     x, y = across.values, up.values
@@ -57,7 +60,7 @@ def draw_contour(
 
 
 def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, style: Style) -> None:
-    """Add contour lines with labels that avoid other texts."""
+    """Add contour lines with labels that avoid other texts; `values` has a row for each y."""
     inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
     if not inner.size:
         return
@@ -71,7 +74,7 @@ def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, sty
 def _mark_level(
     axes: Axes, x: Array, y: Array, values: Masked, selection: Selection, style: Style
 ) -> None:
-    """Draw the line of a threshold value, and name it."""
+    """Draw the line at which the output passes a threshold, such as throw number 1, and name it."""
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     if not values.min() < level < values.max():
         return

@@ -17,7 +17,7 @@ from core.plots.fixed import read_fixed
 from core.plots.pictures import MOVING
 from core.plots.problem import PlotError, unreadable
 
-DPI = 150
+DPI = 150  # dots per inch of a PNG
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
 METADATA: Mapping[str, dict[str, str | None]] = {
     "png": {"Software": "vibrafeed"},
@@ -42,10 +42,10 @@ def draw_file(
     Parameters
     ----------
     file : Path, or a sequence of them
-        The NetCDF file.
+        The NetCDF files.
     targets : sequence of Path
-        The pictures, PNG, SVG or PDF by their suffix, GIF or MP4 of an animation; existing ones
-        are replaced.
+        The pictures, PNG, SVG or PDF by their suffix, GIF or MP4 of an animation; existing ones are
+        replaced.
     variable, axes, kind
         As for `draw`.
     at : mapping of str to str, optional
@@ -58,9 +58,9 @@ def draw_file(
     Raises
     ------
     PlotError
-        If the file is no such result, or does not hold what is asked for.
+        If a file is not such a result, or does not hold what is asked for.
     OSError
-        If the file cannot be read or a picture cannot be written; no part of one is left behind.
+        If a file cannot be read or a picture cannot be written; no part of one is left behind.
     """
     files = [file] if isinstance(file, Path) else list(file)
     moving = kind == "animation" or any(target.suffix.lower() in MOVING for target in targets)
@@ -87,7 +87,11 @@ def _animate_file(
     slow: float | None,
     look: Mapping[str, Any],
 ) -> None:
-    """Save the animation of a file's trajectory."""
+    """Save the animation of a file's trajectory; arguments as in `draw_file`.
+
+    `chosen` are the options variable, axes and at, which an animation does not take. Raises
+    `PlotError` for several files or such options.
+    """
     # Here, since it loads what draws bodies, and the whole of motion.
     from core.plots.movie import animate
 
@@ -122,12 +126,12 @@ def save(figure: Figure, target: Path) -> None:
 
 
 def read(file: str | PathLike[str]) -> xarray.Dataset:
-    """Return the dataset in a result file.
+    """Return the dataset in a result file, loaded into memory.
 
     Raises
     ------
     PlotError
-        If it is no NetCDF file.
+        If it is not a NetCDF file.
     OSError
         If it cannot be read.
     """

@@ -21,14 +21,14 @@ MAX_FRAMES = 1000
 TURN = 2 * np.pi
 NICE = (1.0, 2.0, 5.0)
 
-PERIOD_SHOWN = 1.0  # seconds that a period of the drive takes, about
-FALL_SHOWN = 6.0  # and that all of a fall takes
-AFTER_REST = 1.15  # of the time until a tumbling part rests
+PERIOD_SHOWN = 1.0  # s of the animation for a period of the drive, roughly
+FALL_SHOWN = 6.0  # s of the animation for a whole fall, roughly
+AFTER_REST = 1.15  # of the time until a tumbling part rests: so long it is shown
 
-PART_LENGTH = 1.3  # of what the track covers: the model of motion knows no length
+PART_LENGTH = 1.3  # of the track's stroke: drawn length of a part, which the model does not know
 PART_SHAPE = 0.45  # height over length
-TRAVEL = 3.0  # lengths of the part that it should travel
-MAX_CYCLES = 6
+TRAVEL = 3.0  # in lengths of the part: travel for which cycles are repeated
+MAX_CYCLES = 6  # repetitions at most
 CLOSED = 1e-3  # of what the track covers: a course that ends no further from its start repeats
 GAP_SEEN = 0.2  # of the part's height: a largest gap that is less is drawn larger
 
@@ -91,14 +91,14 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
     dataset : xarray.Dataset
         A simulation of one part with `trajectory`.
     units : ShownUnits
-        Units in which values are read.
+        Units for reading.
     slow : float, optional
-        How many times slower it is shown. Left out, a period takes about a second, a fall six.
+        Slow-motion factor. By default a period takes about a second, a fall six.
 
     Raises
     ------
     PlotError
-        If the dataset holds no course, or the animation would be too long.
+        If the dataset holds no trajectory, or the animation would be too long.
     """
     if slow is not None and not (np.isfinite(slow) and slow > 0):
         raise PlotError("slow", f"'{slow:g}' is not above 0", "Give a number such as 50")
@@ -109,7 +109,10 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
 
 
 def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the frames of a part on a track, over enough cycles for it to travel."""
+    """Return the frames of a part on a track, over enough cycles for it to travel.
+
+    Arguments as in `read_film`. Raises `PlotError` if there is no motion to show.
+    """
     known = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
@@ -134,7 +137,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     within += time[0]
 
     def then(values: Array) -> Array:
-        """Return values at the times of the frames, in shown units."""
+        """Return values of the trajectory at the times of the frames, in the unit for reading."""
         return np.asarray(shown.factor * np.interp(within, time, values))
 
     gap, notes = then(height), [f"part not to scale ({_stands_for(dataset, units)})"]
@@ -174,7 +177,10 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 
 
 def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the frames of a tumbling part, until shortly after it rests."""
+    """Return the frames of a tumbling part, until shortly after it rests.
+
+    Arguments as in `read_film`.
+    """
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
     along, upward, pitch = (
@@ -199,7 +205,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
 
     def then(values: Array) -> Array:
-        """Return values at the times of the frames."""
+        """Return values of the trajectory at the times of the frames, in their own unit."""
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
     corners = np.nan_to_num(values_of(dataset["path_corners"]))
@@ -226,20 +232,26 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 
 
 def _now(time: Array, moments: Array) -> list[int]:
-    """Return the index of the last time that is not after each moment."""
+    """Return the index of the last of some times that is not after each moment; 0 if none is."""
     places = np.searchsorted(time, moments, side="right") - 1
     return [max(0, int(place)) for place in places]
 
 
 def _spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
-    """Return the intervals of equal mode, with borders half-way between two times."""
+    """Return mode, start and stop of each interval of equal mode [s].
+
+    `modes` are those at the times; borders are half-way between two times.
+    """
     edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
     starts = [0, *(i for i in range(1, len(modes)) if modes[i] != modes[i - 1]), len(modes)]
     return [(modes[i], float(edges[i]), float(edges[j])) for i, j in pairwise(starts)]
 
 
 def _outline(dataset: xarray.Dataset) -> Array:
-    """Return the outline of a tumbling part seen from the side [m]."""
+    """Return the outline of a tumbling part seen from the side, shape (2, k) [m].
+
+    A round part has a radius, too, which shows how it turns.
+    """
     size = {
         name: float(dataset[name]) for name in ("length", "height", "diameter") if name in dataset
     }
@@ -254,13 +266,18 @@ def _outline(dataset: xarray.Dataset) -> Array:
 
 
 def _box(half_length: float, half_height: float) -> Array:
-    """Return the corners of a box."""
+    """Return the corners of a closed box about its centre, shape (2, 5)."""
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
     return corners.T * np.array([[half_length], [half_height]])
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return the number of repetitions of a trajectory; 1 if the motion does not repeat."""
+    """Return the number of times that a trajectory is shown; 1 if the motion does not repeat.
+
+    `time` are its times [s], `span` is the extent of the motion [m], by which closing is judged,
+    and `length` that of the drawn part [m]: the cycle is repeated until the part has travelled far
+    enough.
+    """
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
     closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
     closed = all(
@@ -274,7 +291,7 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
 
 
 def frames_in(seconds: float) -> int:
-    """Return the number of frames in a time [s]."""
+    """Return the number of frames in a time [s]; `PlotError` if it is above 1,000."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
         message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
@@ -283,7 +300,10 @@ def frames_in(seconds: float) -> int:
 
 
 def _exaggeration(gap: float, height: float) -> float:
-    """Return the factor by which a gap is enlarged to be visible beside the part's height."""
+    """Return the factor by which a gap is enlarged to be visible beside the part's height.
+
+    `gap` is the largest gap, in the unit of the height; the factor is 1 for a large one.
+    """
     return nice(GAP_SEEN * height / gap) if 0 < gap < GAP_SEEN * height else 1.0
 
 

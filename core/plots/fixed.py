@@ -15,12 +15,14 @@ from core.suggestions import suggestion
 
 
 def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
-    """Return numbers, or texts with units, in the units of their quantities.
+    """Return numbers, or texts with units, as numbers in the units of their quantities.
+
+    `texts` are by the names of the quantities.
 
     Raises
     ------
     PlotError
-        If one is no value of its quantity.
+        If a name is not a quantity, or a text not a value of it.
     """
     values = {}
     for name, text in texts.items():
@@ -42,9 +44,18 @@ def fixed_positions(
     *,
     nearest: bool = False,
 ) -> dict[str, int]:
-    """Return the index of each remaining dimension: as asked in `at`, else the middle.
+    """Return the index at which each remaining dimension is held: as in `at`, else the middle.
 
-    A value that the dataset does not have stands for the `nearest` one where that is asked for.
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset.
+    at : mapping of str to float
+        Values of dimensions, in the unit of the dataset.
+    loose, axes : iterable of str
+        The remaining dimensions, and those that are drawn.
+    nearest : bool
+        True if a value that the dataset does not have stands for the nearest one.
 
     Raises
     ------
@@ -66,7 +77,10 @@ def fixed_positions(
 
 
 def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> int:
-    """Return the index of a value on a coordinate; raise `PlotError` if it is not there."""
+    """Return the index of a value on a coordinate; raise `PlotError` if it is not there.
+
+    With `nearest` it is the index of the nearest value.
+    """
     values = np.atleast_1d(np.asarray(coordinate.values, dtype=np.float64))
     if nearest and np.isfinite(value):
         return int(np.abs(values - value).argmin())

@@ -28,7 +28,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of a trade-off front: both outputs, with the knee.
 
-    Of a dataset with several designs up to seven fronts are drawn, evenly taken.
+    Of a dataset with more than seven designs, seven fronts are drawn, evenly chosen.
 
     Raises
     ------

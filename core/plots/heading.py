@@ -15,7 +15,8 @@ from core.plots.names import leave_out_what_meets
 from core.plots.style import Style
 
 DOT = " \N{MIDDLE DOT} "
-NAME = 13.0  # points
+# Sizes of the title, of the facts below it and of the legend [points].
+NAME = 13.0
 FACTS = 8.5
 LEGEND = 9.0
 HANDLE = 5.0  # widths of a letter: a swatch of the legend, and the gap behind it
@@ -37,10 +38,18 @@ def finish(
 
     Parameters
     ----------
+    figure : Figure
+        The figure, whose axes are drawn.
     top : Axes
         The uppermost axes, above which the facts stand.
+    style : Style
+        Colours and sizes.
+    name, source : str
+        Title of the picture, and where its values are from.
     facts : sequence of str
-        What is held fixed; those that find no room in their line are counted.
+        What is held fixed; facts that do not fit their line are only counted.
+    entries : sequence of Artist
+        Entries of the legend.
     note : str
         A sentence above the legend.
     """
@@ -69,9 +78,9 @@ def finish(
 
 
 def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
-    """Return the source of the values: title and scene of their study.
+    """Return the source of a dataset's values: title, scene, variant and method of its study.
 
-    What is `shown` already, such as a criterion, is left out of the title.
+    `shown` is a text that the picture has already, such as a criterion; the title leaves it out.
     """
     parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
     origin = ", ".join(str(part) for part in parts if part)
@@ -80,7 +89,7 @@ def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
 
 
 def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
-    """Return the width of a text in dots."""
+    """Return the width of a text in dots; `size` is that of its letters [points]."""
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     font = FontProperties(size=size, weight=weight)
     width, _, _ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)
@@ -88,7 +97,10 @@ def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -
 
 
 def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> str:
-    """Return as many facts as fit a line, and the number of the others."""
+    """Return as many facts as fit a line, and the number of the others.
+
+    `width` is that of the line in dots, `size` that of its letters [points].
+    """
     for count in range(len(facts), 0, -1):
         left = len(facts) - count
         more = [f"{left}\N{NO-BREAK SPACE}more"] if left else []
@@ -99,7 +111,10 @@ def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> 
 
 
 def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "normal") -> str:
-    """Return a text shortened to a width by leaving out its last words."""
+    """Return a text shortened to a width by leaving out its last words; empty if none fits.
+
+    `width` is in dots, `size` that of the letters [points].
+    """
     parts = text.split(" ")
     for count in range(len(parts), 0, -1):
         shown = " ".join(parts[:count])
@@ -110,7 +125,7 @@ def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "no
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> None:
-    """Add the title of the picture, in two lines if one is too short."""
+    """Add the title of the picture, in two lines if one is too short for it."""
     size, width = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
@@ -124,7 +139,7 @@ def _add_name(figure: Figure, name: str, style: Style) -> None:
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
-    """Add the legend below the axes."""
+    """Add the legend below the axes, in as many columns as fit; `note` is a sentence above it."""
     if not entries:
         return
     size = style.text(LEGEND)

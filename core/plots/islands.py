@@ -11,9 +11,10 @@ SPECK = 0.005  # of the plane: where there are more, the border of a smaller one
 
 
 def without_specks(regimes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return regimes with tiny islands, if there are many, merged into larger neighbours.
+    """Return regimes on a plane with tiny islands, if there are many, merged into neighbours.
 
-    For borders and labels only: fills and shares show every cell.
+    It is for borders and labels only: fills and shares show every cell. `regimes` has two
+    dimensions.
     """
     sizes = np.zeros(regimes.shape, dtype=np.int64)
     count = 0

@@ -41,7 +41,7 @@ from core.quantities import QUANTITIES
 from core.quantities.quantity import in_sentence
 from core.study.shown import ShownUnits
 
-POINTS = {1: 721, 2: 181}  # of each variable
+POINTS = {1: 721, 2: 181}  # points along each variable, by the number of variables
 LESS, MORE = "\N{LESS-THAN OR EQUAL TO}", "\N{GREATER-THAN OR EQUAL TO}"
 EXCLUDED = 0.55  # strength of the veil over what a constraint excludes
 SOLVED = (STATUS["optimal"], STATUS["not_attained"])
@@ -86,7 +86,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of the objective over one or two variables, with optimum and limits.
 
-    Ranged parameters are held at `options.at`, at their middle values if left out.
+    Ranged parameters are held at `options.at`, by default at their middle values.
 
     Raises
     ------
@@ -116,7 +116,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def design_positions(
     dataset: xarray.Dataset, prepared: Optimisation, options: Options
 ) -> dict[str, int]:
-    """Return the index at which each ranged parameter is fixed.
+    """Return the index at which each ranged parameter of an optimisation is held.
+
+    `prepared` is the study that the dataset carries.
 
     Raises
     ------
@@ -134,7 +136,10 @@ def design_positions(
 def held_of(
     dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[str]:
-    """Return the criterion and the fixed values in words."""
+    """Return the criterion and the values of fixed and held parameters in words.
+
+    `positions` holds the index of each ranged parameter; `units` are those for reading.
+    """
     held = [held_at(dataset[name], units, position) for name, position in positions.items()]
     return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
 
@@ -146,7 +151,7 @@ def name_of(problem: OptimisationProblem) -> str:
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:
-    """Return a constraint in words: output and bound, or the name of a contact."""
+    """Return a constraint in words: output and bound, or the name of a contact condition."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
     shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))
@@ -161,9 +166,10 @@ def _computed(
     positions: Mapping[str, int],
     units: ShownUnits,
 ) -> Landscape:
-    """Return the objective of the design on a grid of its variables.
+    """Return the objective of one design on a grid of all its variables.
 
-    Under uncertain parameters it is the worst case, mean or quantile that the optimiser looked at.
+    Under uncertain parameters it is the worst case, mean or quantile that the optimiser used.
+    `positions` holds the index of each ranged parameter.
     """
     problem, count = prepared.problem, POINTS[len(prepared.problem.names)]
     grid = np.stack(np.meshgrid(*_sides(problem, count), indexing="ij"))
@@ -175,7 +181,8 @@ def curves_of(
 ) -> list[Landscape]:
     """Return the objective along each variable, the others fixed at the optimum.
 
-    Where there is none, or a front of them, they are held in the middle of their bounds.
+    Without a single optimum they are fixed in the middle of their bounds. `positions` holds the
+    index of each ranged parameter.
     """
     problem, curves = prepared.problem, []
     best = dataset.isel({str(name): position for name, position in positions.items()})
@@ -192,7 +199,7 @@ def curves_of(
 
 
 def _sides(problem: OptimisationProblem, count: int) -> list[Array]:
-    """Return evenly spaced values between the bounds of each variable."""
+    """Return `count` evenly spaced values between the bounds of each variable."""
     return [
         np.linspace(low, high, count)
         for low, high in zip(problem.lower, problem.upper, strict=True)
@@ -207,7 +214,21 @@ def _over(
     names: tuple[str, ...],
     grid: Array,
 ) -> Landscape:
-    """Return the objective on a grid of all variables, over the named ones."""
+    """Return the objective of one design on a grid of its variables.
+
+    Parameters
+    ----------
+    dataset, prepared : xarray.Dataset, Optimisation
+        The result, and its study.
+    positions : mapping of str to int
+        Index of each ranged parameter.
+    units : ShownUnits
+        Units for reading.
+    names : tuple of str
+        The variables that change along the grid's axes.
+    grid : ndarray, shape (variables, n) or (variables, n, n)
+        Values of all variables, in SI units.
+    """
     problem = prepared.problem
     flat = np.ravel_multi_index(tuple(positions.values()), tuple(prepared.designs.shape.values()))
     cell = int(flat) if positions else 0
@@ -246,13 +267,16 @@ def _over(
 
 
 def _excluding(margin: Array) -> Array:
-    """Return a margin that is negative at points without a value."""
+    """Return the margin of a constraint with NaN replaced by a negative margin.
+
+    A point without a value then counts as excluded.
+    """
     finite = margin[np.isfinite(margin)]
     return np.nan_to_num(margin, nan=min(float(finite.min(initial=0.0)), -np.finfo(float).eps))
 
 
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw the objective over two variables; return the legend entries."""
+    """Draw the objective over two variables, with limits and optimum; return the legend entries."""
     (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
     # The scale is that of what may be chosen: what is excluded may be far larger.
     allowed = np.ones(shown.value.shape, dtype=bool)
@@ -297,7 +321,7 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw the objective over one variable; return the legend entries."""
+    """Draw the objective over one variable, with limits and optimum; return the legend entries."""
     (x,), value = shown.variables, shown.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
     entries: list[Artist] = []
@@ -325,7 +349,10 @@ def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> list[Artist]:
-    """Shade what constraints exclude, and draw the border of each."""
+    """Shade what constraints exclude, and draw the border of each; return the legend entries.
+
+    `face` is a colour of the excluded area for the legend, if known.
+    """
     (y, x), entries = shown.variables, list[Artist]()
     colours = (style.series[1], style.series[2], style.series[3], style.series[5])
     excluded = False
@@ -347,7 +374,7 @@ def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> lis
 
 
 def _star(axes: Axes, x: Array, y: Array, style: Style) -> Artist:
-    """Mark the optimum; return its legend entry."""
+    """Mark the optimum at (x, y) with a star; return its legend entry."""
     look = {"marker": "*", "color": style.accent, "mec": style.ground, "ls": ""}
     axes.plot(x, y, ms=style.width(17), clip_on=False, zorder=6, **look)  # type: ignore[arg-type]
     return Line2D([], [], ms=style.width(12), label="optimum", **look)  # type: ignore[arg-type]

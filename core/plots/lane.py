@@ -29,7 +29,20 @@ def draw_lane(
     dataset: xarray.Dataset, units: ShownUnits, style: Style, dots: int, *,
     slow: float | None = None, title: str | None = None,
 ) -> Iterator[Frame]:  # fmt: skip
-    """Yield the frames of a row of parts; touching parts are filled.
+    """Yield the frames of an animation of a row of parts; parts that touch are filled.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A simulation of one row with `trajectory`.
+    units, style : ShownUnits, Style
+        Units for reading; colours and sizes.
+    dots : int
+        Resolution [dots per inch].
+    slow : float, optional
+        Slow-motion factor; by default a period takes about a second.
+    title : str, optional
+        Title of the picture.
 
     Raises
     ------

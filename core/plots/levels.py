@@ -24,10 +24,10 @@ from core.plots.sliced import fits_as, renderer_of
 from core.plots.style import Style, mix
 from core.plots.text import number, with_unit
 
-LINES = 10
-PALE = 0.5  # how much of the ground is in the colour of a regime
+LINES = 10  # level lines, roughly
+PALE = 0.5  # share of the ground colour in the colour of a regime
 SPEED = "m s-1"
-NOTHING = 1e-6  # of the largest value: what is less has no sign
+NOTHING = 1e-6  # of the largest value: smaller ones count as 0
 HATCH = "\\\\"
 FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 
@@ -35,10 +35,11 @@ FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 def draw_levels(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw level lines of an output; return axes and legend entries.
+    """Draw level lines of an output over two axes; return axes and legend entries.
 
-    Values above zero have solid lines, those below dashed ones in another colour: a part that
-    travels backwards is told from one that travels forwards without colours too.
+    Positive values have solid lines; negative ones dashed lines in another colour and hatching, so
+    that parts travelling backwards can be seen without colours, too. `looks` are the regimes that
+    occur.
     """
     axes = figure.add_subplot()
     across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
@@ -65,7 +66,10 @@ def _hatch_below(
     values: NDArray[np.float64],
     style: Style,
 ) -> bool:
-    """Hatch the area below zero; return True if there is any."""
+    """Hatch the area where values are negative; True if there is any.
+
+    `values` has a row for each y.
+    """
     negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
     if not negative.any():
         return False
@@ -91,7 +95,10 @@ def _add_lines(
     values: NDArray[np.float64],
     style: Style,
 ) -> set[int]:
-    """Add level lines with numbers; return the signs that occur."""
+    """Add level lines with numbers; return the signs that occur: 1, 0, -1.
+
+    `values` has a row for each y.
+    """
     ends = value_range(values)
     if ends is None:
         return set()
@@ -119,7 +126,10 @@ def _add_lines(
 
 
 def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
-    """Return the legend entries of the level lines."""
+    """Return the legend entries of the level lines for the signs that occur.
+
+    `what` is the word for the values, such as speed, and `unit` their unit.
+    """
     said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
         1: (what, style.ink, FORWARD, "solid"),
         0: ("zero", style.ink, ZERO, "solid"),

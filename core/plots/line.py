@@ -27,8 +27,8 @@ from core.quantities.pictures import LEVELS
 MAX_CURVES = FEW
 MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed
 MAX_RUNS = 20  # of a regime; the borders of more would hide the curve
-STRIP = 0.055  # of the height of the curves
-BAND = 0.4  # strength of the colour of a spread
+STRIP = 0.055  # of the height of the curves: the strip of regimes of one curve
+BAND = 0.4  # opacity of the band of a spread
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
@@ -38,7 +38,11 @@ Colour = tuple[float, float, float] | str
 def draw_line(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw curves of an output; return axes and the legend entries of regimes."""
+    """Draw curves of an output over one axis; return axes and the legend entries of regimes.
+
+    A second axis of the selection makes a family of at most seven curves. `looks` are the regimes
+    that occur.
+    """
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, MAX_CURVES) if len(selection.axes) > 1 else [0]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
@@ -78,10 +82,12 @@ def _draw_regimes(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
-    """Draw the regimes of curves; return axes, legend, and whether curves need not show them.
+    """Draw the regimes of curves, and return the axes for the curves and the legend entries.
 
-    Curves of the same regimes stand on coloured grounds. Where the strokes of a curve cannot tell
-    all regimes apart, a strip below the curves does.
+    Curves of the same regimes stand on coloured grounds. If the strokes of a curve cannot
+    distinguish all regimes, a strip below the curves shows them. The last result is True if the
+    strokes need not show regimes. `regimes` has a column for each curve, and `chosen` are the
+    indices of the curves on the second axis.
     """
     across = selection.axes[0]
     alike = bool((regimes == regimes[:, :1]).all())
@@ -112,7 +118,11 @@ def _draw_categories(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output with named values as a strip, one for each value of the second axis."""
+    """Draw an output with named values as strips; return axes and legend entries.
+
+    There is one strip for each value of the second axis. `codes` has a column for each strip;
+    `chosen` are the indices of the strips on the second axis.
+    """
     axes = figure.add_subplot()
     across = selection.axes[0]
     if across.is_log:
@@ -130,7 +140,7 @@ def _draw_categories(
 
 
 def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> list[str]:
-    """Return the values of the second axis with units."""
+    """Return the chosen values of the second axis as texts with units."""
     second = selection.axes[1]
     return [with_unit(number(value, 4), second.unit) for value in second.values[chosen]]
 
@@ -157,7 +167,10 @@ def _add_bands(
     colours: list[Colour],
     style: Style,
 ) -> Artist:
-    """Add a light band around each curve; return its legend entry."""
+    """Add a light band of +- the spread around each curve; return its legend entry.
+
+    `values` and `spread` have a column for each curve.
+    """
     for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
         if width.any():
             axes.fill_between(
@@ -174,7 +187,10 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
-    """Draw the regimes, or categories, of each curve as strips."""
+    """Draw the regimes, or categories, of each curve as a strip; strips are named by `labels`.
+
+    `regimes` has a column for each strip.
+    """
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     for row, states in enumerate(regimes.T):
@@ -192,13 +208,16 @@ def _add_strips(
 
 
 def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
-    """Return value, first index and end of each run of equal values."""
+    """Return value, first index and end index of each run of equal values."""
     changes = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), states.size]
     return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
 
 
 def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple[float, ...]]:
-    """Return width and dashes of a curve in a regime."""
+    """Return width and dashes of a curve in a regime; curves are solid in valid regimes.
+
+    `alike` is True if the strokes need not distinguish the regimes.
+    """
     if look.valid:
         return PLAIN[-1] if alike else look.width, ()
     rank = 0 if alike else [other for other in looks if not other.valid].index(look)
@@ -227,7 +246,11 @@ def _part(
     style: tuple[float, tuple[float, ...]],
     colour: Colour,
 ) -> None:
-    """Draw a curve where it is in one regime, up to the next regime's first point."""
+    """Draw a curve where it is in one regime, up to the next regime's first point.
+
+    `states` are the regimes along the curve, `look` is the regime to draw, and `style` its width
+    and dashes.
+    """
     here = states == look.value
     if not here.any():
         return
@@ -253,7 +276,10 @@ def _mark_edges(
     looks: Sequence[Look],
     style: Style,
 ) -> None:
-    """Mark the points where a curve leaves the validity of closed forms."""
+    """Mark the last valid point where a curve passes from a valid regime to an invalid one.
+
+    `states` are the regimes along the curve.
+    """
     valid = np.isin(states, [look.value for look in looks if look.valid])
     last = np.flatnonzero(valid[:-1] != valid[1:])
     last = np.where(valid[last], last, last + 1)
@@ -263,7 +289,10 @@ def _mark_edges(
 def _spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
-    """Colour the background by regime, with borders half-way between two points."""
+    """Colour the background by regime, with borders half-way between two points.
+
+    `states` are the regimes along the axis.
+    """
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     runs = _runs(states)
@@ -285,7 +314,10 @@ def _spans(
 def _name_curves(
     figure: FigureBase, selection: Selection, values: NDArray[np.float64], colours: list[Colour]
 ) -> None:
-    """Add the legend of curves by the value of the second axis."""
+    """Add the legend of curves by their values on the second axis.
+
+    `values` and `colours` are theirs.
+    """
     second = selection.axes[1]
     handles = [
         Line2D([], [], color=colour, linewidth=1.8, label=with_unit(number(value, 4), second.unit))
@@ -302,7 +334,7 @@ def _name_curves(
 
 
 def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Style) -> None:
-    """Set the limits of both axes, and draw a line at zero."""
+    """Set the limits of both axes, and draw a line at zero if values have both signs."""
     axes.set_xlim(across.values[0], across.values[-1])
     ends = value_range(values)
     if ends is None:

@@ -16,16 +16,16 @@ SIZE = (10.0, 7.0)  # inches
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
 MAX_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
-DISPLAYED = 1.3  # times the highest order, the end of the spectrum
-EXACT = 1e-9  # of the frequency: an error below is not worth its digits
-MICRO = 1e6
+DISPLAYED = 1.3  # times the highest fitted order: the end of the drawn spectrum
+EXACT = 1e-9  # of the frequency: a smaller error is not printed
+MICRO = 1e6  # micrometres in a metre
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
-    """Return the picture of a fit of a measured drive.
+    """Return the picture of a drive that was fitted to a recording.
 
-    Left the samples of one period with the fitted drive, an axis below the other, and what is left
-    over; right the spectrum, in which dots mark what has been fitted, and the path of the track.
+    On the left are the samples of one period with the fitted drive, axis by axis, and the residual;
+    on the right the spectrum, in which dots mark the fitted harmonics, and the path of the track.
     """
     style = Style(dark=dark)
     figure = style.sheet(*SIZE)
@@ -46,7 +46,10 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
-    """Return the facts of a fit: frequency, periods, residual."""
+    """Return the facts of a fit as texts: frequency, clock, periods.
+
+    And a sentence on the residual.
+    """
     frequency = f"{fit.frequency:.8g} Hz"
     if fit.frequency_error > EXACT * fit.frequency:
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
@@ -67,7 +70,7 @@ def _percent(shares: Array) -> str:
 
 
 def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
-    """Draw samples and fit over one period, with the residual below."""
+    """Draw samples and fit over one period, a panel for each axis, and the residual in the last."""
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
@@ -98,7 +101,7 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the spectrum of the acceleration, and the fitted harmonics."""
+    """Draw the amplitude spectrum of the acceleration, with dots at the fitted harmonics."""
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
@@ -136,7 +139,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the path of the track from the side; displacements over time if two axes are missing."""
+    """Draw the path of the track from the side; displacements over time if an axis is missing."""
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
     moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:

@@ -16,7 +16,7 @@ from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_
 from core.plots.tumbling import draw_tumbling, read_tumbling
 from core.study import SimulateStudy
 
-TIMES = 400
+TIMES = 400  # points of a trajectory that is computed for a picture
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
@@ -26,9 +26,9 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def followed(dataset: xarray.Dataset) -> Prepared | None:
-    """Return the simulation of a dataset's part with its trajectory over a cycle.
+    """Return the study of a dataset's single part, prepared with a trajectory over a cycle.
 
-    None where there are several parts, or where the method does not follow it.
+    None if there are several parts, or if the method gives no trajectory.
     """
     text = str(dataset.attrs.get("study", ""))
     if "motion_status" not in dataset or any(one.size > 1 for one in dataset.values()) or not text:
@@ -48,7 +48,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     Raises
     ------
     PlotError
-        If there is none, or something is asked for that it cannot show.
+        If the dataset has no single motion, or an option does not apply to it.
     """
     check_result(dataset)
     style = options.style

@@ -24,10 +24,10 @@ from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
 
-DOTS = {".gif": 100, ".mp4": 150}  # an inch
-COLOURS = 32  # of a GIF; text stays smooth
-SAMPLED = 8  # frames from which they are taken
-QUALITY = 7.0
+DOTS = {".gif": 100, ".mp4": 150}  # dots per inch
+COLOURS = 32  # colours of a GIF: enough for smooth text
+SAMPLED = 8  # frames from which the colours of a GIF are taken
+QUALITY = 7.0  # of MP4, from 0 to 10, as imageio-ffmpeg takes it
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
@@ -60,14 +60,14 @@ def animate(
     target : Path
         The file; an existing one is replaced.
     slow : float, optional
-        How many times slower it is shown. Left out, a period takes about a second, a fall six.
+        Slow-motion factor. By default a period takes about a second, a fall six.
     title, units, dark, small
         As for `draw`.
 
     Raises
     ------
     PlotError
-        If the dataset holds no course, or the file cannot be made.
+        If the dataset holds no trajectory, or the file cannot be made.
     OSError
         If the file cannot be written; no part of it is left behind.
     """

@@ -23,8 +23,8 @@ from core.plots.selection import PlotAxis
 from core.plots.style import NARROW, SMALL, Style
 from core.plots.text import words
 
-TEXT_SIZE = 10
-BOX = (500.0, 330.0)  # points: about the frame of a normal picture
+TEXT_SIZE = 10  # points
+BOX = (500.0, 330.0)  # points: width and height of the frame of a normal picture, roughly
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
 CLEARANCE = 1.3  # of a label's size
 OTHERS = 0.02  # of a label's box that may lie over other regimes
@@ -46,9 +46,10 @@ def number_lines(axes: Axes, lines: ContourSet, style: Style, size: float, **loo
 
 
 def leave_out_what_meets(figure: Figure) -> None:
-    """Hide the marked texts that touch others or leave their axes.
+    """Hide the marked texts of a figure that touch other texts or leave their axes.
 
-    Those that lie higher stay. The figure has been laid out.
+    Of two that touch, the one drawn on top (the larger z-order) stays. The figure has to be laid
+    out.
     """
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
@@ -69,7 +70,10 @@ def _lies_within(box: BboxBase, frame: BboxBase) -> bool:
 
 
 def _cells_at(axis: PlotAxis, edges: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """Return the cells at points spread evenly over an axis as drawn."""
+    """Return the indices of the cells at `count` points spread evenly over an axis as drawn.
+
+    `edges` are the borders of the cells along the axis.
+    """
     drawn = np.log(edges) if axis.is_log else edges
     points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
     return np.searchsorted(drawn[1:-1], points)
@@ -89,10 +93,18 @@ def add_names(
 
     Parameters
     ----------
+    axes : Axes
+        Where to write.
+    across, up : PlotAxis
+        The axes of the plane.
     regimes : ndarray, shape (rows, columns)
         Regime of each cell, rows upward.
+    looks : sequence of Look
+        The regimes that occur.
+    style : Style
+        Colours and sizes.
     on_fill : bool
-        Whether the cells are filled with the colours of their regimes.
+        True if the cells are filled with the colours of their regimes.
     """
     if len(looks) < 2 and not on_fill:
         return
@@ -123,7 +135,11 @@ def add_names(
 
 
 def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
-    """Return the centre for a text of a size, in shares of the frame; None if it does not fit."""
+    """Return the centre for a text in an area, in shares of the frame; None if it does not fit.
+
+    `inside` is True in the area, on a raster of the frame; `width` and `height` are those of the
+    text in points.
+    """
     columns = math.ceil(width * RASTER[0] / BOX[0] * CLEARANCE)
     rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)
     framed = np.pad(inside, 1)  # the frame is a border too

@@ -19,12 +19,12 @@ def is_optimum(dataset: xarray.Dataset) -> bool:
 
 
 def prepared_of(dataset: xarray.Dataset) -> Optimisation:
-    """Return the optimisation whose result a dataset is.
+    """Return the prepared optimisation whose result a dataset is.
 
     Raises
     ------
     PlotError
-        If it is the result of none.
+        If the dataset is not the result of an optimisation.
     """
     text: Any = dataset.attrs.get("study", "")
     study = parse_json(text) if is_optimum(dataset) else None

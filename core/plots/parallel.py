@@ -32,17 +32,17 @@ from core.quantities.quantity import in_sentence
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
 
-MAX_DESIGNS = 1000
-MAX_COLUMNS = 10
-SPREAD = 0.3  # of the distance of two values of an axis, either way
-FEW = 40  # values of an axis, about which lines are spread
-TICKS = 5
+MAX_DESIGNS = 1000  # lines; of more designs some are chosen by chance
+MAX_COLUMNS = 10  # axes of the picture
+SPREAD = 0.3  # of the distance of two values of an axis: how far lines are spread about each
+FEW = 40  # values of an axis up to which lines are spread
+TICKS = 5  # of an axis, roughly
 FRONT = "front"
 LETTERS = 72  # of the names above all columns, side by side
 OPACITY = {100: 0.9, 300: 0.6, 1000: 0.4}
-"""Of a line, where there are no more lines than that."""
+"""Opacity of a line, by the largest number of lines for which it holds."""
 WEAK = 0.35
-"""Of that, for the smallest output: large ones are to be seen."""
+"""Share of that opacity for the smallest output, so that large ones stand out."""
 
 Array = NDArray[np.float64]
 
@@ -81,14 +81,14 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of all designs of a dataset, with parallel axes.
 
-    Columns are the axes of the dataset, what was optimised, further outputs that the study asks
-    for, and last the output by which lines are coloured. Of more than 1,000 designs as many are
-    drawn by chance, with the best one.
+    Columns are the axes of the dataset, optimised variables, further outputs that the study asks
+    for, and last the output by which lines are coloured. Of more than 1,000 designs, 1,000 are
+    drawn by chance, the best one among them.
 
     Raises
     ------
     PlotError
-        If there is no such output, or there are not two designs with a value.
+        If there is no such output, or if fewer than two designs have a value.
     """
     check_result(dataset)
     style, units, held = options.style, options.units, options.at
@@ -135,7 +135,7 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
     names = _names(dataset, study, axes, output)
 
     def at_all(name: str) -> NDArray[Any]:
-        """Return the values of a variable for all designs."""
+        """Return the values of a variable for all designs, shape (designs,)."""
         return _at_all(dataset[name], dims, tuple(dataset.sizes[dim] for dim in dims))
 
     values = np.asarray(at_all(output), dtype=float)
@@ -168,7 +168,19 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
 def _best(
     values: Array, designs: NDArray[np.intp], knees: NDArray[np.intp], name: str, least: bool
 ) -> tuple[int, str]:
-    """Return index and description of the best design, or of knees."""
+    """Return the index of the best design, and a text that says in what it is best.
+
+    Parameters
+    ----------
+    values : ndarray
+        The output of all designs.
+    designs, knees : ndarray of int
+        Indices of the valid designs, and of those at knees of fronts, which are preferred.
+    name : str
+        Name of the output.
+    least : bool
+        True if the smallest value is the best.
+    """
     choice = knees if knees.size else designs
     best = int(choice[(np.argmin if least else np.argmax)(values[choice])])
     if knees.size == 1:
@@ -204,7 +216,10 @@ def _names(
 
 
 def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return the values of all designs in one row, middle values of other dimensions."""
+    """Return the values of an array for all designs in one row, shape (designs,).
+
+    `dims` and `shape` are the dimensions over which designs range; others are taken at the middle.
+    """
     middles = {d: array.sizes[d] // 2 for d in array.dims if d not in dims}
     array = array.isel(middles)
     wide = [size if d in array.dims else 1 for d, size in zip(dims, shape, strict=True)]
@@ -215,7 +230,10 @@ def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) ->
 def _column(
     array: xarray.DataArray, values: Array, units: ShownUnits, gridded: bool
 ) -> ParallelColumn:
-    """Return a column in shown units, with equal values spread apart."""
+    """Return a column in the unit for reading; its limits leave room to spread equal values.
+
+    `gridded` is True for an axis of the dataset, on which many designs share a value.
+    """
     shown = shown_in(array, units)
     values = scaled(xarray.DataArray(values), shown.factor)
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -262,7 +280,7 @@ def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
 
 
 def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
-    """Draw the axes with numbers and names, and the best design's values."""
+    """Draw the axes with numbers and names, and write the best design's value at each."""
     width = max(9, LETTERS // len(designs.columns))
     halo = [withStroke(linewidth=2.5, foreground=style.ground)]
     size = style.text(8.0)

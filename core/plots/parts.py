@@ -36,7 +36,11 @@ def plain(value: float, _: object = None) -> str:
 
 
 def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
-    """Make an axis logarithmic, with plain numbers at the ticks."""
+    """Make an axis logarithmic, with plain numbers at the ticks.
+
+    `spine` is the axis of matplotlib; `values` are those on it, ascending: if they span less than a
+    decade, ticks lie between powers of ten.
+    """
     if spine.axis_name == "x":  # type: ignore[attr-defined]
         spine.axes.set_xscale("log")
     else:
@@ -92,7 +96,11 @@ def add_colour_bar(
     style: Style,
     **layout: Any,
 ) -> None:
-    """Add a colour bar with ticks at the levels."""
+    """Add a colour bar beside axes, with ticks at the levels and the label of the output.
+
+    `colours` is what is coloured, `scale` its levels, and `layout` holds further options of
+    matplotlib.
+    """
     ticks = scale.levels[:: 2 if style.small else 1]
     bar = figure.colorbar(colours, ax=axes, ticks=ticks.tolist(), **layout)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))

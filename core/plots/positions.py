@@ -65,7 +65,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
-    """Return the row of parts in a dataset.
+    """Return the positions of a row of parts over time, in units for reading.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from core.plots.landscape import SOLVED, curves_of, design_positions, draw_curve
 from core.plots.optimum import is_optimum, prepared_of
 from core.plots.options import Options
 
-COLUMNS = 3  # at most
+COLUMNS = 3  # curves side by side, at most
 HEIGHT = 2.6  # inches of a row
 
 

@@ -27,7 +27,10 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 def draw_map(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the map of regimes; return axes and legend entries with shares."""
+    """Draw the map of regimes over two axes; return axes and legend entries with shares.
+
+    `looks` are the regimes that occur.
+    """
     axes = figure.add_subplot()
     across, up, _, regimes = set_plane(axes, selection, MAX_POINTS)
     fill_cells(axes, across, up, regimes, looks, [look.fill for look in looks])
@@ -45,7 +48,11 @@ def fill_cells(
     looks: Sequence[Look],
     fills: Sequence[RGB],
 ) -> None:
-    """Fill every cell with its regime's colour, hatched where results are not valid."""
+    """Fill every cell with its regime's colour, hatched where results are not valid.
+
+    `regimes` has a row for each value of `up`; `fills` are the colours of `looks`, which are
+    ascending by value.
+    """
     x, y = cell_edges(across), cell_edges(up)
     values = [look.value for look in looks]  # ascending
     colours = ListedColormap(list(fills))
@@ -70,7 +77,10 @@ def add_borders(
     looks: Sequence[Look],
     colour: str | RGB = BORDER,
 ) -> NDArray[np.int64]:
-    """Draw borders between regimes; return the regimes without tiny islands."""
+    """Draw borders between regimes; return the regimes without tiny islands, as bordered.
+
+    `regimes` has a row for each value of `up`.
+    """
     x, y = cell_edges(across), cell_edges(up)
     plain = without_specks(regimes)
     for look in looks:
@@ -84,7 +94,11 @@ def add_borders(
 def _as_corners(
     x: NDArray[np.float64], y: NDArray[np.float64], inside: NDArray[np.bool_]
 ) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
-    """Return each cell as four corners, so that contours follow the sides of cells."""
+    """Return each cell as four points, so that contours follow the sides of cells.
+
+    The results are x, y and the values at these points: 1 in cells that are `inside`, else 0. `x`
+    and `y` are the borders of the cells.
+    """
     corners = np.repeat(x, 2)[1:-1], np.repeat(y, 2)[1:-1]
     return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
 
@@ -92,9 +106,9 @@ def _as_corners(
 def share_entries(
     regimes: NDArray[np.int64], looks: Sequence[Look], fills: Sequence[RGB]
 ) -> list[Artist]:
-    """Return the legend entries, each with its share of the cells.
+    """Return the legend entries, each with its share of all cells.
 
-    The values are those of regimes, or of whatever else the picture has in their place.
+    `regimes` holds flag values or categories, and `fills` the colours of `looks`.
     """
     return [
         _entry(look, fill, float(np.mean(regimes == look.value)))

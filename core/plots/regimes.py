@@ -21,11 +21,11 @@ from core.plots.text import words
 from core.quantities import REGIMES
 from core.quantities.pictures import FILLS, INKS
 
-VEIL_STRENGTH = 0.45
-TINT_VEIL = 0.68
-HATCH_WIDTH = 0.7
-HATCH_STRENGTH = 0.3  # the values below are to be read
-LINE_STRENGTH = 0.3  # beside contours, which are lines too
+VEIL_STRENGTH = 0.45  # opacity of the veil over values that are not valid
+TINT_VEIL = 0.68  # share of the ground colour in the tint of a background
+HATCH_WIDTH = 0.7  # points
+HATCH_STRENGTH = 0.3  # opacity of hatches, below which values have to be readable
+LINE_STRENGTH = 0.3  # opacity of hatches of sparse lines, which contours cross
 
 # Hatch, width of a line, and the colour of both. Where values hold, regimes of closed forms
 # are told apart by sparse dots or by nothing and those of motion by sparse lines, elsewhere by
@@ -160,9 +160,10 @@ def looks_of(
     *,
     exact: bool = False,
 ) -> list[Look]:
-    """Return the colours and names of the regimes that occur.
+    """Return colours and names of the regimes that occur, ascending by value.
 
-    What is `exact` in every regime is hatched in none.
+    `regime` is the variable that gives each value its name, `present` are the values that occur;
+    with `exact` the output holds in every regime, and none is hatched as invalid.
 
     Raises
     ------
@@ -192,9 +193,10 @@ def shade(
     faces: Mapping[Look, RGB],
     style: Style,
 ) -> None:
-    """Shade and hatch the regimes of a plane, arrays (y, x), and draw their borders.
+    """Shade and hatch the regimes of a plane, and draw their borders.
 
-    `faces` are the colours that lie below.
+    Values that are not valid get a veil and a dense hatch. `regimes` has a row for each y; `faces`
+    holds the colour below each regime, by its look.
     """
     bordered = without_specks(regimes)
     for look, face in faces.items():
@@ -226,7 +228,7 @@ def shade(
 
 
 def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
-    """Return the legend entry of a regime on a face colour."""
+    """Return the legend entry of a regime on a face colour; `ink` is the colour of the hatching."""
     patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
     patch.set_linewidth(0.8)
     if hatched:
@@ -235,7 +237,7 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
 
 
 def veiled_swatch(look: Look, face: RGB) -> Patch:
-    """Return the legend entry of a regime over a colour."""
+    """Return the legend entry of a regime over a face colour, with the veil of invalid values."""
     ground = look.style.ground
     seen = face if look.valid else mix(face, ground, VEIL_STRENGTH)
     return swatch(look, seen, mix(seen, _ink(look, face), 0.6))

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from core.plots.style import RGB, Style
 
-BANDS = 12
+BANDS = 12  # levels of a scale, roughly
 OUTLIERS = 1.0  # per cent on either side that may be cut off ...
 SPREAD = 4.0  # ... where the range shrinks by more than this
-FLAT = 1e-9
+FLAT = 1e-9  # of the largest value: a smaller range is drawn as one value
 MINOR_SIGN = 0.1  # a sign that reaches less of the other leaves the colours to that one
 STRONG = 85.0  # per cent: the middle one is often as pale as a veil
 
@@ -30,7 +30,10 @@ class Scale:
     extend: Literal["neither", "min", "max", "both"]
 
     def typical(self, values: NDArray[np.float64]) -> RGB:
-        """Return a strong colour for some values; white if none is finite."""
+        """Return a strong colour of some values, at their 85th percentile.
+
+        White if none is finite.
+        """
         finite = values[np.isfinite(values)]
         if not finite.size:
             return 1.0, 1.0, 1.0
@@ -45,7 +48,8 @@ class Scale:
 def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
     """Return the smallest and largest value to show; None if nothing is finite.
 
-    A pole would leave one colour to the rest of the picture, so what sticks out far is cut.
+    Outliers are cut off, as at a pole, which would leave one colour to the rest of the picture: 1 %
+    on either side, if that shrinks the range more than fourfold. A flat range is widened.
     """
     finite = values[np.isfinite(values)]
     if not finite.size:
@@ -61,7 +65,10 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
 
 
 def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
-    """Return the colour scale for values; None if nothing is finite."""
+    """Return the colour scale for values; None if nothing is finite.
+
+    If both signs occur to some extent, the colours have two branches with zero in the middle.
+    """
     ends = value_range(values)
     if ends is None:
         return None

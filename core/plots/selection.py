@@ -102,13 +102,14 @@ def natural(
 ) -> tuple[str, str, tuple[str, ...]]:
     """Return kind, output and axes of the default picture of an output.
 
-    Lines over one axis, and where an axis has a few values only; a map of what has names in place
-    of heights; lines of equal speed over the regimes; else contours.
+    Lines are drawn over one axis, or if an axis has at most seven values; a map if values have
+    names; lines of equal value for speeds; else contours. `variable` and `axes` are what was asked
+    for, if anything.
 
     Raises
     ------
     PlotError
-        If the dataset does not have it.
+        If the dataset does not have what is asked for.
     """
     whole = dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 2)
@@ -135,10 +136,27 @@ def select(
 ) -> Selection:
     """Return the slice of a dataset to draw.
 
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset.
+    variable : str or None
+        The output; by default the first that varies.
+    axes : tuple of str or None
+        One or two dimensions; by default the longest.
+    at : mapping of str to float
+        Values of other dimensions, in the unit of the dataset; by default their middle.
+    kind : str
+        contour, surface, levels, line or map.
+    units : ShownUnits, optional
+        Units for reading.
+    nearest : bool
+        True if a value of `at` that the dataset does not have stands for the nearest one.
+
     Raises
     ------
     PlotError
-        If the dataset does not have it.
+        If the dataset does not have what is asked for.
     """
     units = units or ShownUnits()
     whole, names, categories = _selected(dataset, variable, axes, kind)
@@ -180,7 +198,10 @@ def select(
 def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
-    """Return the array to draw, its axes, and its categories if it has any."""
+    """Return the array to draw, its axes, and the names of its categories if it has any.
+
+    Arguments as in `select`; raises `PlotError` if the kind does not fit the output.
+    """
     if kind == "map" and "regime" not in dataset:
         fix = "Ask for another kind, or leave it out"
         raise PlotError("kind", "the dataset has no regimes", fix)
@@ -215,9 +236,9 @@ def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
 
 
 def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return name, value and unit of every parameter with a single value.
+    """Return name, value and unit of every parameter with a single value, as texts.
 
-    What the study says comes before what it leaves to defaults.
+    Parameters of the study come before those left to defaults.
     """
     parameters = study_of(dataset).get("parameters", {})
     single = [
@@ -230,7 +251,7 @@ def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
 
 
 def thin(size: int, most: int) -> NDArray[np.int64]:
-    """Return at most `most` indices out of `size`, both ends included."""
+    """Return at most `most` indices out of `size`, evenly spread, both ends included."""
     return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.int64))
 
 
@@ -272,7 +293,10 @@ def _ranged(whole: xarray.DataArray) -> list[str]:
 
 
 def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
-    """Return the axes to draw; raise `PlotError` for invalid ones."""
+    """Return the axes to draw; raise `PlotError` for invalid ones.
+
+    Without `names` they are the `most` longest dimensions of the array.
+    """
     ranged = _ranged(whole)
     if not ranged:
         fix = "Choose an output that depends on a ranged parameter"
@@ -299,7 +323,11 @@ def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
 
 
 def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:
-    """Return name, value and unit of a parameter as one text."""
+    """Return name, value and unit of a parameter as one text, with non-breaking spaces.
+
+    `position` is an index of a ranged parameter. A parameter over which a reduction went has its
+    range instead of a value.
+    """
     name = name_in_words(str(coordinate.name))
     if position is None and "reduced_range" in coordinate.attrs:  # its value is only nominal
         ends = coordinate.copy(data=np.float64(np.max(np.abs(coordinate.attrs["reduced_range"]))))

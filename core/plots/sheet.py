@@ -25,18 +25,20 @@ PAGE = 8.27, 11.69  # inches, A4
 LEFT, RIGHT, TOP, BOTTOM = 0.08, 0.92, 0.955, 0.045
 LINE = 0.0165  # of the page's height
 DPI = 200  # of the picture
-MAX_ROWS = 18  # of a table; more is in the file
-LETTERS = 108  # of a line
+MAX_ROWS = 18  # rows of a table; the file has all
+LETTERS = 108  # letters of a line
 SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
 def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None = None) -> None:
     """Write a one-page summary of a result file as PDF, PNG or SVG.
 
+    `title` is that of the page, by default that of the study; `units` are those for reading.
+
     Raises
     ------
     PlotError
-        If the file is no such result, has no picture, or the page's name ends otherwise.
+        If the file is not such a result, has no picture, or the page's name ends otherwise.
     OSError
         If the file cannot be read or the page cannot be written; no part of it is left behind.
     """
@@ -50,16 +52,16 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     Parameters
     ----------
     dataset : xarray.Dataset
-        What a study gave.
+        The result of a study.
     title : str
         Title of the page; by default that of the study.
     units : str, optional
-        As for `core.plots.draw`.
+        Units for reading, as for `core.plots.draw`.
 
     Raises
     ------
     PlotError
-        If it has no picture.
+        If the result has no picture.
     """
     style, shown = Style(), units_of(dataset, units)
     page = Figure(figsize=PAGE, facecolor=style.ground)
@@ -114,7 +116,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
 
 
 def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value (or range) of each parameter, without settings."""
+    """Return label and value (or range) of each parameter, without settings such as a tolerance."""
     rows = []
     for name, array in dataset.coords.items():
         if name not in QUANTITIES or name in SETTINGS:
@@ -134,7 +136,7 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
 
 
 def _values(array: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the value or the range of an array with its unit."""
+    """Return the value or the range of an array with its unit; a dash if no value is finite."""
     shown = shown_in(array, units)
     values = np.asarray(array.values, dtype=float) * shown.factor
     values = values[np.isfinite(values)]
@@ -146,7 +148,7 @@ def _values(array: xarray.DataArray, units: ShownUnits) -> str:
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
-    """Return the regimes that occur in words."""
+    """Return the regimes that occur in words, with their shares of the cells."""
     if "regime" not in dataset:
         return ""
     values, counts = np.unique(dataset["regime"].values, return_counts=True)

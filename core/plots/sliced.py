@@ -34,7 +34,10 @@ Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, l
 
 
 def _said(look: Look, dataset: xarray.Dataset) -> Look:
-    """Return a regime's look with the reason why a cell has none, if known."""
+    """Return a regime's look, named by the reason if its cells have no regime.
+
+    The reason is the status of these cells, if the dataset has one.
+    """
     if look.name != "not_assessed":
         return look
     nowhere = dataset["regime"] == look.value
@@ -49,7 +52,7 @@ def _said(look: Look, dataset: xarray.Dataset) -> Look:
 
 
 def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> None:
-    """Draw two colliding bodies with the fixed parameters."""
+    """Draw two colliding bodies as they lie, at the values of `options.at`, in each view."""
     positions = {
         str(name): int(np.abs(dataset[name].values - value).argmin())
         for name, value in options.at.items()
@@ -70,7 +73,7 @@ def check_result(dataset: xarray.Dataset) -> None:
 
 
 def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
-    """Return the test of whether a dataset is drawn as this kind by default."""
+    """Return the test by which a dataset is drawn as a kind of picture by default."""
 
     def fits(dataset: xarray.Dataset, options: Options) -> bool:
         """True if a dataset is drawn as this kind by default."""
@@ -83,7 +86,11 @@ def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
 def renderer_of(
     painter: Painter, kind: str, beyond: str
 ) -> Callable[[xarray.Dataset, Options], Figure]:
-    """Return the function that draws a slice by a painter."""
+    """Return the function that draws a slice of a dataset as one kind of picture.
+
+    `painter` draws the slice; `beyond` says how invalid regimes look, with `{pale}` in place of the
+    style's word for pale.
+    """
 
     def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         """Return the picture of a slice."""

@@ -113,7 +113,10 @@ class Style:
         return size * (SMALL if self.small else 1.0)
 
     def sheet(self, width: float = 8.0, height: float = 6.4) -> Figure:
-        """Return an empty figure of the size of a normal picture [inch]."""
+        """Return an empty figure; `width` and `height` are those of a normal picture [inch].
+
+        In the style of small pictures it is smaller.
+        """
         if self.small:
             width, height = NARROW * width, LOW * height
         figure = NotebookFigure(
@@ -123,7 +126,7 @@ class Style:
         return figure
 
     def series_over(self, count: int) -> list[RGB]:
-        """Return the colours of curves ordered by a quantity."""
+        """Return colours of `count` curves that are ordered by a quantity, from dark to light."""
         ends = (0.32, 1.0) if self.dark else (0.0, 0.78)
         shades = matplotlib.colormaps["viridis"](linspace(*ends, count))
         return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
@@ -170,7 +173,7 @@ class Style:
 
 
 def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
-    """Return a mixture of two colours."""
+    """Return a mixture of two colours; `share` is that of the second one, 0 to 1."""
     red, green, blue = (
         (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
     )

@@ -26,9 +26,9 @@ from core.plots.style import RGB, Style, mix
 from core.plots.text import short_label
 
 MAX_POINTS = 91  # of an axis: every face is a shape in an SVG
-GREYED = 0.8
-TINT = 0.3
-ELEVATION = 28.0
+GREYED = 0.8  # share of grey in the colour of a face that is not valid
+TINT = 0.3  # share of the regime's colour in that grey
+ELEVATION = 28.0  # degrees, from which the surface is seen
 RELIEF = 2.0  # of the heights, in the light: no face is in the dark
 LIGHT_FROM = (-0.6, -0.3, 1.0)
 SHADE = 0.55  # brightness of a face that the light does not reach
@@ -38,7 +38,11 @@ AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be
 def draw_surface(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output as a surface; return axes and legend entries."""
+    """Draw an output over two axes as a surface; return axes and legend entries.
+
+    If several valid regimes occur, colours show regimes, else values. `looks` are the regimes that
+    occur.
+    """
     first, second = selection.axes
     rows, columns = thin(first.values.size, MAX_POINTS), thin(second.values.size, MAX_POINTS)
     part = np.ix_(rows, columns)
@@ -89,7 +93,10 @@ def _add_faces(
     *,
     by_regime: bool,
 ) -> None:
-    """Add a face for each visible cell, coloured by value or regime."""
+    """Add a face for each visible cell, coloured by value or regime.
+
+    `points` are x, y, z of the grid, shape (m, n, 3); `regimes` has the shape (m, n).
+    """
     corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
     faces = np.stack(corners, axis=-2).reshape(-1, 4, 3)
     states = regimes[:-1, :-1].ravel()
@@ -111,7 +118,10 @@ def _add_faces(
 
 
 def _light(faces: NDArray[np.float64], scale: Scale) -> NDArray[np.float64]:
-    """Return the brightness of faces, shape (n,); those rising to the left are lit."""
+    """Return the brightness of faces, shape (n,), 0.55 to 1, by the angle at which light falls in.
+
+    `faces` are the corners of each, shape (n, 4, 3).
+    """
     ends = faces.reshape(-1, 3)
     across, up = np.ptp(ends[:, 0]) or 1.0, np.ptp(ends[:, 1]) or 1.0
     size = np.array([across, up, (scale.levels[-1] - scale.levels[0]) * RELIEF])
@@ -130,7 +140,10 @@ def _add_borders(
     scale: Scale,
     style: Style,
 ) -> None:
-    """Add borders between regimes, heavier where validity ends."""
+    """Add borders between regimes, heavier where validity ends.
+
+    `points` are x, y, z of the grid, shape (m, n, 3); `regimes` has the shape (m, n).
+    """
     valid = np.isin(regimes, [look.value for look in looks if look.valid])
     for states, width in ((regimes, 0.8), (valid, 2.0)):
         across = states[1:-1, :-1] != states[:-2, :-1]
@@ -160,7 +173,7 @@ def _entry(look: Look, face: RGB) -> Artist:
 
 
 def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
-    """Return colours greyed as in a regime, shape (n, 3)."""
+    """Return colours, shape (n, 3), greyed if the regime is not valid."""
     if look.valid:
         return colours
     grey = 0.6 + 0.36 * (luminance(colours))[:, np.newaxis]
@@ -170,7 +183,10 @@ def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
 
 
 def _azimuth(z: NDArray[np.float64]) -> float:
-    """Return the azimuth that puts the lowest corner in front."""
+    """Return the azimuth of the view [degrees] that puts the lowest corner of the surface in front.
+
+    `z` are the heights, shape (m, n).
+    """
     rows, columns = z.shape[0] // 2, z.shape[1] // 2
     filled = np.nan_to_num(z, nan=float(np.nanmean(z)) if np.isfinite(z).any() else 0.0)
     near = {

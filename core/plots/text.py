@@ -34,7 +34,10 @@ def name_in_words(name: str) -> str:
 
 
 def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
-    """Return the unit in which an array's values are shown."""
+    """Return the unit in which an array's values are shown, and the factor to it.
+
+    It depends on the largest finite size.
+    """
     values = np.abs(np.asarray(array.values, dtype=np.float64))
     largest = float(values[np.isfinite(values)].max(initial=0.0))
     return units.of(str(array.attrs.get("units", "1")), largest)
@@ -43,10 +46,12 @@ def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
 def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
     """Return the asked units, else those of the dataset's study.
 
+    `asked` are names such as `m/min`, as a list or separated by commas.
+
     Raises
     ------
     PlotError
-        If what is asked for is no unit.
+        If a name is not a unit.
     """
     words = dataset.attrs.get("shown_units", "") if asked is None else asked
     listed = words.split(",") if isinstance(words, str) else list(words)
@@ -67,7 +72,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def math_symbol(symbol: str) -> str:
-    """Return a symbol as mathematical text; empty if unknown or an expression."""
+    """Return a symbol of a quantity as mathematical text, as in `mu_s`; empty for an expression."""
     match = re.fullmatch("(" + "|".join(GREEK) + r"|[A-Za-z])_?(\d|[a-z]+)?", symbol)
     if not match:
         return ""
@@ -89,7 +94,7 @@ def axis_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def short_label(array: xarray.DataArray, unit: str) -> str:
-    """Return symbol and unit, or the long name without a symbol."""
+    """Return symbol and unit of an axis; without a symbol the long name and the unit."""
     symbol = math_symbol(str(array.attrs.get("symbol", "")))
     return (
         " ".join(part for part in (symbol, in_brackets(unit)) if part)
@@ -99,7 +104,7 @@ def short_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the demand of a probability in shown units; empty for other variables."""
+    """Return the demand whose probability an array holds, in words; empty for other variables."""
     name, attributes = str(array.name), array.attrs
     if not name.startswith("probability_") or "output" not in attributes:
         return ""

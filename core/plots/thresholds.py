@@ -28,9 +28,9 @@ SPEED = "conveying_velocity"
 MULTIPLE = "period_multiple"
 TOUCHING = ("stick", "slip", "stick_slip", "no_motion", "sliding", "roll")
 REPEATING = ("hopping", "hop_after_hop")
-STILL = 0.01  # of the largest speed: what is slower has no direction
-TEXT = 8.5  # points
-ROW = 1.7  # lines of text that a row of labels takes
+STILL = 0.01  # of the largest speed: slower parts count as having no direction
+TEXT = 8.5  # points: size of a label's letters
+ROW = 1.7  # height of a row of labels, in lines of text
 GAP = 5.0  # dots between a line and its label
 
 INTO = {
@@ -65,7 +65,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of an output over one parameter with its thresholds.
 
     Each kind of threshold is marked where it comes first; the best value is that of the largest
-    size, forward or backward.
+    size, positive or negative.
 
     Raises
     ------
@@ -126,11 +126,11 @@ def find_thresholds(
     Parameters
     ----------
     axis, values : ndarray, shape (n,)
-        Values of the parameter, ascending, and of the output; NaN where it does not hold.
+        Values of the parameter, ascending, and of the output; NaN where it is not valid.
     states : sequence of str, length n
         Names of the regimes.
     multiples : ndarray, shape (n,), or None
-        Periods after which the motion repeats; 0 where it does not.
+        Number of periods after which the motion repeats; 0 where it does not.
     unit : str
         Unit of the output.
     """
@@ -158,7 +158,7 @@ def find_thresholds(
 
 
 def _change(before: str, after: str) -> str:
-    """Return the change from one regime to the next in words."""
+    """Return the change from one regime to the next in words; both are names of regimes."""
     if before in ("stick", "no_motion"):
         return "starts to move"
     if after in ("stick", "no_motion"):
@@ -185,7 +185,10 @@ def _repeats(multiple: int) -> str:
 
 
 def _turn(axis: NDArray[np.float64], values: NDArray[np.float64], limit: float) -> Threshold | None:
-    """Return the first threshold at which parts reverse their direction."""
+    """Return the first threshold at which parts reverse their direction; None if they do not.
+
+    `limit` is the speed below which a part counts as having no direction, in the unit of `values`.
+    """
     moving = np.flatnonzero(np.abs(np.nan_to_num(values)) > limit)
     for before, after in pairwise(moving):
         if values[before] * values[after] < 0:
@@ -202,7 +205,10 @@ def _mark(
     selection: Selection,
     style: Style,
 ) -> None:
-    """Draw a line with a label at each threshold."""
+    """Draw a line with a label at each threshold, in rows above the curve.
+
+    A star at the best value.
+    """
     size = style.text(TEXT)
     low, high = axes.get_ylim()
     figure.draw_without_rendering()
@@ -257,11 +263,11 @@ class _Label(NamedTuple):
 
 
 def _rows(labels: Sequence[_Label], left: float, right: float) -> list[tuple[_Label, int, bool]]:
-    """Return the row of each label above the curve, and if it is left of its line.
+    """Return each label with its row above the curve, and True if it is left of its line.
 
-    No line runs through a label: of those to the right of their lines the ones further to the left
-    lie higher, of those to the left, which find no room to the right, the ones further to the
-    right.
+    No line runs through a label. `left` and `right` are the ends of the frame in dots; labels that
+    find no room to the right of their lines stand to the left. Of labels on the right, those
+    further to the left lie higher; of labels on the left, those further to the right.
     """
     limit, leftward = right, []
     for label in reversed(labels):
@@ -288,7 +294,7 @@ def _span(label: _Label, leftward: bool) -> tuple[float, float]:
 
 
 def _label(threshold: Threshold, selection: Selection) -> str:
-    """Return the text of a threshold's label."""
+    """Return the text of a threshold's label: what happens, and at which value of the axis."""
     axis = selection.axes[0]
     step = float(np.diff(axis.values).max())
     digits = 3

@@ -23,7 +23,7 @@ from core.plots.style import Style
 from core.plots.text import long_name, short_label
 from core.study.shown import ShownUnits
 
-MOST = 7
+MOST = 7  # datasets of a picture
 Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
 DASHES: tuple[Dashes, ...] = (
     "solid", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (10, 3)),
@@ -34,7 +34,7 @@ BEYOND = "Pale: values there do not describe a real part"
 
 
 def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:
-    """Return the picture of one output of several datasets over one axis.
+    """Return the picture of one output of several datasets over one axis, a line each.
 
     Each line is named by the parameters in which its dataset differs from the others, or by its
     file.
@@ -42,7 +42,7 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
     Raises
     ------
     PlotError
-        If they share no output or no axis, or there are too many.
+        If the datasets share no output or no axis, or there are too many.
     """
     style = options.style
     if len(datasets) > MOST:
@@ -83,7 +83,10 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
 def _selections(
     datasets: Sequence[xarray.Dataset], options: Options
 ) -> tuple[list[Selection], ShownUnits]:
-    """Return the curve of each dataset in common units, and the units."""
+    """Return the curve of each dataset in common units, and these units.
+
+    Raises `PlotError` if the datasets share no output or axis.
+    """
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
     held = _held(datasets, options.at, axis)
@@ -111,7 +114,10 @@ def _add_lines(
     selections: Sequence[Selection],
     style: Style,
 ) -> bool:
-    """Draw the curves, pale where not valid; return True if some are not."""
+    """Draw the curves, pale where not valid; True if some values are not valid.
+
+    Datasets and selections belong together.
+    """
     beyond = False
     rows = zip(datasets, selections, style.series, DASHES, strict=False)
     for dataset, selection, colour, dashes in rows:
@@ -131,7 +137,10 @@ def _add_lines(
 
 
 def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
-    """Return the output that all datasets have."""
+    """Return the output to draw: the asked one, or the first that varies in all datasets.
+
+    Raises `PlotError` if a dataset does not have it.
+    """
     if asked is not None:
         for dataset in datasets:
             if asked not in dataset.data_vars:
@@ -146,7 +155,10 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
 
 
 def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...] | None) -> str:
-    """Return the axis that the output has in all datasets."""
+    """Return the axis to draw: the asked one, or the longest that the output has in all datasets.
+
+    Raises `PlotError` if there is none.
+    """
     if asked is not None and len(asked) != 1:
         raise PlotError("axes", "several files are drawn over one axis", "Write, say, amplitude")
     ranged = [
@@ -169,7 +181,10 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...
 def _held(
     datasets: Sequence[xarray.Dataset], at: Mapping[str, float], axis: str
 ) -> list[dict[str, float]]:
-    """Return the fixed values that apply to each dataset."""
+    """Return the values of `at` that apply to each dataset: those of its dimensions.
+
+    Unknown names, and the axis itself, are kept, so that they are refused later.
+    """
     known = {str(name) for dataset in datasets for name in dataset.dims}
     unknown = {name for name in at if name not in known or name == axis}
     return [
@@ -181,7 +196,7 @@ def _held(
 def _labels(
     datasets: Sequence[xarray.Dataset], selections: Sequence[Selection], units: ShownUnits
 ) -> tuple[list[str], list[str]]:
-    """Return labels that distinguish the datasets, and their common facts."""
+    """Return labels that distinguish the datasets, and the facts that they have in common."""
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
     labels = [[fact for fact in own if fact not in common] for own in facts]
@@ -195,7 +210,7 @@ def _labels(
 
 
 def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
-    """Return labels with file names or numbers where they would be equal."""
+    """Return labels that are all different, with file names or numbers where they would be equal."""
     if len(set(labels)) < len(labels) or not all(labels):
         names = [_name(dataset) for dataset in datasets]
         labels = [": ".join(filter(None, pair)) for pair in zip(names, labels, strict=True)]
