@@ -27,10 +27,10 @@ from core.study.optimise_study import Maximise, Pareto
 FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 """Outputs that are forward motion where they are positive."""
 
-GAP_POINTS = 40_000  # of the grid that a design is compared with
-GAP_POINTS_MOTION = 1_600
-FLAT = 1e-14  # of the scale: what all choices differ by is rounding
-MISSED = 1e-6  # a gap above this is more than a method leaves
+GAP_POINTS = 40_000  # of the grid that a design's optimum is compared with
+GAP_POINTS_MOTION = 1_600  # the same for motions, which take long
+FLAT = 1e-14  # of the objective's scale: a smaller difference of all choices is rounding
+MISSED = 1e-6  # of the objective's scale: a larger gap means that the method missed the optimum
 AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
 
 
@@ -40,7 +40,25 @@ def checked(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> dict[str, NDArray[Any]]:
-    """Return every variable of an optimisation's result in the units of studies, shape (cells,)."""
+    """Return every variable of an optimisation's result, checked against other methods.
+
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    optima : Optima
+        The optima that its method found.
+    design : mapping of str to ndarray
+        The fixed parameters of each design in SI units, shape (cells,).
+    scales : mapping of str to ndarray
+        The largest size of each output, shape (cells,), by which margins and gaps are judged.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Best values, objective, outputs, margins, residual, gap to another method's optimum, status
+        and regime, in the units of studies, shape (cells,).
+    """
     problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
     cells = optima.status.shape
     lost: NDArray[np.bool_] = np.asarray(np.isnan(optima.x).any(axis=0))
@@ -110,7 +128,11 @@ def checked(
 def _at_bounds(
     problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
 ) -> dict[str, NDArray[np.int8]]:
-    """Return a mask of the variables that are at a bound, within a share of their range."""
+    """Return flags, 1 where a variable is at its lower or upper bound, by name.
+
+    `x` are the best values in SI units, shape (variables, cells), `lost` is True where there is no
+    optimum, and `tolerance` is a share of the variable's range.
+    """
     span = problem.upper - problem.lower
     arrays = {}
     for i, name in enumerate(problem.names):
@@ -128,9 +150,20 @@ def _status(
     scales: Mapping[str, Array],
     forward: Array,
 ) -> NDArray[np.int8]:
-    """Return the statuses, after physical checks that a general optimiser cannot make.
+    """Return the statuses after physical checks: no motion, only backward, all choices equal.
 
-    `forward` is the output that is looked for, in the case that counts.
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        The problem.
+    status : ndarray of int8
+        The statuses that the method states, shape (cells,).
+    known : mapping
+        All quantities at the optima.
+    design, scales : mapping of str to ndarray
+        Fixed parameters of each design, and scales of the outputs.
+    forward : ndarray
+        The output that is maximised, in the case that counts.
     """
     optimal = status == STATUS["optimal"]
     if problem.sign > 0 and problem.criterion.output in FORWARD:
@@ -155,7 +188,11 @@ def _status(
 def _of_each_point(
     problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
 ) -> tuple[OptimisationProblem, Mapping[str, Array]]:
-    """Return the problem of each point; on a front, with the limit at the point's own value."""
+    """Return the problem of each optimum, and its designs.
+
+    Each point of a trade-off front is an optimum under a limit of the other output, which is that
+    of the point itself.
+    """
     if not isinstance(problem.criterion, Pareto):
         return problem, design
     other = np.abs(problem.output(problem.criterion.against, dict(known)))
@@ -170,7 +207,11 @@ def _gap(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of another method's optimum less this one; NaN without both."""
+    """Return the objective of another method's optimum less this one; NaN without both.
+
+    It is from a closed form, the batch solver, or a dense grid: the first that is not `method`
+    itself. `value` is the objective to compare with, and `lost` is True where there is no optimum.
+    """
     if LIMIT in (kept.name for kept in problem.kept) and problem.against:
         # A limit of nothing, which rounding may just break, would leave no answer.
         design = {**design, LIMIT: design[LIMIT] + ROUNDING * scales[problem.against]}

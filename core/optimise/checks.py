@@ -15,7 +15,11 @@ from core.study.values import Between, Values
 
 
 def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield problems between the sections of a study."""
+    """Yield the problems that concern several sections of a study.
+
+    `values` are its parameters. Variables may not be given as parameters, outputs with names may
+    not be optimised, and constraints have to be consistent.
+    """
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
         fix = "Give the largest absolute value, 0 or more"
@@ -64,7 +68,11 @@ def problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    """Yield problems of the uncertain parameters."""
+    """Yield problems of the uncertain parameters of a study.
+
+    `intervals` are their distributions, `values` the parameters, and `bounds` those of the
+    variables; no name may be in two of them.
+    """
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
@@ -87,7 +95,10 @@ def problems_of_intervals(
 
 
 def of_other_drive(problem: Problem, scene: Scene) -> Problem:
-    """Return a plan's problem, reworded if only the plain sine drive has the output."""
+    """Return a plan's problem, reworded if only the plain sine drive has the output.
+
+    `scene` is the one that was planned.
+    """
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)
     if "wave" not in producers or closed is None or not problem.about:

@@ -12,7 +12,7 @@ from core.mechanics.arrays import Array, Mask
 from core.optimise.problem import OptimisationProblem
 
 STEP = 1e-6  # of a variable's range; differences of the outputs then keep about ten digits
-MAX_SUBSETS = 4000
+MAX_SUBSETS = 4000  # sets of binding constraints that are tried
 
 
 def residual(
@@ -22,13 +22,23 @@ def residual(
     scales: Mapping[str, Array],
     touching: float,
 ) -> Array:
-    """Return the residual of the optimality conditions, relative to the objective's scale.
+    """Return the residual of the first-order optimality conditions (Karush, Kuhn, Tucker).
 
-    (cells,).
+    At an optimum the negative gradient of the objective is a combination, without negative weights,
+    of the inward gradients of the binding constraints; the residual is what is left of it, with
+    each variable over its range, relative to the objective's scale. At a kink, |other| = 0, the
+    other output's gradient may enter with up to twice its weight. NaN where a slope has no value.
 
-    At an optimum the gradient is a combination, with no negative weight, of the inward gradients of
-    the constraints that bind, negated; a kink of the objective at |other| = 0 adds the other's
-    gradient, with a weight up to twice the objective's. NaN where a slope has no value.
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        The problem.
+    x : ndarray, shape (variables, cells)
+        The optima in SI units.
+    design, scales : mapping of str to ndarray
+        Fixed parameters and scales of the outputs, shape (cells,).
+    touching : float
+        Share of a scale, or of a range, within which a constraint binds.
     """
     count, cells = x.shape
     span = problem.upper - problem.lower
@@ -50,7 +60,10 @@ def residual(
     back = allowed[..., 0] & allowed[..., 1] & ~allowed[..., 2]
 
     def slope(values: Array) -> Array:
-        """Return the derivative by every variable, from values on the difference stencil."""
+        """Return the derivative by each variable over its range, shape (cells, variables).
+
+        `values` are on the stencil: four points along each variable, then the point itself.
+        """
         values = np.broadcast_to(values, (cells, 4 * count + 1))
         here = values[:, -1:]
         two_back, one_back, one_on, two_on = np.moveaxis(
@@ -103,10 +116,21 @@ def residual(
 
 
 def _least(target: Array, pulls: Array, binds: NDArray[np.bool_], most: list[float]) -> Array:
-    """Return the smallest |target - sum of weights pulls|, weights from 0 to `most`; (cells,).
+    """Return the smallest |target - sum of weights times pulls| over all weights, shape (cells,).
 
-    Of some directions at most as many as there are variables are needed (Caratheodory): their
-    subsets are tried.
+    Weights range from 0 to `most`. No more directions than variables are needed (Caratheodory), so
+    all such subsets are tried.
+
+    Parameters
+    ----------
+    target : ndarray, shape (cells, variables)
+        Gradient of the objective.
+    pulls : ndarray, shape (directions, cells, variables)
+        Outward gradients of the constraints.
+    binds : ndarray of bool, shape (directions, cells)
+        True where a constraint binds.
+    most : list of float
+        Largest weight of each direction.
     """
     count = target.shape[1]
     starts = [target]

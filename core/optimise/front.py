@@ -31,11 +31,22 @@ def find_front(
     method: str,
     watch: Watch,
 ) -> Optima:
-    """Return the Pareto front of every design, from the largest output to the least other one.
+    """Return the trade-off front of every design, from the largest output to the least other one.
 
-    Where there is no closed form: both ends, then the largest output at equally spaced limits of
-    the other between them, all designs and limits at once. The arrays have the shape
+    Without a closed form both ends are found first, then the largest output at equally spaced
+    limits of the other one, all designs and limits at once. The arrays of the result have the shape
     (cells * points,), the points of a design one after the other.
+
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        The problem, with a criterion of kind `pareto`.
+    design, scales : mapping of str to ndarray
+        Fixed parameters and scales of the outputs, shape (cells,).
+    method : str
+        A key of `METHODS`.
+    watch : Watch
+        Takes the progress, and may stop the search.
     """
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
@@ -72,7 +83,12 @@ def _least(
     method: str,
     watch: Watch,
 ) -> Optima:
-    """Return the end of the front with the least other output."""
+    """Return the end of each front at which the other output is least.
+
+    `inner` is the problem with a limit of the other output; the other arguments are as in
+    `find_front`. The batch solver tries a limit of 0; where no choice keeps it, and for other
+    methods, the other output gets a large weight.
+    """
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
     heavy = Weighted(output=criterion.output, against=criterion.against, weight=HEAVY)
@@ -97,7 +113,10 @@ def _least(
 
 
 def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    """Return the other output's absolute value at an end of the front; NaN if there is none."""
+    """Return the other output's absolute value at an end of the fronts; NaN without an optimum.
+
+    It is in the unit of studies, shape (cells,).
+    """
     assert problem.against is not None
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)

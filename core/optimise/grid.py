@@ -17,13 +17,13 @@ from core.optimise.single import spread
 from core.watch import Watch
 
 FIRST_POINTS = 40_000  # of the first grid of a design
-LATER_WIDTH = 9  # points of each variable of a later one
-MAX_GRIDDED = 4  # variables
-ROUNDS = 40
-SHRINKS = 0.5
+LATER_WIDTH = 9  # points along each variable of a later grid
+MAX_GRIDDED = 4  # variables that a grid can have
+ROUNDS = 40  # grids, each finer than the one before
+SHRINKS = 0.5  # width of a grid over that of the one before
 MAX_POINTS = 8_000_000  # of all designs together
-REST_POINTS = 81  # of the grid on which a part that no choice moves is looked for at rest
-BLOCK = 262_144
+REST_POINTS = 81  # of the grid on which rest is looked for, where no choice moves the part
+BLOCK = 262_144  # points that are evaluated at a time
 
 
 def by_grid(
@@ -32,7 +32,11 @@ def by_grid(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the best point of a grid, then of successively finer grids around it."""
+    """Return the best point of a grid, then of successively finer grids around it, by design.
+
+    `design` and `scales` hold the fixed parameters and the outputs' scales, shape (cells,); `watch`
+    takes the progress and may stop the search.
+    """
     cells, count = cells_of(design), len(problem.names)
     size = problem.scale(scales)
     low, high = np.zeros((count, cells)), np.ones((count, cells))
@@ -72,11 +76,11 @@ def with_best_rest(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the optima; where no choice moves the part forwards, the best such choice.
+    """Return the optima, with a choice where the part rests if none moves it forwards.
 
-    Known answers look for forward motion only. Without any, nothing is better than a part that
-    rests; where it slides back at every choice, a grid tells which one is the best, or that none
-    keeps the limits.
+    Closed forms and batch solver look for forward motion only. Without any, the best is a part that
+    rests; where it slides back at every choice, a grid finds the best choice, or that none keeps
+    the limits. Arguments as in `by_grid`.
     """
     still = np.flatnonzero((optima.status == STATUS["no_motion"]) & np.isnan(optima.x).any(axis=0))
     if not still.size:
@@ -97,14 +101,19 @@ def with_best_rest(
 
 
 def dense_width(variables: int, cells: int, points: int) -> int:
-    """Return the points per variable of a grid with about `points` points per design."""
+    """Return the number of points along each variable of a grid with about `points` per design.
+
+    `cells` is the number of designs, whose points together are limited, too; the result is 5 to
+    201.
+    """
     return max(5, min(201, int(min(points, MAX_POINTS / cells) ** (1 / variables))))
 
 
 def _filled(variables: int, cells: int, points: int) -> Array:
-    """Return a grid over the unit box, shape (variables, n); a sequence of points if coarse.
+    """Return points in the unit box, shape (variables, n), about `points` of them.
 
-    In many variables a grid of so few points holds little but edges.
+    They are a grid, or an evenly spread sequence for more than four variables, where so coarse a
+    grid would hold little but edges.
     """
     width = dense_width(variables, cells, points)
     if variables > MAX_GRIDDED:
@@ -119,7 +128,11 @@ def _top(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[Any, Array, Array]:
-    """Return index, violation and value of the best of some points (variables, cells, n)."""
+    """Return index, violation and objective of the best of some points of each design.
+
+    `unit` are the points as shares of the bounds, shape (variables, cells, n); the results have the
+    shape (cells,). The smallest violation counts first, then the largest objective.
+    """
     cells = unit.shape[1]
     step = max(1, BLOCK // (unit.shape[2] * problem.nodes))
     position = np.zeros(cells, dtype=np.intp)
@@ -145,7 +158,11 @@ def reliable_grid(
     scales: Mapping[str, Array],
     points: int,
 ) -> Array:
-    """Return the best objective on a grid for motions, after checking chance by longer runs."""
+    """Return the best objective on a grid for motions, after checking chance by longer runs.
+
+    The result has the shape (cells,), -inf where no point keeps the constraints. `points` is the
+    number of points of a design.
+    """
     count, cells = len(problem.names), cells_of(design)
     unit = _filled(count, cells, points)
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * unit
@@ -165,7 +182,10 @@ def dense_grid(
     scales: Mapping[str, Array],
     points: int,
 ) -> Array:
-    """Return the best objective on a grid of at most `points` points a design; -inf without one."""
+    """Return the best objective on a grid of at most `points` points a design.
+
+    The result has the shape (cells,), -inf where no point keeps the constraints.
+    """
     count, cells = len(problem.names), cells_of(design)
     shares = _filled(count, cells, points)[:, np.newaxis]
     unit = np.broadcast_to(shares, (count, cells, shares.shape[2]))

@@ -30,7 +30,11 @@ class Answered:
 
 
 def answered(problem: OptimisationProblem) -> Answered | None:
-    """Return the solved problem that matches a problem, apart from bounds and criterion."""
+    """Return the family of solved problems that a problem belongs to, None if there is none.
+
+    Bounds and criterion are not compared here; with the family comes whether contact with floor and
+    wall is kept.
+    """
     plan, criterion = problem.plan, problem.criterion
     family = OF_SYSTEM.get((plan.scene.name, plan.variant, criterion.output))
     names = {kept.name for kept in problem.kept}
@@ -44,7 +48,7 @@ def answered(problem: OptimisationProblem) -> Answered | None:
 
 
 def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
-    """True if a family has an optimum for the variables, limit and contacts of a problem."""
+    """True if a family's optima hold for the variables, limit and contacts of a problem."""
     plan = problem.plan
     at_rest = "speed" not in plan.parameters and (
         plan.scene.name != "rectangle-on-track" or "centripetal_acceleration" in plan.defaults
@@ -91,7 +95,11 @@ def is_front(problem: OptimisationProblem) -> bool:
 
 
 def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the inputs of the closed forms, shape (cells,): drive, gravity, friction."""
+    """Return the inputs of the closed forms in SI units, shape (cells,).
+
+    They are the drive's acceleration, gravity along and normal (and across), friction, and angles
+    that are not variables. `design` holds the fixed parameters.
+    """
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
     inputs = {name: known[name] for name in names}
@@ -108,7 +116,10 @@ def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[st
 def _closed(
     problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0
 ) -> Optimum | ParetoSet:
-    """Return the closed-form optimum of every design, or so many points of its front."""
+    """Return the closed-form optimum of every design, or `points` points of its front.
+
+    The problem has to be closed (`is_closed`).
+    """
     which = answered(problem)
     assert which is not None
     inputs = groups(problem, design)
@@ -124,7 +135,7 @@ def _closed(
 
 
 def by_closed_form(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
-    """Return the closed-form optimum of every design."""
+    """Return the closed-form optimum of every design; `design` has the shape (cells,)."""
     best = _closed(problem, design)
     value = best.acceleration_x - problem.weight * np.abs(best.acceleration_y)
     return Optima(_ordered(problem, best.alpha, best.beta), best.status, value)
@@ -140,7 +151,10 @@ def by_closed_front(
 
 
 def by_newton(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
-    """Return the optimum of every design by the compiled batch solver."""
+    """Return the optimum of every design by the compiled batch solver.
+
+    The problem has to be compiled (`is_compiled`); `design` has the shape (cells,).
+    """
     which = answered(problem)
     assert which is not None
     inputs = groups(problem, design)

@@ -34,7 +34,10 @@ KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
 
 
 def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
-    """Return the results of an optimisation, labelled and verified if asked for."""
+    """Return the results of an optimisation as a table, verified if the study asks for it.
+
+    `computed` are the arrays of all variables; `watch` may stop the verification.
+    """
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
     variables = {
@@ -52,7 +55,10 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
 
 
 def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:
-    """Return the CF attributes of every variable."""
+    """Return the CF attributes of every variable of an optimisation's result, by name.
+
+    `regimes` are the flag values that occur.
+    """
     problem = prepared.problem
     sentence = criterion_in_words(problem)
     attributes: dict[str, dict[str, Any]] = {}
@@ -111,7 +117,10 @@ def _binds(what: str) -> dict[str, Any]:
 
 
 def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Return the result in plain words."""
+    """Return the result in plain words: status, best values and binding constraints of one design.
+
+    For several designs it is the number of each status.
+    """
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
     arrays = {name: values.ravel() for name, values in arrays.items()}
     counts = np.bincount(arrays["optimum_status"], minlength=len(by_value))

@@ -19,7 +19,10 @@ from core.watch import Watch
 
 
 def _known(solver: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:
-    """Return the method that takes known optima, and the best standstill where nothing moves."""
+    """Return the method that uses known optima, and the best rest where nothing moves forwards.
+
+    `solver` returns these optima for a problem and its designs.
+    """
 
     def solve(
         problem: OptimisationProblem,
@@ -110,7 +113,7 @@ METHODS: dict[str, OptimisationMethod] = {
 
 
 def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
-    """Return the reason why a method cannot solve a problem, with an alternative; else None."""
+    """Return the reason why a method cannot solve a problem, and advice; None if it can."""
     if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
         return "the worst case has kinks, and it needs slopes", "Leave method out"
     if name == "exact" and not known_optima.is_closed(problem):
@@ -127,8 +130,8 @@ def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
 def default_method(problem: OptimisationProblem, cells: int) -> str:
     """Return the method for a study that names none.
 
-    The known answers where there are; else what `benchmarks/optimise.py` shows to be the fastest
-    of those that miss nothing.
+    Closed form or batch solver if they know the problem; else `search` for motions, which have
+    jumps, and `population` for closed forms. `cells` is not used.
     """
     front = known_optima.is_front(problem)
     order = ("exact", "newton") if front else ("newton", "exact")

@@ -86,19 +86,19 @@ def fastest(
     """Return the best angles of every design (theory 12).
 
     The printed formulas and the track are linear in the drive direction, with plane limits and
-    bounds: their active set is looked for among closed forms, and the answer is global. The block
-    with the friction disc is maximised by Newton's method in D_x at fixed beta, where it is
-    concave, and over beta by the sign of the slope between samples. With the default bounds of the
-    angles the samples include every maximum; with others, and a limit on a_y, a window of beta
-    narrower than a 64th of its range may be missed: look at `residual` (above 1e-7 in one of 20,000
-    random designs, a drive that friction all but holds).
+    bounds: their active set is looked for among closed forms, and the optimum is global. The block
+    with the friction disc is maximised by Newton's method in D_x, the driving force per mass along
+    the track, at fixed beta, where it is concave, and over beta by the sign of the slope between
+    samples. With the default bounds of the angles the samples include every maximum; with others,
+    and a limit on a_y, a window of beta narrower than a 64th of its range may be missed: look at
+    `residual` (above 1e-7 in one of 20,000 random designs, a drive that friction all but holds).
 
     Parameters
     ----------
     family : str
         One of `BATCHED`. The physical ones keep floor (and wall) contact.
     vibration_acceleration : array_like
-        P [m s-2].
+        P, the drive's acceleration amplitude [m s-2].
     gravity_along, gravity_across, gravity_normal : array_like
         Gravity along -x, towards the wall, and onto the floor [m s-2].
     friction_kinetic, friction_static : array_like
@@ -107,11 +107,12 @@ def fastest(
     limit : array_like
         Largest |a_y| on the plane; infinite for none. On the track a_y is 0 [m s-2].
     alpha_lower, alpha_upper, beta_lower, beta_upper : array_like
-        Bounds [rad]; alpha's at most 180 deg apart, beta's within -90 and 90 deg.
+        Bounds of azimuth and elevation of the drive [rad]; alpha's at most 180 deg apart, beta's
+        within -90 and 90 deg.
     floor_contact, wall_contact : bool
-        Whether n0 >= 0 and, on the track, the wall force >= 0 are kept.
+        True to keep the floor's normal force and, on the track, the wall's force >= 0.
     threads : int, optional
-        At most as many; the number of cores by default. Results do not depend on it.
+        Largest number of threads; the number of cores by default. Results do not depend on it.
     """
     from core.optimise.kernels.newton import solve
 
@@ -142,7 +143,7 @@ def fastest(
     )
 
     def run(start: int) -> None:
-        """Solve one piece of the cells."""
+        """Solve the designs of one piece; `start` is the number of its first design."""
         piece = slice(start, start + PIECE)
         solve(kept, groups[piece], table[piece], active[piece], status[piece])
 

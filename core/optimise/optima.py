@@ -48,7 +48,10 @@ Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array]
 
 
 def status_of(value: float, beyond: float, tolerance: float) -> int:
-    """Return the status of a best point from its objective and violation."""
+    """Return the status of a best point: optimal, infeasible, or without a value.
+
+    `value` is its objective; `beyond` is its violation of constraints, which `tolerance` allows.
+    """
     if beyond <= tolerance and np.isfinite(value):
         return STATUS["optimal"]
     return STATUS["infeasible"] if np.isfinite(beyond) else STATUS["no_value"]

@@ -96,7 +96,7 @@ class Optimisation(Prepared):
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of a design [s]."""
+        """The likely and the largest time of a design on one core [s], by method and motion."""
         if not self.problem.is_motion:
             seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
             seconds *= max(1.0, self.problem.nodes / NODES)
@@ -109,7 +109,7 @@ class Optimisation(Prepared):
         return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
 
     def _priced_by(self, method: Method) -> tuple[float, float]:
-        """Return the likely and the largest time of one motion by a method [s]."""
+        """Return the likely and the largest time of one motion by a method on one core [s]."""
         free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         return price_of(method, self.plan, self.designs, free)
 

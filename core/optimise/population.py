@@ -18,8 +18,8 @@ from core.optimise.robust import NODES
 from core.optimise.single import spread
 from core.watch import Watch
 
-MEMBERS = 24  # and 8 more a variable
-SAMPLES = 1024  # of which the first members are taken
+MEMBERS = 24  # of a population, and 8 more for each variable
+SAMPLES = 1024  # points from which the first members are taken
 MAX_GENERATIONS = 400
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
@@ -35,7 +35,8 @@ def by_population(
 ) -> Optima:
     """Return the best member of every design's population.
 
-    What keeps the constraints beats what does not; of two that do not, the smaller violation wins.
+    A member that keeps the constraints beats one that does not; of two that do not, the smaller
+    violation wins. `design` and `scales` have the shape (cells,).
     """
     cells = cells_of(design)
     step = max(1, CELLS * NODES // max(NODES, problem.nodes))
@@ -57,7 +58,10 @@ def _evolve(
     watch: Watch,
     all_cells: int,
 ) -> Optima:
-    """Evolve the populations of some designs until they have narrowed; return their best."""
+    """Evolve the populations of some designs until they have narrowed; return their best members.
+
+    `all_cells` is the number of designs of the whole study, for the progress.
+    """
     cells, count = cells_of(design), len(problem.names)
     members = MEMBERS + 8 * count
     random = np.random.default_rng(SEED)
@@ -110,7 +114,8 @@ def _evolve(
 def _share_done(widths: Array, cells: int) -> float:
     """Return the progress of populations, 0 to 1, from how far they have narrowed.
 
-    `widths` are those still alive, of so many `cells`; the others are done.
+    `widths` are those of the populations still evolving, as shares of the bounds; the others of
+    `cells` are done.
     """
     orders = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
     return float(1 - (widths.size - orders.sum()) / cells)
@@ -122,10 +127,11 @@ def _first(
     scales: Mapping[str, Array],
     members: int,
 ) -> tuple[Array, Array, Array]:
-    """Return the first members with their ranks: half from the best of many, half spread out.
+    """Return the first members of each population, with their violations and objectives.
 
-    Where little is feasible, a few dozen points would know one corner of it only: the box around
-    what the first points find feasible is sampled once more.
+    Half are the best of many points, half are spread out. Where little is feasible, the box around
+    the first feasible points is sampled once more. The members are shares of the bounds, shape
+    (variables, cells, members); `design` and `scales` have the shape (cells, 1).
     """
     count, cells = len(problem.names), next(iter(design.values())).shape[0]
     points = np.concatenate([_corners(count), spread(SAMPLES, count)], axis=1)[:, None, :SAMPLES]
@@ -157,7 +163,10 @@ def _judge(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[Array, Array]:
-    """Return violation and objective of points of the unit box."""
+    """Return violation and objective of points in the unit box, shape (cells, n).
+
+    `unit` are the points as shares of the bounds, shape (variables, cells, n).
+    """
     lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
     x = np.where(unit == 1, upper, lower + unit * (upper - lower))
     value, beyond = problem.judged(x, design, scales)
@@ -165,7 +174,11 @@ def _judge(
 
 
 def _trial(unit: Array, beyond: Array, value: Array, random: np.random.Generator) -> Array:
-    """Return a candidate per member: a step towards the best plus a difference of two others."""
+    """Return a trial point for each member: steps towards the best and along differences of others.
+
+    `unit` are the members as shares of the bounds, shape (variables, cells, members); `beyond` and
+    `value` are their violations and objectives. All designs get the same random numbers.
+    """
     count, _, members = unit.shape
     top = np.lexsort((-value, beyond), axis=-1)[:, 0]
     best = np.take_along_axis(unit, top[None, :, None], axis=2)

@@ -80,7 +80,10 @@ def _spans(
     intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],
 ) -> dict[str, Span]:
-    """Return the ends of all ranges of variables and uncertain parameters, to plan for."""
+    """Return the range of each variable and uncertain parameter, for the plan, in units of studies.
+
+    Names that are also parameters are left out.
+    """
     ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
     ends |= {name: tolerance(name, one) for name, one in intervals.items()}
     return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
@@ -93,7 +96,11 @@ def _unknown_method(name: str | None) -> Iterable[Problem]:
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
-    """Return scene and variant of a study; raise `StudyError` if there are none such."""
+    """Return scene and variant of a study; raise `StudyError` if there are none such.
+
+    `asked` are the outputs of criterion and study. A drive other than the plain sine needs an
+    output of the motion.
+    """
     named = (*asked, *(each.output for each in study.constraints))
     given = (*study.values(), *study.bounds(), *study.intervals())
     try:
@@ -128,9 +135,9 @@ def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
 
 
 def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    """Return the method of a study, or the suitable one.
+    """Return the method of a study, or the default one.
 
-    Raise `StudyError` if it cannot solve it.
+    `StudyError` if it cannot solve the problem.
     """
     if study.sensitivities and designs.cells > MAX_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
@@ -154,11 +161,18 @@ def _variable(name: str, between: Between) -> Variable:
 def choose_problem_scene(
     name: str, variant: str | None, outputs: Iterable[str], parameters: Iterable[str] = ()
 ) -> Chosen:
-    """Return the closed-form scene with its variant, or the system of motion if an output needs it.
+    """Return the closed-form scene with its variant, or the system of motion with its method.
 
-    So does a drive that is no plain sine, of which the closed forms know nothing: `parameters` are
-    names of all parameters, variables among them. The third is what is wrong with the variant,
-    which then gives way to the default.
+    Motion is taken if an output needs it, or if a parameter belongs to a drive other than the plain
+    sine, which closed forms do not know. The third result are problems of the variant, which is
+    then replaced by the default.
+
+    Parameters
+    ----------
+    name, variant : str, str or None
+        Scene and variant of the study.
+    outputs, parameters : iterable of str
+        All outputs that are asked for; all parameters, variables included.
 
     Raises
     ------
@@ -198,7 +212,10 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
-    """Return the default bounds of angles that the outputs depend on and the study leaves free."""
+    """Return default bounds of the drive's angles that outputs depend on and the study leaves free.
+
+    `values` are the study's parameters.
+    """
     needed = behind(outputs, scene.producers(variant).get).keys()
     refused = {
         constraint.parameters[0]

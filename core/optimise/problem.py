@@ -28,10 +28,10 @@ LIMIT = "limit"
 """Name of the limit of a criterion, and of its value among the arrays of a design."""
 
 ROUNDING = 1e-15
-"""Of an output's scale."""
+"""Of an output's scale: a smaller violation of a limit may be rounding."""
 
 UNKNOWN = 1e300
-"""Stands in for an error that nobody knows: larger than any value, but no infinity."""
+"""Stands for an unknown error: larger than any value, but finite."""
 
 LONGEST = 1000.0
 """Times the periods over which a motion that does not repeat is followed, to see whether it stands:
@@ -143,9 +143,18 @@ class OptimisationProblem:
         watch: Watch | None = None,
         plan: Plan | None = None,
     ) -> Arrays:
-        """Return every quantity of the plan at candidates x, shape (variables, ...), SI units.
+        """Return every quantity of the plan at candidates, by name, in SI units.
 
-        Of what is counted, such as springs, the nearest whole number is evaluated.
+        Parameters
+        ----------
+        x : ndarray, shape (variables, ...)
+            Values of the variables, SI units; counted ones, such as springs, are rounded.
+        design : mapping of str to ndarray
+            The fixed parameters, which broadcast with a candidate.
+        watch : Watch, optional
+            May stop motions.
+        plan : Plan, optional
+            The equations to run; by default all of the problem.
         """
         plan = plan or self.plan
         given = {name: design[name] for name in plan.parameters if name in design}
@@ -164,17 +173,21 @@ class OptimisationProblem:
         return np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
 
     def objective(self, known: Arrays) -> Array:
-        """Return the value to maximise; NaN where an output has no value."""
+        """Return the value to maximise, in the unit of studies; NaN where an output has no value.
+
+        It is the output with its sign, less the weight times the other output's size.
+        """
         value = self.sign * self.output(self.criterion.output, known)
         if self.weight and self.against:
             value = value - self.weight * np.abs(self.output(self.against, known))
         return value
 
     def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the objective; under uncertain parameters, over all of their nodes.
+        """Return the objective; under uncertain parameters, the statistic of it over all nodes.
 
         That is the worst case, the mean or the quantile that the study asks for; NaN where an
-        output has no value at a node. Shape of one candidate of `x`, broadcast with the design.
+        output has no value at a node. The shape is that of a candidate of `x` broadcast with the
+        design.
         """
         if self.uncertain is None:
             return self.objective(self.known(x, design))
@@ -187,7 +200,10 @@ class OptimisationProblem:
         return np.where(lost, np.nan, counts)
 
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
-        """Return the distance of an output from its bound; negative if it is violated."""
+        """Return the distance of an output from its bound, in the unit of studies.
+
+        It is negative where the constraint `kept` is violated; `known` holds the outputs.
+        """
         value = self.output(kept.output, known)
         bound = design[LIMIT] if kept.bound is None else kept.bound
         value = np.abs(value) if kept.absolute else value
@@ -198,7 +214,10 @@ class OptimisationProblem:
         return [self.margin(kept, known, design) for kept in self.kept]
 
     def smooth_margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
-        """Return margins without absolute values: one with an upper bound becomes two."""
+        """Return margins without absolute values, for methods that follow slopes.
+
+        A bound |y| <= b becomes the two margins b - y and b + y.
+        """
         margins = []
         for kept in self.kept:
             if kept.absolute and kept.upper:
@@ -219,7 +238,7 @@ class OptimisationProblem:
         """Return the objective and the sum of all violations over their scales, without NaN.
 
         Where an output has no value the objective is -inf and the violation inf: a NaN would end
-        scipy's differential evolution.
+        scipy's differential evolution. Arguments as in `known`; `scales` are those of the outputs.
         """
         return self.judged_with_error(x, design, scales, watch)[:2]
 
@@ -230,11 +249,11 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None = None,
     ) -> tuple[Array, Array, Array]:
-        """Return objective and violations, and the error of the objective by chance.
+        """Return objective, sum of violations, and the error of the objective by chance.
 
-        That is the error of the objective where a motion does not repeat, 0 where it does, and
-        `UNKNOWN` where the output is another than the mean velocity, whose error alone is known. Of
-        uncertain parameters the largest error counts.
+        The error is that of the mean of a motion that does not repeat, 0 of one that does, and
+        `UNKNOWN` for outputs whose error is not known. Under uncertain parameters the largest error
+        counts.
         """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
@@ -249,7 +268,7 @@ class OptimisationProblem:
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
-        """Return the problem with aperiodic motions simulated `times` as long."""
+        """Return the problem with motions that do not repeat simulated `times` as long."""
         if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
         most = times * self.plan.defaults["max_periods"]
@@ -257,7 +276,10 @@ class OptimisationProblem:
         return replace(self, plan=plan)
 
     def chance_error(self, known: Arrays) -> Array:
-        """Return the error of the objective by chance: that of aperiodic motions."""
+        """Return the error of the objective by chance, in the unit of studies.
+
+        0 if the motion repeats.
+        """
         motion = known.get("motion")
         if not isinstance(motion, Motion):
             return np.zeros(())
@@ -277,7 +299,7 @@ class OptimisationProblem:
     def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
         """Return designs at the nodes of the uncertain parameters, along a new first axis.
 
-        What candidates x give without these parameters then is computed once.
+        Quantities that depend on the candidates `x` alone are then computed once.
         """
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
@@ -285,7 +307,7 @@ class OptimisationProblem:
         return {**design, **{name: one.reshape(-1, *(1,) * axes) for name, one in nodes}}
 
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the least margin over the nodes of the uncertain parameters."""
+        """Return the least margin of a constraint over the nodes of the uncertain parameters."""
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
         over = self.over(design, x)
@@ -300,7 +322,7 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None,
     ) -> tuple[Array, Array, Array]:
-        """Return objective, violation and error of candidates, at given parameters."""
+        """Return objective, violation and error by chance of candidates, node by node."""
         known = self.known(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
@@ -312,10 +334,10 @@ class OptimisationProblem:
         return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), chance_error
 
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
-        """Return the scale of each output that takes part, for each design: its largest size.
+        """Return the scale of each output that takes part: its largest size in each design.
 
-        It is taken over the corners and middles of the bounds: margins and gaps are compared with
-        it. 1 where an output is 0 or has no value. `design` has the shape (cells,).
+        It is taken over the corners and middles of the bounds, shape (cells,); margins and gaps are
+        compared with it. It is 1 where an output is 0 or has no value.
         """
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
@@ -330,16 +352,17 @@ class OptimisationProblem:
         return scales
 
     def scale(self, scales: Mapping[str, Array]) -> Array:
-        """Return the scale of the objective."""
+        """Return the scale of the objective, from those of the outputs, shape (cells,)."""
         scale = scales[self.criterion.output]
         return np.maximum(scale, self.weight * scales[self.against]) if self.against else scale
 
     def regime(
         self, known: Arrays, scales: Mapping[str, Array], touching: float
     ) -> NDArray[np.int8]:
-        """Return the regime of each point; contacts count as kept within `touching` of their scale.
+        """Return the regime of each point as flag values.
 
-        At a lift-off optimum the normal acceleration is a rounding of either sign.
+        A contact whose normal acceleration is within `touching` of its scale counts as kept: at an
+        optimum on the verge of lift-off it is a rounding of either sign.
         """
         snapped = dict(known)
         for kept in self.kept:
@@ -350,7 +373,10 @@ class OptimisationProblem:
         return regimes(self.plan, snapped)
 
     def limited(self) -> OptimisationProblem:
-        """Return the problem of one point of a front: the output with a limit of the other one."""
+        """Return the problem of one point of a front: the output with a limit of the other one.
+
+        The value of the limit is then `design[LIMIT]`.
+        """
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
         inner = Limited(output=criterion.output, against=criterion.against, limit=0.0)

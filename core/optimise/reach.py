@@ -55,9 +55,9 @@ Bound = tuple[OutputLimit, str]
 
 
 def nearest(study: Study) -> list[Reach]:
-    """Return, for each bound, the nearest approach to it with all others kept.
+    """Return the nearest approach to each bound that cannot be met while all others are kept.
 
-    Bounds of absolute values are left out.
+    Bounds of absolute values are left out; empty for a study of another kind.
     """
     if not isinstance(study, OptimiseStudy):
         return []
@@ -66,7 +66,10 @@ def nearest(study: Study) -> list[Reach]:
 
 
 def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
-    """Return the nearest approach to one bound with the others kept; None if unknown."""
+    """Return the nearest approach to one bound with the others kept.
+
+    None if there is no solution.
+    """
     limit, end = named_bound
     kept = []
     for other, side in _single(study):
@@ -84,7 +87,7 @@ def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
 
 
 def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
-    """Return the result of a one-design study by name; None without a solution."""
+    """Return the variables of the result of a study of one design; None without a solution."""
     try:
         table = carry_out(prepare(study), KIND.compute, KIND.label)
     except VibrafeedError:  # such as an output that is none of this sort of study
@@ -146,7 +149,10 @@ OF_A_LINE = ("amplitude", "beta")
 
 
 def ways(study: Study) -> list[Way]:
-    """Return changes that would satisfy all limits: frequency, friction, or an ellipse."""
+    """Return changes of a study by which all limits would be kept, each with its best choice.
+
+    Tried are another frequency, more friction and an elliptical drive.
+    """
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
     reached = []
@@ -164,7 +170,10 @@ def ways(study: Study) -> list[Way]:
 
 
 def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with the frequency as a variable; None if it already is one."""
+    """Return the study with the frequency as a variable, within a factor of four either way.
+
+    None if the study does not give one frequency.
+    """
     given = study.values().get("frequency")
     if not isinstance(given, Fixed):
         return None
@@ -173,7 +182,7 @@ def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with the friction as a variable; None if it cannot be larger."""
+    """Return the study with the friction as a variable, up to 0.8; None if it is larger already."""
     given = study.values().get("friction")
     if not isinstance(given, Fixed) or given.value >= MAX_FRICTION:
         return None
@@ -181,7 +190,7 @@ def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:
-    """Return the study with a parameter as a variable; None if it sets no variables."""
+    """Return the study with a parameter as a variable between bounds; None without variables."""
     if study.variables is None:
         return None
     return study.model_copy(

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from core.mechanics.arrays import Array
 from core.optimise.problem import LONGEST, UNKNOWN, OptimisationProblem
 
-NICHES = 128  # along each variable: of the points in one cell of such a grid the best competes
-FOLLOWED = 32  # followed again: so many of largest mean less each share of its error
-SHARES = (0.0, 1 / 3, 1.0)  # a longer run leaves about a third
+NICHES = 128  # cells of a grid along each variable; the best point of each cell competes
+FOLLOWED = 32  # points that are followed again, for each of the shares below
+SHARES = (0.0, 1 / 3, 1.0)  # of its error, less which a mean is ranked; longer runs leave 1/3
 ROUNDS = ((8.0, 4), (LONGEST, 1))
-"""How many times as long they are followed, and how many are kept then."""
+"""Rounds of longer runs: the factor of their length, and the number of points kept then."""
 
 
 def most_reliable(
@@ -31,19 +31,20 @@ def most_reliable(
 ) -> tuple[int, float]:
     """Return index and objective of the best point after longer runs; -inf without a value.
 
-    That of the largest objective if its motion repeats; else that of the largest objective less
-    error, once the motions that chance favours are followed for longer. Points that keep the
-    constraints come first.
+    If the motion of the best point repeats, its mean is exact, and it is taken. Else the points of
+    the largest objective less its error by chance are followed for longer, and the best is taken
+    then. Points that keep the constraints come first.
 
     Parameters
     ----------
     problem : OptimisationProblem
+        The problem.
     unit : ndarray, shape (variables, n)
         Points that were evaluated, as shares of the bounds.
     judged : tuple of ndarray, each of shape (n,)
-        Their objective, violation, and how far chance may have moved the objective.
+        Their objective, violation, and error of the objective by chance.
     design, scales : mapping of str to ndarray
-        Of one design, arrays of shape (1,).
+        Fixed parameters and scales of one design, arrays of shape (1,).
     """
     value, beyond, chance_error = judged
     best = int(np.lexsort((-value, beyond))[0])
@@ -70,7 +71,11 @@ def _known(chance_error: Array) -> Array:
 
 
 def _best_of_cells(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:
-    """Return the indices of the best points, at most one in each cell of a coarse grid."""
+    """Return the indices of the best points, at most one in each cell of a coarse grid.
+
+    `cells` are the cell of each point, shape (variables, n), and `value` ranks the points; at most
+    32 are returned.
+    """
     order = np.argsort(-value, kind="stable")
     _, first = np.unique(cells[:, order], axis=1, return_index=True)
     return order[np.sort(first)][:FOLLOWED]

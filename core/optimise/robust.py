@@ -27,7 +27,11 @@ How = Literal["worst", "mean", "quantile"]
 
 
 def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array, Array | None]:
-    """Return nodes over an interval, and weights of a mean; None for the worst case."""
+    """Return nodes over an interval, and the weights of a mean; None as weights for the worst case.
+
+    `interval` is a pair of ends; `how` is `worst`, with equally spaced nodes, or `mean`, with those
+    of Gauss and Legendre. Raises `ValueError` for other values.
+    """
     low, high = (float(end) for end in np.asarray(interval, dtype=np.float64))
     if not low <= high:
         raise ValueError("the interval has to be finite, and in order")
@@ -78,9 +82,9 @@ class Uncertain:
         return next(iter(self.values.values())).size
 
     def counts(self, values: Array, sign: float) -> Array:
-        """Return the judged statistic of values over the nodes (the first axis).
+        """Return the statistic of values over the nodes (the first axis): least, mean or quantile.
 
-        `sign` is -1 where they are those of an output with the sign turned.
+        `sign` is -1 if the values are those of an output with the sign turned, as it is minimised.
         """
         if self.how == "quantile":
             share = self.quantile if sign > 0 else 1 - self.quantile
@@ -95,9 +99,9 @@ def uncertain_of(
 ) -> Uncertain:
     """Return the nodes at which candidates are judged under some distributions.
 
-    The worst case and the mean over the interval of one parameter are those of `nodes_over`. Else
-    the worst case is that of nodes all over the box of the tolerances, ends included, and mean and
-    quantile are those of points that are drawn once for all candidates.
+    For one interval the worst case and the mean are those of `nodes_over`. Else the worst case is
+    that of nodes all over the box of the tolerances, ends included, and mean and quantile are those
+    of points that are sampled once for all candidates. `how` and `quantile` are those of the study.
     """
     (name, one), *others = distributions.items()
     if not others and isinstance(one, Between) and how != "quantile":

@@ -21,11 +21,14 @@ from core.plan.pieces import Computed
 from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
-BLOCK_CELLS = 65_536  # answers at a time: bounds the memory
+BLOCK_CELLS = 65_536  # optima that are computed at a time, which bounds the memory
 
 
 def compute(prepared: Optimisation, watch: Watch) -> Computed:
-    """Return every variable of the optima of a study, in the units of studies."""
+    """Return every variable of the optima of a study, in the units of studies.
+
+    `watch` takes the progress and may stop the search.
+    """
     everything = designs_of(prepared.problem, prepared.designs)
     cells = prepared.designs.cells
     step = max(1, BLOCK_CELLS * cells // prepared.cells)
@@ -45,7 +48,7 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 def _solved(
     prepared: Optimisation, design: Mapping[str, Array], watch: Watch
 ) -> tuple[dict[str, NDArray[Any]], str]:
-    """Return every variable for some designs, and the method's message."""
+    """Return every variable for some designs, by name, and the method's own message."""
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
@@ -60,7 +63,7 @@ def _solved(
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
-    """Return the fixed parameters of every design with the limit, shape (cells,)."""
+    """Return the fixed parameters of every design in SI units, with the limit, shape (cells,)."""
     shape = tuple(grid.shape.values())
     design = {
         name: np.broadcast_to(values, shape).reshape(-1) for name, values in grid.si().items()
@@ -71,7 +74,7 @@ def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
 def with_limit(
     problem: OptimisationProblem, design: Mapping[str, Array], cells: int
 ) -> dict[str, Array]:
-    """Return designs, shape (cells,), with the limit of the study."""
+    """Return designs, shape (cells,), with the limit of the criterion; infinite without one."""
     criterion = problem.criterion
     limit = criterion.limit if isinstance(criterion, Limited) else np.inf
     return {**design, LIMIT: np.full(cells, limit)}

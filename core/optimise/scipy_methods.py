@@ -23,8 +23,8 @@ from core.watch import Watch
 DesignSearch = Callable[[Single], tuple[Array, str]]
 """Takes one design; returns the best point of the unit box, and what the method says."""
 
-STARTS = 8  # of the optimisers that follow slopes
-SAMPLES = 256  # of which the best are the starts
+STARTS = 8  # starts of the optimisers that follow slopes
+SAMPLES = 256  # points whose best are starts
 DENSE = 129  # points of the search over one variable
 MAX_DIRECT = 20_000  # points of a design that dividing rectangles may take
 SEARCH_BUDGET = 12_000
@@ -36,7 +36,10 @@ class SearchStoppedError(Exception):
 
 
 def _starts(single: Single, count: int = STARTS) -> Array:
-    """Return the best of evenly spread points as starts, shape (count, variables)."""
+    """Return the starts of a method that follows slopes, shape (count, variables).
+
+    They are shares of the bounds: half are the best of 256 evenly spread points, half far apart.
+    """
     points = spread(SAMPLES, single.variables)
     value, beyond = single.judged(points)
     order = np.lexsort((-value, beyond))
@@ -54,7 +57,7 @@ class _Smooth:
         self.extra = 1 if self.weight else 0
 
     def start(self, unit: Array) -> Array:
-        """Return the start in the variables of the smooth problem."""
+        """Return the start in the variables of the smooth problem: shares of the bounds, and t."""
         if not self.extra:
             return unit
         return np.append(unit, abs(self.single.rows(unit)[1, 0]))
@@ -64,7 +67,10 @@ class _Smooth:
         return [(0.0, 1.0)] * self.single.variables + [(0.0, None)] * self.extra
 
     def value(self, z: Array) -> float:
-        """Return the value to minimise."""
+        """Return the value to minimise at a point z of the smooth problem.
+
+        z holds the shares of the bounds, and t if there is a weight.
+        """
         rows = self.single.rows(z[: self.single.variables])
         return float(-rows[0, 0] + (self.weight * z[-1] if self.extra else 0.0))
 
@@ -74,7 +80,7 @@ class _Smooth:
         return np.append(slope, self.weight) if self.extra else slope
 
     def kept(self, z: Array) -> Array:
-        """Return the smooth constraints, to be kept above 0."""
+        """Return the constraints of the smooth problem, which have to be positive, at a point z."""
         rows = self.single.rows(z[: self.single.variables])[:, 0]
         return (
             np.concatenate([rows[2:], [z[-1] - rows[1], z[-1] + rows[1]]])
@@ -83,7 +89,10 @@ class _Smooth:
         )
 
     def kept_slope(self, z: Array) -> Array:
-        """Return the derivatives of the smooth constraints."""
+        """Return the derivatives of the smooth constraints at a point z.
+
+        The shape is (constraints, variables of the smooth problem).
+        """
         slopes = self.single.slopes(z[: self.single.variables])
         if not self.extra:
             return slopes[2:]
@@ -98,14 +107,20 @@ class _Smooth:
 
 
 def _best(single: Single, points: list[Array], tolerance: float) -> Array:
-    """Return the best of some points, those that keep all constraints first."""
+    """Return the best of some points, shares of the bounds; those that keep all constraints first.
+
+    A violation up to `tolerance` counts as none.
+    """
     units = np.clip(np.array(points).T, 0.0, 1.0)
     value, beyond = single.judged(units)
     return units[:, np.lexsort((-value, np.maximum(beyond, tolerance)))[0]]
 
 
 def slsqp(single: Single) -> tuple[Array, str]:
-    """Return the best result of SLSQP from several starts, |other| as two smooth limits."""
+    """Return the best point of SLSQP from several starts, and scipy's message.
+
+    As for all methods of scipy, `single` is one design, and the point is a share of the bounds.
+    """
     smooth = _Smooth(single)
     constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
     ends, said = [], []
@@ -125,7 +140,10 @@ def slsqp(single: Single) -> tuple[Array, str]:
 
 
 def trust_constr(single: Single) -> tuple[Array, str]:
-    """Return the best result of the trust-region interior point method from several starts."""
+    """Return the best point of the trust-region interior point method, and scipy's message.
+
+    It starts from four points. `single` is one design.
+    """
     smooth = _Smooth(single)
     constraints: list[Any] = []
     if smooth.constrained:
@@ -161,12 +179,15 @@ def trust_constr(single: Single) -> tuple[Array, str]:
 
 
 def differential_evolution(single: Single) -> tuple[Array, str]:
-    """Return the result of differential evolution, with whole populations evaluated at once."""
+    """Return the best point of scipy's differential evolution, and scipy's message.
+
+    Whole populations are evaluated at once. `single` is one design.
+    """
     constraints: Any = ()
     if single.problem.kept:
 
         def kept(unit: Array) -> Array:
-            """Return the smooth margins of points."""
+            """Return the smooth margins of points, over their scales."""
             rows = single.rows(np.ascontiguousarray(unit))[2:]
             return rows if np.ndim(unit) > 1 else rows[:, 0]
 
@@ -194,12 +215,19 @@ def search_budget(variables: int) -> int:
 
 
 def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
-    """Return the result of the global search, for outputs with jumps."""
+    """Return the best point of the global search for outputs with jumps, and its message.
+
+    Of motions the best points are confirmed by longer runs. `single` is one design; `budget` is the
+    largest number of points. Raises `SearchStoppedError` if the watch stops it.
+    """
     budget = budget or search_budget(single.variables)
     seen: list[tuple[Array, ...]] = []
 
     def ranked(points: Array) -> Array:
-        """Return values that rank points: any feasible one above all infeasible ones."""
+        """Return values that rank points: every feasible one above all infeasible ones.
+
+        `points` has the shape (n, variables).
+        """
         value, beyond, chance_error = single.judged_with_error(points.T)
         seen.append((points.T, value, beyond, chance_error))
         # Anything that keeps the constraints beats anything that does not.
@@ -217,7 +245,7 @@ def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
 
 
 def shgo(single: Single) -> tuple[Array, str]:
-    """Return the best result of simplicial homology global optimisation."""
+    """Return the best point of simplicial homology global optimisation, and scipy's message."""
     # Its local searches need numbers; its sampling leaves out what the constraints refuse.
     result = scipy.optimize.shgo(
         lambda unit: float(single.penalised(unit)),
@@ -237,7 +265,10 @@ def shgo(single: Single) -> tuple[Array, str]:
 
 
 def direct(single: Single) -> tuple[Array, str]:
-    """Return the result of dividing rectangles (DIRECT), with a penalty for violations."""
+    """Return the best point of dividing rectangles (DIRECT), and scipy's message.
+
+    Violations of constraints are penalised. `single` is one design.
+    """
     result = scipy.optimize.direct(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
@@ -250,7 +281,10 @@ def direct(single: Single) -> tuple[Array, str]:
 
 
 def minimize_scalar(single: Single) -> tuple[Array, str]:
-    """Return the best of bounded searches around the deepest minima of a grid."""
+    """Return the best point of bounded searches around the three deepest minima of a grid.
+
+    The second result is a message. `single` is one design with one variable.
+    """
     points = np.linspace(0.0, 1.0, DENSE)
     values = single.penalised(points[None, :])
     ends = [points[[values.argmin()]]]
@@ -269,9 +303,17 @@ def minimize_scalar(single: Single) -> tuple[Array, str]:
 def one_by_one(
     search_design: DesignSearch, tolerance: float, about: Callable[[int], int]
 ) -> Solver:
-    """Return the solver that solves the designs one by one.
+    """Return the solver that solves designs one after the other.
 
-    `about` tells of a number of variables how many evaluations a design takes, or nearly so.
+    Parameters
+    ----------
+    search_design : callable
+        Solves one design; returns the best point and a message.
+    tolerance : float
+        Violation of constraints that still counts as none, over the outputs' scales.
+    about : callable
+        Returns the approximate number of evaluations of a design for a number of variables, for the
+        progress.
     """
 
     def solve(
@@ -280,7 +322,10 @@ def one_by_one(
         scales: Mapping[str, Array],
         watch: Watch,
     ) -> Optima:
-        """Return the optima of all designs, solved one by one."""
+        """Return the optima of all designs, solved one by one.
+
+        Those after a stop are not computed.
+        """
         cells = cells_of(design)
         x = np.full((len(problem.names), cells), np.nan)
         status = np.full(cells, STATUS["not_computed"], dtype=np.int8)

@@ -38,12 +38,12 @@ MESSAGES: dict[SearchStatus, str] = {
 }
 
 MAX_VARIABLES = 8
-FEW = 4  # variables of which all the corners of a neighbourhood are looked at
-FEWEST_EVALUATIONS = 400
+FEW = 4  # variables up to which all corners of a neighbourhood are evaluated
+FEWEST_EVALUATIONS = 400  # the smallest budget
 MEMBERS = 64  # of a population: a power of 2, as Sobol's points that fill the box come in these
-CLOSE = 0.05  # of the box, within which the last population of many variables starts
-BEYOND = 0.05  # of the box, by which it is widened on each side
-NEARBY = 1e-3  # of the width of the box: where `drop` looks
+CLOSE = 0.05  # of the box: distance from the best point within which the last population starts
+BEYOND = 0.05  # of the box: what it is widened by on each side
+NEARBY = 1e-3  # of the width of the box: distance at which `drop` is taken
 
 
 class SearchResult(NamedTuple):
@@ -89,17 +89,17 @@ def search_maximum(
     Parameters
     ----------
     evaluate : callable
-        Takes points (n, d), returns values (n,). NaN and infinite: no value there.
+        Returns the values, shape (n,), at points, shape (n, d); NaN or infinite without a value.
     lower, upper : array_like, shape (d,)
         Ends of the box; a variable whose ends are equal is held.
     budget : int
-        Most points to evaluate, at least 400.
+        The largest number of points to evaluate, at least 400.
     tolerance : float
         A population that is narrower than this share of the box has converged: another one starts.
     seed : int
-        Of the random numbers.
+        Seed of the random numbers.
     watch : Watch, optional
-        Asked before each batch of points.
+        May stop the search between batches of points.
     """
     lower, upper = (np.asarray(end, dtype=np.float64) for end in (lower, upper))
     _check(lower, upper, budget, tolerance)
@@ -149,7 +149,10 @@ class _Search:
         self.used = 0
 
     def values(self, unit: Array) -> Array:
-        """Return the values at points (n, free); -inf without a value."""
+        """Return the values at points of the unit box, shape (n, free); -inf without a value.
+
+        The best point so far is kept. Raises `_StoppedError` if the watch stops the search.
+        """
         if self.watch.stopped():
             raise _StoppedError
         values = np.asarray(self.evaluate(self.points_in_box(unit)), dtype=np.float64)
@@ -182,12 +185,18 @@ class _Search:
         return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.free.size)))
 
     def look_around(self) -> None:
-        """Estimate the worst loss next to the best point; evaluate a box of one point."""
+        """Evaluate the neighbours of the best point, and set `drop` to the largest loss there.
+
+        They lie 1e-3 of the box away.
+        """
         nearby = self.values(np.clip(np.nan_to_num(self.point) + NEARBY * self.around, 0.0, 1.0))
         self.drop = self.value - float(nearby.min())
 
     def result_of(self, status: SearchStatus) -> SearchResult:
-        """Return the result of the search so far."""
+        """Return the result of the search so far.
+
+        `status` becomes flat or no_value where that fits.
+        """
         point, value = np.full(self.lower.size, np.nan), math.nan
         if math.isfinite(self.value):
             point, value = self.points_in_box(self.point[None])[0], self.value
@@ -199,21 +208,24 @@ class _Search:
 def parts_of(variables: int) -> int:
     """Return the number of populations into which the evaluations are divided.
 
-    Of one or two variables one closes in. Of more some set out from all over the box, since one
-    alone may end on a lower hill, and the last starts around the best point.
+    It is 1 for one or two variables, then 3, 5 and 7: several populations start from all over the
+    box, since one alone may end on a lower hill, and the last starts around the best point.
     """
     return 2 * math.ceil(variables / 2) - 1
 
 
 def _around(point: Array, random: np.random.Generator) -> Array:
-    """Return a population around a point of the unit box, including the point."""
+    """Return a population around a point of the unit box, including the point, shape (64, d)."""
     away = CLOSE * random.uniform(-1, 1, (MEMBERS, point.size))
     away[0] = 0.0
     return np.clip(np.nan_to_num(point, nan=0.5) + away, -BEYOND, 1 + BEYOND)
 
 
 def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
-    """Evolve populations one after another until all evaluations are used."""
+    """Evolve populations one after another until the budget is used; return the status.
+
+    It is `converged` if a population narrowed to the tolerance on the best point.
+    """
 
     def lost(wide: Array) -> Array:
         """Return the negated values of a population; raise when the budget is used up."""

@@ -15,7 +15,7 @@ def criterion_in_words(problem: OptimisationProblem) -> str:
 
 
 def _over_interval(problem: OptimisationProblem) -> str:
-    """Return the words on uncertain parameters in a criterion."""
+    """Return the words on uncertain parameters in a criterion; empty if there are none."""
     if problem.uncertain is None:
         return ""
     how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)

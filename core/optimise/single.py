@@ -13,9 +13,9 @@ from core.optimise.reliable import most_reliable
 from core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
-NO_VALUE = 1e6  # stands in for an output without a value where an optimiser needs a number
-MAX_SHARE = 0.98  # of a design while it is evaluated: how often is only about known
-PENALTY = 100.0  # of a violation, where an optimiser knows no constraints
+NO_VALUE = 1e6  # stands for a missing value where an optimiser needs a number
+MAX_SHARE = 0.98  # progress of a design before its end: the number of evaluations is a guess
+PENALTY = 100.0  # factor of a violation, for optimisers without constraints
 
 
 class Single:
@@ -70,17 +70,20 @@ class Single:
         return len(self.problem.names)
 
     def points_in_box(self, unit: Array) -> Array:
-        """Return points of the unit box in SI units; both ends are exact."""
+        """Return points of the unit box in SI units, shape (variables, n); both ends are exact."""
         lower, upper = self.problem.lower[:, None], self.problem.upper[:, None]
         unit = np.reshape(unit, (self.variables, -1))
         return np.where(unit == 1, upper, lower + unit * (upper - lower))
 
     def judged(self, unit: Array) -> tuple[Array, Array]:
-        """Return scaled objective and violation of points, each (n,)."""
+        """Return objective and violation of points, each over its scale, shape (n,)."""
         return self.judged_with_error(unit)[:2]
 
     def judged_with_error(self, unit: Array) -> tuple[Array, Array, Array]:
-        """Return scaled objective, violation, and the objective's error by chance."""
+        """Return objective, violation, and the objective's error by chance, shape (n,).
+
+        Each is over its scale; `unit` are the points, shape (variables, n).
+        """
         x = self.points_in_box(unit)
         self._count(x.shape[1])
         value, beyond, chance_error = self.problem.judged_with_error(
@@ -89,7 +92,11 @@ class Single:
         return value[0] / self.size, beyond[0], chance_error[0] / self.size
 
     def most_reliable(self, unit: Array, value: Array, beyond: Array, chance_error: Array) -> int:
-        """Return the index of the best of evaluated points that longer runs confirm."""
+        """Return the index of the best of evaluated points that longer runs confirm.
+
+        `unit` are the points, shape (variables, n); the other arguments are what
+        `judged_with_error` returned for them.
+        """
         design = {name: values[:, 0] for name, values in self.design.items()}
         scales = {name: values[:, 0] for name, values in self.scales.items()}
         value, chance_error = value * self.size, chance_error * self.size
@@ -107,7 +114,10 @@ class Single:
         return value if np.ndim(unit) > 1 else value[0]
 
     def rows(self, unit: Array) -> Array:
-        """Return output, other output and smooth margins, shape (2 + margins, n)."""
+        """Return output, other output and smooth margins of points, shape (2 + margins, n).
+
+        All are over their scales; missing values are replaced by -1e6. The last call is cached.
+        """
         key = unit.tobytes()
         if key == self._at:
             return self._rows
@@ -136,7 +146,8 @@ class Single:
     def slopes(self, unit: Array) -> Array:
         """Return the derivatives of `rows` at a point, shape (2 + margins, variables).
 
-        Differences stay within the bounds: beyond them an output may have no value.
+        They are differences, per share of the bounds, that stay within the bounds, beyond which an
+        output may have no value.
         """
         steps = STEP * np.eye(self.variables)
         inside = np.clip(unit, 0.0, 1.0)[:, None]
@@ -149,7 +160,8 @@ class Single:
 def spread(points: int, variables: int) -> Array:
     """Return evenly spread points of the unit box, shape (variables, points).
 
-    An additive recurrence with the powers of the root of x^(d + 1) = x + 1 (Roberts 2018).
+    They are an additive recurrence with the powers of the root of x^(d + 1) = x + 1, with d the
+    number of variables (Roberts 2018).
     """
     root = 2.0
     for _ in range(40):

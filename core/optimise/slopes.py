@@ -26,11 +26,22 @@ def sensitive(problem: OptimisationProblem) -> tuple[str, ...]:
 def slopes(
     problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
 ) -> dict[str, Array]:
-    """Return the logarithmic derivatives at optima x, shape (variables, cells), by name.
+    """Return the logarithmic derivatives d ln(output)/d ln(parameter) at optima, by name.
 
     Those of closed forms are exact; those of motion are differences inside one regime. NaN where
     there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a variable
-    that the output does not depend on, as one that only a constraint needs.
+    that the output does not depend on.
+
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        The problem, whose criterion names the output.
+    x : ndarray, shape (variables, cells)
+        The optima in SI units.
+    design : mapping of str to ndarray
+        The fixed parameters, shape (cells,).
+    lost : ndarray of bool, shape (cells,)
+        True where there is no optimum.
     """
     names, output, kept = sensitive(problem), problem.criterion.output, ~lost
     used = problem.plan.only(output).parameters
@@ -47,7 +58,11 @@ def _derive(
     kept: NDArray[np.bool_],
     derivatives: Mapping[str, Array],
 ) -> None:
-    """Fill the derivatives by those of some names that the output depends on."""
+    """Fill in the derivatives by those parameters that the output depends on.
+
+    `derivatives` holds an array for each name, which is filled where `kept` is True; the other
+    arguments are as in `slopes`.
+    """
     output = problem.criterion.output
     used = problem.plan.only(output).parameters
     cells = {name: design[name][kept] for name in used if name in design}

@@ -25,7 +25,7 @@ from core.sweep.verify import AGAINST, Rounding, rounding_of
 from core.watch import Watch
 
 RIVALS = ("population", "newton", "exact", "grid")
-"""Methods that verify, the first that is another one and can solve the problem."""
+"""Methods by which optima are verified: the first that differs and can solve the problem."""
 
 
 def accuracy(gaps: Array) -> str:
@@ -41,16 +41,18 @@ def accuracy(gaps: Array) -> str:
 def verified(
     prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return the verification result as attributes of the dataset; empty if not asked for.
+    """Return the result of verifying random optima, as attributes of the dataset.
+
+    Empty if the study does not ask for it.
 
     Parameters
     ----------
     prepared : Optimisation
         The study.
     arrays : mapping of str to ndarray
-        What was computed, in the units of studies.
+        The computed variables, in the units of studies.
     watch : Watch
-        May stop it.
+        May stop the verification.
     """
     if prepared.study.verify is None:
         return {}
@@ -97,7 +99,11 @@ def verified(
 
 
 def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the designs of chosen cells, SI units, with each optimum's own limit."""
+    """Return the designs of the sampled cells in SI units, with each optimum's own limit.
+
+    On a trade-off front the limit is the other output's size at the point. `known` are the
+    variables of the cells.
+    """
     problem = prepared.problem
     design = prepared.designs.at(sample.positions, sample.count, prepared.plan.parameters)
     criterion = problem.criterion
@@ -115,7 +121,23 @@ def _outputs(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[Rounding | Comparison, str]:
-    """Return the outputs at chosen optima, computed again, and the method used."""
+    """Return the agreement of the outputs at some optima with outputs computed another way.
+
+    The second result names that way: 50 digits, or another method of motion.
+
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    design, x : mapping of str to ndarray, ndarray
+        Fixed parameters and best values of the sampled cells, SI units.
+    known : mapping of str to ndarray
+        The computed variables of these cells.
+    chosen : ndarray of int
+        Indices of the cells to compare.
+    watch : Watch
+        May stop the work.
+    """
     problem, plan = prepared.problem, prepared.plan
     given = dict(zip(problem.names, x, strict=True))
     cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
@@ -134,7 +156,7 @@ def _outputs(
 def _rival(prepared: Optimisation) -> str | None:
     """Return the method that verifies optima; None for motions, which take too long.
 
-    Of those the gap to a grid, `optimum_gap`, is known in any case.
+    The optima of motions are compared with a grid in any case (`optimum_gap`).
     """
     if prepared.problem.is_motion:
         return None
@@ -150,9 +172,11 @@ def _better(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
-    """Return a mask of designs that the verifying method solved before a stop.
+    """Return the amount by which another method's optima are better, in sampled cells.
 
-    And where its objective is furthest above ours, and by how much.
+    The results are a mask of the cells that it solved before a stop, the cell where its objective
+    is furthest above ours, and by how much, 0 if nowhere. `rival` is that method; `chosen` are the
+    indices of the cells in `design` and `known`.
     """
     if watch.stopped():
         return np.zeros(chosen.size, dtype=np.bool_), -1, 0.0

@@ -210,7 +210,7 @@ def _labels(
 
 
 def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
-    """Return labels that are all different, with file names or numbers where they would be equal."""
+    """Return labels that are all different, with file names or numbers where needed."""
     if len(set(labels)) < len(labels) or not all(labels):
         names = [_name(dataset) for dataset in datasets]
         labels = [": ".join(filter(None, pair)) for pair in zip(names, labels, strict=True)]

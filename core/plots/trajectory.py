@@ -35,12 +35,12 @@ NEEDED = (
     "track_normal", "motion_mode",
 )  # fmt: skip
 MILLI = 1000.0
-PANELS = (3.0, 2.4, 1.8)  # heights
-WALL_PANEL = 1.6
+PANELS = (3.0, 2.4, 1.8)  # relative heights of the panels
+WALL_PANEL = 1.6  # relative height of the panel of the wall
 WALL_HEIGHT = 0.8  # inches that it adds to a picture
-PALE = 0.55
-AT_REST = 1e-9  # of the heights: a position below is rounding
-MAX_PERIODS = 12  # that are told apart by lines
+PALE = 0.55  # share of the ground colour in the colour of a mode
+AT_REST = 1e-9  # of the heights: a smaller position is rounding
+MAX_PERIODS = 12  # periods up to which a line marks each
 ORBIT_POINTS = 400
 STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
 ORBIT_AXES = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
@@ -124,12 +124,12 @@ def check_trajectory(
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
-    """Return the motion of a dataset's part, in shown units.
+    """Return the motion of a dataset's part, in units for reading.
 
     Raises
     ------
     PlotError
-        If the dataset lacks a part of it.
+        If the dataset lacks a variable of the motion, or has no values.
     """
     known = {**dataset.data_vars, **dataset.coords}
     shape, _ = shape_of(map(str, known))
@@ -184,7 +184,11 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
 
 
 def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
-    """Draw the motion of a part; return the upper axes and legend entries."""
+    """Draw the motion of a part; return the upper axes and legend entries.
+
+    Panels show the height over the track, the velocity along it, the position, and the distance
+    from a wall, if there is one.
+    """
     walled = shown.wall is not None
     ratios = (*PANELS, WALL_PANEL) if walled else PANELS
     if walled:
@@ -230,7 +234,7 @@ def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Ax
 
 
 def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style) -> None:
-    """Draw the distance of the part from the wall."""
+    """Draw the distance of the part from the wall over time, in the unit of the trajectory."""
     low, high = _limits(np.append(distance, 0.0))
     body = mix(style.other, style.ground, 0.5)
     axes.axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
@@ -276,7 +280,17 @@ def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
 def _swing(
     seconds: NDArray[np.float64], period: float, track: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the velocity of a track that moves as a sine, at any times."""
+    """Return the velocity of a track that moves as a sine, at any times [m s-1].
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        Times [s].
+    period : float
+        Period of the drive [s].
+    track : ndarray, shape (n,)
+        Displacement of the track along itself [m], a multiple of sin(2 pi t/period).
+    """
     rate = 2 * np.pi / period
     sine = np.sin(rate * seconds)
     weight = float(sine @ sine)
@@ -285,7 +299,7 @@ def _swing(
 
 
 def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
-    """Return the drive defined by a dataset's parameters."""
+    """Return the drive that a dataset's parameters define; `shape` is its kind, as of harmonics."""
     given = {name: values_of(dataset[name]) for name in shape.inputs}
     return shape.wave(
         **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
@@ -293,7 +307,10 @@ def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
 
 
 def _orbit(wave: Wave) -> NDArray[np.float64] | None:
-    """Return the orbit of the track over a period; None if it is a line."""
+    """Return the orbit of the track over a period, along and normal; None if it is a line.
+
+    The shape is (2, points); the unit is that of the drive's own dimensionless position.
+    """
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)
@@ -301,7 +318,7 @@ def _orbit(wave: Wave) -> NDArray[np.float64] | None:
 
 
 def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
-    """Draw the orbit of the track with start and direction."""
+    """Draw the orbit of the track as an inset, with a dot at the start and an arrow."""
     inset = axes.inset_axes(ORBIT_AXES, facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
@@ -328,7 +345,10 @@ def _modes(array: xarray.DataArray) -> list[str]:
 
 
 def _look(mode: str, style: Style) -> tuple[str, RGB]:
-    """Return hatch and background colour of a mode."""
+    """Return hatch and background colour of a mode of the contact.
+
+    Flight has the ground's colour.
+    """
     if mode == "flight":
         return "", mix(style.ground, style.ground, 0.0)
     hatch, colour = MODES.get(mode, UNKNOWN)

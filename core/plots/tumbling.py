@@ -25,8 +25,8 @@ from core.study.shown import ShownUnits
 TIME = "cycle_time"
 NEEDED = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")
 HEIGHTS = ("height", "diameter")  # of a part, whichever it has
-PANELS = (2.6, 1.2, 1.2)
-OUTLINES = 14
+PANELS = (2.6, 1.2, 1.2)  # relative heights of the panels
+OUTLINES = 14  # of the part, drawn between start and end
 QUIET_TAIL = 0.12  # of the time shown, after the last change
 STILL = 1e-3  # of the part's size, and of a turn
 
@@ -66,12 +66,12 @@ class TumblingTrajectory(NamedTuple):
 
 
 def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTrajectory:
-    """Return the trajectory of a dataset's tumbling part, in shown units.
+    """Return the trajectory of a dataset's tumbling part, in units for reading.
 
     Raises
     ------
     PlotError
-        If the dataset lacks a part of it, or holds no values.
+        If the dataset lacks a variable of the motion, or holds no values.
     """
     known = {**dataset.data_vars, **dataset.coords}
     heights = [name for name in HEIGHTS if name in known]
@@ -117,7 +117,10 @@ def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTraject
 def draw_tumbling(
     figure: Figure, shown: TumblingTrajectory, style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the trajectory of a tumbling part; return the upper axes and legend entries."""
+    """Draw the trajectory of a tumbling part; return the upper axes and legend entries.
+
+    Panels show the part from the side, the height of its lowest corner, and its pitch.
+    """
     side, gaps, pitches = figure.subplots(3, 1, height_ratios=PANELS)
     gaps.sharex(pitches)
     gaps.tick_params(labelbottom=False)
@@ -141,7 +144,7 @@ def draw_tumbling(
 
 
 def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
-    """Draw the part from the side at several times."""
+    """Draw outlines of the part from the side, equally far apart, and its middle's path."""
     moved = np.abs(np.diff(shown.outlines, axis=0)).sum(axis=(1, 2))
     passed = np.concatenate([[0.0], np.cumsum(moved)])
     chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], OUTLINES)))
@@ -175,7 +178,11 @@ def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
 
 
 def _end(outlines: Array, pitch: Array, size: float) -> int:
-    """Return the number of times to show: until shortly after the part rests."""
+    """Return the number of times to show: until shortly after the part rests.
+
+    `outlines` are the part's corners over time, `size` the length by which rest is judged, in the
+    same unit; `pitch` is in degrees.
+    """
     still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
     still &= np.abs(pitch - pitch[-1]) < STILL * 360
     moving = np.flatnonzero(~still)

@@ -45,11 +45,11 @@ ANALYSIS = {
     "tornado": "budget",
 }
 LEFT_OUT = "_left_out"
-BINS = 32
-HEIGHT = 0.36  # of a bar, over the room of its parameter
-ABOVE = 1.2
-SMOOTH = 4  # quantiles, at least, through which a curve is laid
-PADDING = 0.08  # beyond the largest value
+BINS = 32  # bars of a distribution
+HEIGHT = 0.36  # of a bar, as a share of its parameter's room
+ABOVE = 1.2  # height of the axes over that of the bars
+SMOOTH = 4  # quantiles from which on a smooth curve is laid through them
+PADDING = 0.08  # share of the largest value that is left free beyond it
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class UncertainOutput:
         return f"{self.output}_{part}" in self.design
 
     def end_in_words(self, name: str, end: str) -> str:
-        """Return the lower or upper end of a parameter's tolerance, with its unit."""
+        """Return the lower or upper end (`end`) of a parameter's tolerance, with its unit."""
         known = json.loads(str(self.design.attrs["uncertain_parameters"]))
         quantity = QUANTITIES[name]
         lower, upper = tolerance(name, read_distribution(name, known[name], quantity))
@@ -171,7 +171,28 @@ def _result(
     *,
     nearest: bool,
 ) -> UncertainOutput:
-    """Return the output of a kind of picture, at the chosen design."""
+    """Return the output of a kind of picture, at the chosen design.
+
+    Parameters
+    ----------
+    kind : str
+        The kind of picture, which needs an analysis.
+    dataset : xarray.Dataset
+        A sensitivity study.
+    variable : str or None
+        The output; by default the first.
+    at : mapping of str to float
+        Values of ranged parameters; by default their middle.
+    units : ShownUnits
+        Units for reading.
+    nearest : bool
+        True if a value of `at` that the dataset does not have stands for the nearest one.
+
+    Raises
+    ------
+    PlotError
+        If the dataset lacks the analysis, or the design has no valid value.
+    """
     output = _output(kind, dataset, variable)
     loose = [str(d) for d in dataset.dims if d not in (UNCERTAIN, QUANTILE, LEVEL)]
     positions = fixed_positions(dataset, at, loose, (), nearest=nearest)
@@ -195,7 +216,10 @@ def _result(
 
 
 def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
-    """Return the output to draw; raise `PlotError` if values for the kind are missing."""
+    """Return the output to draw; raise `PlotError` if values for the kind are missing.
+
+    `variable` is the one that was asked for, by default the first.
+    """
     names = [str(name) for name in dataset.data_vars]
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
@@ -218,7 +242,10 @@ Drawing = tuple[str, Sequence[Artist], str]
 
 
 def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw the distribution of an output with quantiles and bounds of demands."""
+    """Draw the distribution of an output with quantiles and bounds of demands.
+
+    As all painters, return the name of the picture, the legend entries, and a note.
+    """
     levels = np.asarray(result.design[LEVEL].values, dtype=np.float64)
     values = result.values("distribution")
     low, high = float(values[0]), float(values[-1])
@@ -272,9 +299,10 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
 def _share_below(
     values: NDArray[np.float64], levels: NDArray[np.float64], edges: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the share below each edge, by a smooth monotone curve through the quantiles.
+    """Return the share of the distribution below each edge, 0 to 1.
 
-    Straight lines between them would make the tails stairs of bars of equal height.
+    It comes from a smooth monotone curve through the quantiles: `levels` are their shares, `values`
+    their values. Straight lines would make steps of the tails.
     """
     if values.size < SMOOTH:
         return np.interp(edges, values, levels)
@@ -284,7 +312,7 @@ def _share_below(
 def _rising(
     values: NDArray[np.float64], levels: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return distinct values, each with its largest level."""
+    """Return distinct values of quantiles, each with its largest level; both arrays ascend."""
     last = np.append(np.diff(values) > 0, True)
     return values[last], levels[last]
 
@@ -312,7 +340,7 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw Morris's plane: mean effect of each parameter against its variation."""
+    """Draw Morris's plane: mean effect mu* of each parameter against its deviation sigma."""
     size, deviation = result.values("effect"), result.values("effect_deviation")
     most = float(np.nanmax(size)) * (1 + 2 * PADDING)
     high = float(np.nanmax(deviation)) * (1 + 3 * PADDING)

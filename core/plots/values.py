@@ -19,12 +19,12 @@ from core.plots.style import Style
 from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
 from core.study.shown import ShownUnits
 
-MAX_ROWS = 18
+MAX_ROWS = 18  # of the table; the file has all
 SKETCH = 0.8  # width of the sketch over that of the values
-DIGITS = 4
+DIGITS = 4  # significant digits
 NO_VALUE = "no value"
 LEFT_OUT = ("_error", "_residual", "evaluations", "optimum_gap")
-"""Ends of the names of what is told of the computation, not of the design."""
+"""Ends of the names of variables that describe the computation, not the design."""
 
 Row = tuple[str, str]
 
@@ -78,12 +78,14 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def rows_of(design: xarray.Dataset, units: ShownUnits, variable: str | None = None) -> list[Row]:
-    """Return name and value of each output of one design.
+    """Return name and value of each output of one design, in units for reading.
+
+    `variable` is an output that comes first.
 
     Raises
     ------
     PlotError
-        If an output is asked for that the design does not have.
+        If the design does not have it.
     """
     names = [str(name) for name, one in design.data_vars.items() if one.size == 1]
     if variable is not None and variable not in names:

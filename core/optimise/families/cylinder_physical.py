@@ -31,11 +31,12 @@ def cylinder_physical_fastest(
 ) -> Optimum:
     """Return the angles of the largest a_x of a cylinder on the floor (theory 7.3, 12.2).
 
-    As for the block alpha = 0, beta = min(atan(mu_k), asin(G/P)), and a_y = 0. Here a drive from
-    the side does better only on tracks much steeper than friction (c > 8 mu n at the limit of
-    motion). For a contact slip along (cos psi, sin psi) the best a_x is again a closed form of psi;
-    its maximum is sampled and then bisected to rounding, and on the edge of stick by golden
-    sections, to 1e-7 rad.
+    As for the block alpha = 0, beta = min(atan(mu_k), asin(G/P)), and a_y = 0, with the drive's
+    acceleration amplitude P and gravity G onto the floor. A drive from the side does better only on
+    tracks much steeper than friction (c > 8 mu n at the limit of motion; c is gravity along the
+    track, n the normal force per mass). For a contact slip along (cos psi, sin psi) the best a_x is
+    again a closed form of psi; its maximum is sampled and then bisected to rounding, and on the
+    edge of stick by golden sections, to 1e-7 rad.
     """
     return fastest_slide(
         vibration_acceleration,
@@ -50,7 +51,11 @@ def cylinder_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point with slip at an angle to x, by sampling and bisection."""
+    """Return the best point with slip at an angle to x, by sampling and bisection.
+
+    All in units of the drive acceleration P: k is gravity along the track, g that onto the floor;
+    mu and mu_s are the friction coefficients. The results are those of `Candidate`.
+    """
     zero = np.zeros_like(k)
     exists = k > 0
     if not np.any(exists):
@@ -88,7 +93,10 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point at the limit of static friction, by sampling and golden sections."""
+    """Return the best point at the limit of static friction, by sampling and golden sections.
+
+    Arguments and results as in `_turned`.
+    """
     zero = np.zeros_like(k)
     exists = (k > 0) & (mu_s > mu)
     if not np.any(exists):
@@ -119,7 +127,12 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _value(
     psi: NDArray[np.complexfloating], k: Array, g: Array, mu: Array
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
-    """Return the best a_x for slip in the direction psi, and d_z there."""
+    """Return the best a_x for slip in the direction psi, and the drive's component d_z there.
+
+    All in units of P: k is gravity along the track, g that onto the floor; d_z is normal to the
+    floor. psi [rad] is complex, so that an imaginary step gives the derivative; a_x is -inf where
+    no drive slips so.
+    """
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
     uv = -s * (1 - 2 * (mu * x) ** 2)
@@ -139,8 +152,9 @@ def _held_point(
 ) -> tuple[Array, Array, Array, Array]:
     """Return a_x, drive D_x, D_y and load n at the limit of static friction in direction eta.
 
-    a_x is -inf where no drive gets there. The drive's unit length leaves a quadratic in n; a_x is
-    a multiple of n, so the larger root.
+    D is the drive in the plane less gravity, n the normal force per mass, all in units of P. The
+    drive's unit length leaves a quadratic in n; a_x is a multiple of n, so the larger root counts.
+    a_x is -inf where no drive gets there.
     """
     along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
     a, b = 1 + along**2 + across**2, g - k * along
@@ -154,7 +168,10 @@ def _held_point(
 
 
 def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the acceleration of a cylinder whose contact slips from rest (theory 7.3)."""
+    """Return a_x and a_y of a cylinder whose contact slips from rest (theory 7.3).
+
+    `D` is the drive in the plane less gravity, `floor` the normal force per mass, in one unit.
+    """
     friction: dict[str, Array] = {"friction_kinetic": mu, "floor_acceleration": floor}
     z = rolling.roll_root(
         in_plane_drive_x=D[0], in_plane_drive_y=D[1], friction_static=mu, **friction

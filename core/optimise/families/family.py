@@ -47,7 +47,10 @@ class Family:
     def closed_optimum(
         self, criterion: Criterion, values: Mapping[str, Any]
     ) -> Optimum | ParetoSet:
-        """Return the closed-form optimum for a criterion, from given quantities."""
+        """Return the closed-form optimum, or front, for a criterion.
+
+        `values` holds all quantities of the designs by name; the form takes those it needs.
+        """
         form = self.closed[type(criterion)]
         parameters = inspect.signature(form).parameters.values()
         needed = [p.name for p in parameters if p.default is inspect.Parameter.empty]

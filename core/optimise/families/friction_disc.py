@@ -33,7 +33,11 @@ Turned = Callable[[Array, Array, Array, Array], Candidate]
 
 
 def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
-    """Return optima with alpha = 0: at the best angle of slip, and at the edge of sticking."""
+    """Return two candidates with alpha = 0: the best angle of slip, and the edge of sticking.
+
+    All in units of the drive acceleration P: k is gravity along the track, g that onto the floor;
+    mu and mu_s are the friction coefficients.
+    """
     zero = np.zeros_like(k)
     lift_off = np.arcsin(np.minimum(g, 1.0))
     beta = np.minimum(np.arctan(mu), lift_off)
@@ -58,8 +62,18 @@ def fastest_slide(
 ) -> Optimum:
     """Return the angles of the largest a_x: straight along x, or turned to the side.
 
-    `turned` slides, `held` is at the edge of stick. Arguments broadcast; one out of range has the
-    status `invalid`.
+    Arguments broadcast; values out of range get the status `invalid`.
+
+    Parameters
+    ----------
+    vibration_acceleration, gravity_along, gravity_normal : array_like
+        P, and gravity along -x and onto the floor [m s-2].
+    friction_kinetic, friction_static : array_like
+        Friction coefficients.
+    turned, held : callable
+        Return the best drive from the side for a sliding part, and at the edge of stick.
+    accelerate : callable
+        Returns a_x and a_y of a sliding part.
     """
     P, c, G, mu, mu_s = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static

@@ -63,7 +63,11 @@ def valid_inputs(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask,
 
 
 def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Statuses:
-    """Return the status of each optimum; `gain` is positive where the part moves forwards."""
+    """Return the status of each optimum from masks of the designs.
+
+    `driven` is True where there is a drive; without one all angles are equal (flat). `gain` is
+    positive where the part moves forwards.
+    """
     status = np.where(gain > 0, STATUS["optimal"], STATUS["no_motion"])
     status = np.where(driven, status, STATUS["flat"])
     status = np.where(infeasible, STATUS["infeasible"], status)
@@ -71,7 +75,7 @@ def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Status
 
 
 def tight(bit: int, margin: Array, scale: Array) -> Flags:
-    """Return the bit where a margin is zero on its scale, else 0."""
+    """Return the bit of a constraint where its margin is 0 up to rounding of `scale`, else 0."""
     return np.where(np.abs(margin) <= TIGHT * scale, bit, 0).astype(np.int16)
 
 
@@ -89,7 +93,11 @@ def bounds_active(alpha: Array, beta: Array) -> Flags:
 def optimum(
     alpha: Array, beta: Array, along: Array, across: Array, active: Flags, status: Statuses
 ) -> Optimum:
-    """Return the record of an optimum; NaN where the status says that there is none."""
+    """Return the record of an optimum; NaN where the status says that there is none.
+
+    `along` and `across` are a_x and a_y there [m s-2]; `active` holds the bits of the constraints
+    that bind.
+    """
     bad = (status == STATUS["infeasible"]) | (status == STATUS["invalid"])
     alpha, beta, along, across = (np.where(bad, np.nan, p) for p in (alpha, beta, along, across))
     return Optimum(alpha, beta, along, across, np.where(bad, 0, active).astype(np.int16), status)

@@ -26,16 +26,18 @@ def plane_physical_fastest(
 ) -> Optimum:
     """Return the angles of the largest a_x of a block on the floor, friction disc (theory 12.2).
 
-    On a horizontal or falling track: alpha = 0, a_y = 0, beta = min(atan(mu_k), asin(G/P)); there
-    is no trade-off. On a climbing track a drive close to the limit of motion does better from the
-    side: it turns friction away from x. For a friction along -(cos psi, sin psi) the best a_x is
+    P is the drive's acceleration amplitude, c = g sin(gamma) and G gravity along -x and onto the
+    floor. On a horizontal or falling track: alpha = 0, a_y = 0, beta = min(atan(mu_k), asin(G/P));
+    there is no trade-off. On a climbing track a drive close to the limit of motion does better from
+    the side: it turns friction away from x. For a friction along -(cos psi, sin psi) the best a_x
+    is
 
-        V = cos psi [sqrt(1 + mu^2) sqrt(P^2 - c^2 sin^2 psi) - mu G - c cos psi],  c = g sin gamma,
+        V = cos psi [sqrt(1 + mu^2) sqrt(P^2 - c^2 sin^2 psi) - mu G - c cos psi],
 
     whose derivative by cos(psi) is convex, so that Newton's method from cos(psi) = 0 climbs to the
-    one interior maximum; it is compared with alpha = 0. Motion is possible from
-    P^2 > c^2 + mu_s^2 G^2/(1 + mu_s^2) on if c > 0 (alone along x only from
-    P sqrt(1 + mu_s^2) > c + mu_s G on, which is later), else `no_motion`, with NaN.
+    one interior maximum; it is compared with alpha = 0. Motion is possible from P^2 > c^2 + mu_s^2
+    G^2/(1 + mu_s^2) on if c > 0 (alone along x only from P sqrt(1 + mu_s^2) > c + mu_s G on, which
+    is later), else `no_motion`, with NaN.
 
     Where mu_s > mu_k and the best angles lie in stick, the best is at the edge of stick, as a limit
     (`not_attained`). `friction_static` is at least `friction_kinetic`.
@@ -53,7 +55,12 @@ def plane_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the interior optimum over the direction of friction, x = cos(psi)."""
+    """Return the best point with a drive from the side, by Newton's method in x = cos(psi).
+
+    psi is the direction of friction; k and g are gravity along -x and onto the floor in units of
+    the drive acceleration P, mu and mu_s the friction coefficients. The results are those of
+    `Candidate`.
+    """
     A = np.hypot(1.0, mu)
     p2 = (1 - k) * (1 + k)
     exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
@@ -89,7 +96,9 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     """Return the best point with |D| = mu_s n and alpha > 0, where a_x = D_x (1 - mu_k/mu_s).
 
-    |D|^2 = q^2 - k^2 - 2 k D_x, q = cos(beta), so that D_x is largest where q^2 - (mu_s n)^2 is.
+    D is the drive in the plane less gravity, n the normal force per mass, q = cos(beta). As |D|^2 =
+    q^2 - k^2 - 2 k D_x, D_x is largest where q^2 - (mu_s n)^2 is. Arguments and results as in
+    `_turned`.
     """
     dz = g * (mu_s / np.hypot(1.0, mu_s)) ** 2
     q2 = (1 - dz) * (1 + dz)
@@ -105,7 +114,10 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the acceleration D (1 - mu n/|D|) of a part that slides from rest."""
+    """Return the acceleration D (1 - mu n/|D|) of a part that slides from rest, along x and y.
+
+    `D` is the drive in the plane less gravity, and `floor` the normal force per mass n.
+    """
     left = 1.0 - ratio(mu * floor, np.hypot(*D), 0.0)
     return D[0] * left, D[1] * left
 

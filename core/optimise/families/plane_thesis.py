@@ -34,11 +34,12 @@ def plane_thesis_limited(
 ) -> Optimum:
     """Return the angles of the largest a_x with |a_y| <= limit, printed friction (theory 12.1).
 
-    Without a limit alpha = 0 and beta = atan(mu), or with `floor_contact` (n0 >= 0) the smaller of
-    that and the lift-off angle asin(G/P), which is the smaller from P = G sqrt(1 + mu^2)/mu on.
-    With asin(G/P) <= atan(mu) (case A): alpha = 0; beta is the lift-off angle, where a_y = 0, or
-    without `floor_contact` sin(beta) = min((G + limit/mu)/P, sin(atan mu)). Else (case B):
-    alpha = 0, beta = atan(mu) while a_y >= -limit there, then the point of a_y = -limit on the
+    P is the drive's acceleration amplitude, G gravity onto the floor, n0 the floor's normal force
+    per mass. Without a limit alpha = 0 and beta = atan(mu), or with `floor_contact` (n0 >= 0) the
+    smaller of that and the lift-off angle asin(G/P), which is the smaller from P = G sqrt(1 +
+    mu^2)/mu on. With asin(G/P) <= atan(mu) (case A): alpha = 0; beta is the lift-off angle, where
+    a_y = 0, or without `floor_contact` sin(beta) = min((G + limit/mu)/P, sin(atan mu)). Else (case
+    B): alpha = 0, beta = atan(mu) while a_y >= -limit there, then the point of a_y = -limit on the
     curve tan(beta) = mu (cos(alpha) + sin(alpha)), which has a closed form (`_on_curve`). It lies
     within 90 deg while P sqrt(1 + mu^2) >= mu G - limit; below that the status is `infeasible`.
     """
@@ -81,11 +82,13 @@ def plane_thesis_weighted(
 ) -> Optimum:
     """Return the angles of the largest a_x - weight |a_y|, printed friction (theory 12.1).
 
-    Where a_y < 0 the sum is linear in d with the gradient (1, w, mu (1 + w)), so that its top has
-    tan(alpha) = w and tan(beta) = mu (cos(alpha) + sin(alpha)): a point of the Pareto set. Case B:
-    alpha = min(atan(w), alpha_max); every w >= tan(alpha_max) ends in the kink a_y = 0. Case A:
-    alpha = 0 and beta = max(asin(G/P), atan(mu (1 - w))); the kink is the lift-off angle, reached
-    from w = 1 - tan(asin(G/P))/mu on, and with `floor_contact` for every w.
+    With the drive direction d and the weight w the sum is linear in d where a_y < 0, with the
+    gradient (1, w, mu (1 + w)), so that its top has tan(alpha) = w and tan(beta) = mu (cos(alpha) +
+    sin(alpha)): a point of the Pareto set. Case B (asin(G/P) > atan(mu), with the drive
+    acceleration P and gravity G onto the floor): alpha = min(atan(w), alpha_max); every w >=
+    tan(alpha_max) ends in the kink a_y = 0. Case A: alpha = 0 and beta = max(asin(G/P), atan(mu (1
+    - w))); the kink is the lift-off angle, reached from w = 1 - tan(asin(G/P))/mu on, and with
+    `floor_contact` for every w.
     """
     P, c, G, mu, w = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, weight
@@ -118,10 +121,11 @@ def plane_thesis_pareto(
 ) -> ParetoSet:
     """Return points of the trade-off between a_x and |a_y|, printed friction (theory 12.1).
 
-    From the largest a_x to the least |a_y|. Case A with `floor_contact`: one point, repeated.
-    Case A without: alpha = 0, beta from atan(mu) down to asin(G/P), evenly spaced in beta. Case B:
-    the curve tan(beta) = mu (cos(alpha) + sin(alpha)), alpha evenly spaced from 0 to where a_y = 0,
-    or to 90 deg where P sqrt(1 + mu^2) < mu G and a_y stays negative.
+    They go from the largest a_x to the least |a_y|. Case A, asin(G/P) <= atan(mu) with the drive
+    acceleration P and gravity G onto the floor: with `floor_contact` one point, repeated; without,
+    alpha = 0 and beta from atan(mu) down to asin(G/P), evenly spaced. Case B: the curve tan(beta) =
+    mu (cos(alpha) + sin(alpha)), alpha evenly spaced from 0 to where a_y = 0, or to 90 deg where P
+    sqrt(1 + mu^2) < mu G and a_y stays negative. `points` is their number.
     """
     P, c, G, mu = (
         part[..., np.newaxis]
@@ -165,10 +169,11 @@ def _curve_beta(alpha: Array, mu: Array) -> Array:
 
 
 def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the point of that curve with d_y + mu d_z = level.
+    """Return alpha and beta of the point of tan(beta) = mu (cos(alpha) + sin(alpha)) at a level.
 
-    It is the highest point over d_x + mu d_z of the circle that the plane of the level cuts from
-    the unit sphere: the foot of the plane plus a step along the projected gradient.
+    The level is that of d_y + mu d_z, with the drive direction d. The point is the highest over d_x
+    + mu d_z of the circle that the plane of the level cuts from the unit sphere: the foot of the
+    plane plus a step along the projected gradient.
     """
     A2 = 1.0 + mu * mu
     A = np.hypot(1.0, mu)
@@ -180,7 +185,10 @@ def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
 
 
 def _alpha_max(g: Array, mu: Array) -> Array:
-    """Return the alpha with a_y = 0 on the curve of case B; 90 deg where a_y stays negative."""
+    """Return the alpha with a_y = 0 on the curve of case B; 90 deg where a_y stays negative.
+
+    `g` is gravity onto the floor over the drive acceleration.
+    """
     return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
 
 

@@ -32,14 +32,16 @@ def track_physical_fastest(
 ) -> Optimum:
     """Return the angles of the largest a_x at rest with floor and wall kept (theory 4.4, 12).
 
-    K_0 = P cb ca - c - mu (g_z - P sb + g_y - P cb sa). Without bounds tan(alpha) = mu and
-    tan(beta) = mu/sqrt(1 + mu^2); where that lifts the part off the wall, P cb sa = g_y and
-    sin(beta) = mu sqrt((1 - g_y^2/P^2)/(1 + mu^2)); sin(beta) at most g_z/P in both.
+    K_0 = P cb ca - c - mu (g_z - P sb + g_y - P cb sa), where ca, sa, cb, sb are cosines and sines
+    of alpha and beta, P is the drive's acceleration amplitude, and c, g_y, g_z are gravity along
+    -x, towards the wall and onto the floor. Without bounds tan(alpha) = mu and tan(beta) =
+    mu/sqrt(1 + mu^2); where that lifts the part off the wall, P cb sa = g_y and sin(beta) = mu
+    sqrt((1 - g_y^2/P^2)/(1 + mu^2)); sin(beta) at most g_z/P in both.
 
     The part starts if the same maximum with mu_s for mu is positive, else `no_motion`, with NaN.
-    Where mu_s > mu_k and the best angles lie in stick, the answer is at the edge of stick
-    (`not_attained`), a point of the same geometry with one more plane: `core.optimise.newton`
-    finds it; here its angles are NaN. `friction_static` is at least `friction_kinetic`.
+    Where mu_s > mu_k and the best angles lie in stick, the optimum is at the edge of stick
+    (`not_attained`), a point of the same geometry with one more plane: `core.optimise.newton` finds
+    it; here its angles are NaN. `friction_static` is at least `friction_kinetic`.
     """
     P, c, gy, gz, mu, mu_s = broadcast(
         vibration_acceleration,
@@ -74,7 +76,11 @@ def track_physical_fastest(
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the angles of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= z."""
+    """Return the angles of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= z.
+
+    d is the unit direction of the drive; y and z are gravity towards the wall and onto the floor
+    over the drive's acceleration.
+    """
     kept = np.minimum(y, 1.0)
     wall = np.minimum(mu * np.sqrt((1 - kept) * (1 + kept)) / np.hypot(1.0, mu), z)
     across = np.sqrt(np.maximum((1 - wall) * (1 + wall) - kept * kept, 0.0))
@@ -87,7 +93,11 @@ def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
 def _both_value(
     P: Array, c: Array, gy: Array, gz: Array, mu: Array, alpha: Array, beta: Array
 ) -> Array:
-    """Return the starting acceleration K_0 of theory 4.4."""
+    """Return the starting acceleration K_0 (theory 4.4) at given angles [m s-2].
+
+    It is the drive along x less gravity c and less friction mu on floor and wall, whose loads are
+    gz - P sin(beta) and gy - P cos(beta) sin(alpha).
+    """
     push = P * np.cos(beta)
     floor, wall = gz - P * np.sin(beta), gy - push * np.sin(alpha)
     return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))

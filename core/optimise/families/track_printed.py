@@ -37,10 +37,11 @@ def track_fastest(
 ) -> Optimum:
     """Return the angles of the largest K of the track's printed forces (theory 4.2, 12).
 
-    tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) - c -+ mu g_y. There the wall has to pull unless
-    g_y is large. With `wall_contact` (at rest, W <= g_y): alpha = min(atan(mu), asin(g_y/P)). The
-    `thesis` variant prints the balance with the other sign, W <= -g_y, which no lean onto the wall
-    allows: `infeasible`.
+    tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) - c -+ mu g_y, with the drive's acceleration
+    amplitude P and gravity c along -x and g_y towards the wall. There the wall has to pull unless
+    g_y is large. With `wall_contact` (at rest the drive across, W = P cos(beta) sin(alpha), is at
+    most g_y): alpha = min(atan(mu), asin(g_y/P)). The `thesis` variant prints the balance with the
+    other sign, W <= -g_y, which no lean onto the wall allows: `infeasible`.
     """
     P, c, gy, mu = broadcast(
         vibration_acceleration, gravity_along, gravity_across, friction_kinetic

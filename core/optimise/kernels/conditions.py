@@ -42,9 +42,22 @@ def bounds(
 ) -> None:
     """Fill margins and gradients of the bounds of angles, of floor and wall contact.
 
-    n0 = g - sb on the floor, room - cb sa at the wall, in units of P. `slopes` has a row for the
-    objective, then the constraints in the order of their bits; `margins` alike. F: a_x or K, a_y,
-    n0, margin of the wall. There is no limit on a_y and on the start until a family says so.
+    All in units of the drive acceleration P. n0 = g - sin(beta) on the floor, with g gravity onto
+    it; wall_margin - cos(beta) sin(alpha) at the wall. There is no limit on a_y and on the start
+    until a family sets one.
+
+    Parameters
+    ----------
+    p : ndarray, shape (GROUPS,)
+        The groups of a design.
+    alpha, beta : float
+        Angles of the drive [rad].
+    wall_margin : float
+        Load of the wall without drive; NaN without a wall.
+    F : ndarray, shape (4,)
+        a_x or K, a_y, n0 and margin of the wall; the last two are filled.
+    slopes, margins : ndarray, shape (CONSTRAINTS, 2) and (CONSTRAINTS,)
+        Filled: a row for the objective, then for the constraints in the order of their bits.
     """
     q, dz = math.cos(beta), math.sin(beta)
     sine = math.sin(alpha)
@@ -63,7 +76,11 @@ def bounds(
 def across(
     p: Numbers, F: Numbers, by_alpha: float, by_beta: float, slopes: Numbers, margins: Numbers
 ) -> None:
-    """Fill the margins of |a_y| <= limit and their gradients, from those of a_y."""
+    """Fill the margins of |a_y| <= limit and their gradients.
+
+    `by_alpha` and `by_beta` are the derivatives of a_y, `F[1]`; all in units of the drive
+    acceleration P, and the other arguments as in `bounds`.
+    """
     e = p[LIMIT] / p[P_]
     margins[ACROSS_LOWER], margins[ACROSS_UPPER] = F[1] + e, e - F[1]
     slopes[ACROSS_LOWER, 0], slopes[ACROSS_LOWER, 1] = by_alpha, by_beta
@@ -72,10 +89,11 @@ def across(
 
 @compiled
 def least_prices(slopes: Numbers, active: NDArray[np.int64], count: int, prices: Numbers) -> float:
-    """Return the residual of the optimality conditions, and fill the multipliers.
+    """Return the residual of the optimality conditions, and fill the multipliers `prices`.
 
-    The objective's gradient must be a combination, with no negative weight, of at most two of the
-    active constraints' gradients, negated; the combination with the least remainder is taken.
+    The negative gradient of the objective must be a combination, without negative weights, of at
+    most two of the active constraints' gradients; the combination with the least remainder is
+    taken. `active` are the rows of `slopes` of the constraints that bind, `count` of them.
     """
     fx, fy = slopes[OBJECTIVE, 0], slopes[OBJECTIVE, 1]
     least = math.hypot(fx, fy)

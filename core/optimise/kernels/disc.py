@@ -108,7 +108,7 @@ class Level(NamedTuple):
 
 @compiled
 def _level(beta: float, block: Block) -> Level:
-    """Return friction and drive of a block at one beta, with slopes over beta."""
+    """Return q = cos(beta) and the friction mu n and mu_s n at one beta, with their slopes."""
     q, dq = math.cos(beta), -math.sin(beta)
     n = block.g - math.sin(beta)
     m, ms = block.mu * n, block.mu_s * n
@@ -130,7 +130,9 @@ def _across(X: float, k: float, at: Level) -> float:
 def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tuple[float, int]:
     """Return the drive D_x of the largest a_x between `least` (or 0) and `high`, and its limit.
 
-    a_x is concave in D_x and its slope too: Newton's steps from the right fall to the root.
+    D_x is the drive along x less gravity, in units of P, and k gravity along -x. a_x is concave in
+    D_x and its slope too: Newton's steps from the right fall to the root. `held` is what limits D_x
+    at `high`.
     """
     q, m = at.q, at.m
     X, low = high, max(least, 0.0)
@@ -165,7 +167,10 @@ def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float
 
 @compiled
 def _last_within(start: float, end: float, k: float, at: Level, e: float) -> float:
-    """Return the last D_x from `end` towards `start` with |a_y| <= e; `end` fulfils it."""
+    """Return the last D_x from `end` towards `start` with |a_y| <= e; `end` fulfils it.
+
+    It is found by secants with halved weights, every third step a halving; in units of P.
+    """
     over, under = _across(start, k, at) - e, _across(end, k, at) - e
     for step in range(MAX_OUTER):
         trial = (start * under - end * over) / (under - over)
@@ -186,10 +191,11 @@ def _last_within(start: float, end: float, k: float, at: Level, e: float) -> flo
 
 @compiled
 def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: float) -> float:
-    """Return the D_x nearest to X with |a_y| within the limit; -1 if there is none.
+    """Return the D_x nearest to X with |a_y| within the limit e; -1 if there is none.
 
-    Push more along x: a_y falls with D_x on a climbing track. On a falling one a_x is largest at
-    a0, and only beyond a maximum of a_y can less of D_x keep the limit.
+    On a climbing track (gravity k > 0 along -x) a_y falls as D_x grows towards `high`. On a falling
+    one a_x is largest at X, and only beyond a maximum of a_y can a smaller D_x, down to `low`, keep
+    the limit. All in units of P.
     """
     start, end = X, high
     if k <= 0:
@@ -203,7 +209,10 @@ def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: flo
 
 @compiled
 def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
-    """Return the slope of the best a_x over beta; what limits D_x moves with beta."""
+    """Return the derivative of the best a_x over beta, with D_x = X, in units of P.
+
+    `held` says what limits D_x, which moves with beta.
+    """
     k, q, dq, m, dm = block.k, at.q, at.dq, at.m, at.dm
     R2 = q * q - k * k - 2 * k * X
     R = math.sqrt(max(R2, 0.0))
@@ -228,7 +237,9 @@ def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
 def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
     """Return the largest D_x of a sliding block and what limits it; -1 if none slides.
 
-    R^2 = q^2 - k^2 - 2 k D_x falls with D_x on a climbing track, and grows on a falling one.
+    The block slides where R^2 = q^2 - k^2 - 2 k D_x exceeds (mu_s n)^2, with q = cos(beta): R falls
+    with D_x on a climbing track, and grows on a falling one. `most` is the D_x at the smallest
+    |alpha|.
     """
     free = at.q * at.q - k * k - at.ms * at.ms
     if k > 0 and free < 2 * k * most:
@@ -269,9 +280,10 @@ def best_across(beta: float, block: Block) -> BestAcross:
 
 @compiled
 def _turned_top(k: float, g: float, mu: float) -> float:
-    """Return beta of the best turned drive without limits; 0 if there is none (theory 12.2).
+    """Return beta of the best turned drive without limits [rad]; 0 if there is none (theory 12.2).
 
-    Newton's method for the direction of friction, x = cos(psi), from 0: the slope is convex.
+    Newton's method for the direction of friction, x = cos(psi), from 0: the slope is convex. k and
+    g are gravity along -x and onto the floor over the drive acceleration.
     """
     A = math.hypot(1.0, mu)
     p2 = (1.0 - k) * (1.0 + k)
@@ -293,7 +305,10 @@ def _turned_top(k: float, g: float, mu: float) -> float:
 
 @compiled
 def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
-    """Return the bounds of |alpha|, which alone matters for a_x, and the sign of alpha."""
+    """Return the bounds of |alpha|, which alone matters for a_x, and the sign of alpha.
+
+    `lower` and `upper` are the bounds of alpha [rad].
+    """
     if lower > 0:
         return lower, upper, 1.0
     if upper < 0:
@@ -305,7 +320,11 @@ def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
 def _sampled(
     first: float, last: float, steps: int, sideways: float, block: Block, betas: Numbers
 ) -> int:
-    """Fill the angles to try in ascending order, and return their number."""
+    """Fill `betas` with the angles to try in ascending order [rad], and return their number.
+
+    They are equal steps from `first` to `last`, and the angles of friction, of the first turned
+    drive, and `sideways`, that of the best one.
+    """
     mu, mu_s = block.mu, block.mu_s
     count = steps + 1
     for i in range(count):
@@ -329,7 +348,8 @@ def _past_minimum(
 ) -> tuple[float, float]:
     """Return an outer bracket end without a minimum in between, and the slope there.
 
-    Both ends rise: a maximum and a minimum lie between. Halve until the minimum is outside.
+    Both ends, `inner` and `outer`, rise in the same direction: a maximum and a minimum lie between.
+    The interval is halved until the minimum is outside. `slope` and `value` are those at `inner`.
     """
     start, height = inner, value
     for _ in range(HALVINGS):
@@ -348,10 +368,11 @@ def _past_minimum(
 
 @compiled
 def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tuple[float, bool]:
-    """Return the zero of the slope over beta, and whether the last digit was reached.
+    """Return the beta where the slope over beta is 0, and True if the last digit was reached.
 
-    Secants with halved weights (Illinois); every third step halves, for slopes that jump. Where the
-    block does not slide within its limits counts as past the change: it ends at the last that does.
+    `fa` and `fb` are the slopes at a and b, of different signs. Secants with halved weights
+    (Illinois); every third step halves, for slopes that jump. Where the block does not slide within
+    its limits counts as past the change: it ends at the last beta at which it slides.
     """
     t = a
     for step in range(MAX_OUTER):
@@ -381,7 +402,10 @@ def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tupl
 def _climbed(
     i: int, count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Block
 ) -> tuple[float, bool]:
-    """Return beta of the local maximum near sample i, and whether the last digit was reached."""
+    """Return beta of the local maximum near sample i, and True if the last digit was reached.
+
+    `betas`, `values` and `rises` are the `count` samples: angles, a_x and its slope.
+    """
     inner, slope = betas[i], rises[i]
     j = i + 1 if slope > 0 else i - 1
     if slope == 0 or not 0 <= j < count:
@@ -422,7 +446,23 @@ def _highest(
     count: int, betas: Numbers, values: Numbers, rises: Numbers, lift_off: float, side: float,
     block: Block, best: Numbers,
 ) -> int:  # fmt: skip
-    """Return the status, and fill `best` with alpha and beta of the highest maximum."""
+    """Return the status, and fill `best` with alpha and beta of the highest maximum.
+
+    Parameters
+    ----------
+    count : int
+        Number of samples.
+    betas, values, rises : ndarray
+        Samples of beta, the largest a_x there, and its slope.
+    lift_off : float
+        The beta at which the block lifts off [rad].
+    side : float
+        Sign of alpha.
+    block : Block
+        The design.
+    best : ndarray, shape (2,) or more
+        Filled with alpha and beta.
+    """
     top = -math.inf
     status = NO_MOTION
     for i in range(count):
@@ -466,7 +506,8 @@ def _fill(count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Bl
 def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best: Numbers) -> int:
     """Return the status, and fill `best` with the best alpha and beta under the friction disc.
 
-    `p` are the groups of a design; the other arrays, of shape (SAMPLES,), are for the samples.
+    `p` are the groups of a design; `betas`, `values` and `rises`, of shape (SAMPLES,), are working
+    arrays for the samples.
     """
     k, g = p[ALONG] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s = p[MU_K], p[MU_S]

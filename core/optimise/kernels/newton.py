@@ -73,7 +73,10 @@ from core.optimise.kernels.sphere import ROWS
     },
 )
 def idle(kept: Kept, p: Numbers) -> tuple[float, float, float]:
-    """Return objective, a_y and wall margin without drive; NaN for what does not exist."""
+    """Return objective, a_y and wall margin without drive; NaN for what does not exist.
+
+    `kept` is the family with the contacts to keep, `p` the groups of a design.
+    """
     raise NotImplementedError
 
 
@@ -87,7 +90,11 @@ def idle(kept: Kept, p: Numbers) -> tuple[float, float, float]:
     },
 )
 def best(kept: Kept, p: Numbers, work: Work) -> Best:
-    """Return status and best angles, by the formulas of the model `kept`."""
+    """Return status and best angles of a design.
+
+    `kept` is the family with the contacts to keep, `p` the groups of the design, and `work` holds
+    working arrays.
+    """
     raise NotImplementedError
 
 
@@ -101,7 +108,7 @@ def best(kept: Kept, p: Numbers, work: Work) -> Best:
     },
 )
 def gradients(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill values, gradients and margins at given angles."""
+    """Fill values, gradients and margins in `work` at given angles alpha and beta [rad]."""
     raise NotImplementedError
 
 
@@ -124,7 +131,10 @@ def _is_valid(p: Numbers) -> bool:
 
 @compiled
 def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
-    """Return the status without drive, where all angles are equal; fill the row."""
+    """Return the status of a design without drive, where all angles are equal; fill its row.
+
+    `row` is that of the design in the table of results.
+    """
     value, across, wall_margin = idle(kept, p)
     lost = (kept.floor and p[NORMAL] < 0) or (kept.wall and wall_margin < 0)
     if lost or abs(across) > p[LIMIT]:
@@ -138,7 +148,10 @@ def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
 
 @compiled
 def _at_best(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work, row: Numbers) -> int:
-    """Return the bits of the constraints that bind at the best angles; fill the row."""
+    """Return the bits of the constraints that bind at the best angles; fill the design's row.
+
+    alpha and beta are the best angles [rad]; `row` is that of the table of results.
+    """
     gradients(kept, p, alpha, beta, work)
     bits, count, prices = 0, 0, work.prices
     for i in range(1, CONSTRAINTS):
@@ -162,7 +175,19 @@ def _at_best(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work, row:
 def solve(
     kept: Kept, groups: Numbers, table: Numbers, active: NDArray[np.int16], status: NDArray[np.int8]
 ) -> None:
-    """Solve each cell, groups (n, GROUPS): fill table, active bounds and status."""
+    """Solve every design: fill the table of results, the bits of binding constraints, the status.
+
+    Parameters
+    ----------
+    kept : Kept
+        The family, by its type, and the contacts to keep.
+    groups : ndarray, shape (n, GROUPS)
+        The inputs of each design.
+    table : ndarray, shape (n, COLUMNS)
+        Filled with the results.
+    active, status : ndarray, shape (n,)
+        Filled with bits of `ACTIVE` and values of `STATUS`.
+    """
     work = Work(
         np.empty((ROWS, 3)), np.empty(ROWS), np.empty(3), np.empty(3),
         np.empty(SAMPLES), np.empty(SAMPLES), np.empty(SAMPLES),

@@ -38,7 +38,7 @@ def idle(kept: PlanePhysical, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: PlanePhysical, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest a_x = X (1 - mu n/R)."""
+    """Return status, alpha and beta of the largest a_x = D_x (1 - mu n/R) of a design."""
     status = best_along(p, work.betas, work.heights, work.rises, work.direction)
     if status in (INFEASIBLE, NO_MOTION):
         return Best(status, False, math.nan, math.nan)

@@ -34,7 +34,10 @@ def idle(kept: PlaneThesis, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: PlaneThesis, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest d_x + mu d_z with |d_y + mu d_z - mu g| <= e."""
+    """Return status, alpha and beta of the largest d_x + mu d_z with |d_y + mu d_z - mu g| <= e.
+
+    d is the drive direction, e the limit of |a_y| in units of P.
+    """
     k, g, mu, e = p[ALONG] / p[P_], p[NORMAL] / p[P_], p[MU_K], p[LIMIT] / p[P_]
     A, b, u = work.planes, work.levels, work.upwards
     rows = angles_within(p, kept.floor, A, b)

@@ -32,7 +32,7 @@ NEAR_PARALLEL = 1e-20  # squared sine below which two planes have no corner
 
 @compiled
 def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bool:
-    """True if a direction fulfils all planes a.d <= b."""
+    """True if a direction (x, y, z) fulfils all planes a.d <= b, the first `rows` of A and b."""
     for i in range(rows):  # noqa: SIM110 - a generator would not compile
         if A[i, 0] * x + A[i, 1] * y + A[i, 2] * z > b[i] + KEPT:
             return False
@@ -41,7 +41,11 @@ def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bo
 
 @compiled
 def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """True if two planes meet on the sphere within all others; keeps the highest in `best`."""
+    """True if two planes meet on the sphere within all others.
+
+    Fills `best` with the highest corner. Height is u.d for a direction d; the planes are a.d <= b,
+    the first `rows` of A and b.
+    """
     exists = False
     highest = -math.inf
     for i in range(rows):
@@ -75,11 +79,12 @@ def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers
 
 @compiled
 def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """True if a unit vector fulfils a.d <= b; `best` becomes the one with the largest u.d.
+    """True if a unit vector fulfils all planes; fills `best` with the one with the largest u.d.
 
-    The rows of A are unit vectors. Where the top of the sphere oversteps a plane and the top of
-    that plane's circle keeps all others, it is the answer: without the others nothing is higher.
-    Else the answer is a corner, for on any other circle the way to the top of the sphere is free.
+    The planes are a.d <= b, the first `rows` of A, which are unit vectors, and b. Where the top of
+    the sphere oversteps a plane and the top of that plane's circle keeps all others, it is the
+    optimum: without the others nothing is higher. Else it is a corner, for on any other circle the
+    way to the top of the sphere is free.
     """
     size = math.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
     x, y, z = u[0] / size, u[1] / size, u[2] / size
@@ -107,7 +112,7 @@ def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) 
 
 @compiled
 def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit: float) -> int:
-    """Add the plane (x, y, z).d <= limit in the next row, and return the number of rows."""
+    """Add the plane (x, y, z).d <= limit in row `row` of A and b; return the number of rows."""
     size = math.sqrt(x * x + y * y + z * z)
     A[row, 0], A[row, 1], A[row, 2] = x / size, y / size, z / size
     b[row] = limit / size
@@ -116,9 +121,10 @@ def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit:
 
 @compiled
 def angles_within(p: Numbers, floor: bool, A: Numbers, b: Numbers) -> int:
-    """Write the bounds of the angles and of floor contact into the first rows.
+    """Write the bounds of the angles, and of floor contact, into the first rows of A and b.
 
-    Return their number.
+    Return their number. `p` are the groups of a design; with `floor` the drive may not lift the
+    part.
     """
     a0, a1, b0, b1 = p[ALPHA_LO], p[ALPHA_HI], p[BETA_LO], p[BETA_HI]
     rows = plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)
@@ -135,13 +141,17 @@ def angles_within(p: Numbers, floor: bool, A: Numbers, b: Numbers) -> int:
 
 @compiled
 def angles_of(d: Numbers) -> tuple[float, float]:
-    """Return azimuth and elevation of a direction."""
+    """Return azimuth and elevation of a direction d [rad]."""
     return math.atan2(d[1], d[0]), math.atan2(d[2], math.hypot(d[0], d[1]))
 
 
 @compiled
 def highest(P: float, constant: float, rows: int, work: Work) -> Best:
-    """Return status, alpha and beta of the largest u.d + constant within all planes."""
+    """Return status, alpha and beta of the largest u.d + constant within all planes.
+
+    u and the `rows` planes are in `work`; times P, the drive acceleration, the value is a_x or K,
+    which has to be positive for a motion.
+    """
     u, d = work.upwards, work.direction
     if not top_of_pieces(u, work.planes, work.levels, rows, d):
         return Best(INFEASIBLE, False, math.nan, math.nan)

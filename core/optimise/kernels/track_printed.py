@@ -33,7 +33,10 @@ def idle(kept: TrackPrinted, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: TrackPrinted, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest d_x + mu d_y; d_y <= y at a wall."""
+    """Return status, alpha and beta of the largest d_x + mu d_y; with a wall d_y <= y.
+
+    d is the drive direction, and y the room at the wall in units of P.
+    """
     wall_margin, mu, u = kept.side * (p[ACROSS] / p[P_]), p[MU_K], work.upwards
     rows = angles_within(p, kept.floor, work.planes, work.levels)
     if kept.wall:
