@@ -197,16 +197,16 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
 
 
 class Choice:
-    """A name for several functions; which one compiled code calls, the type of an argument tells.
+    """A name for several functions; the type of an argument decides which one compiled code calls.
 
     Parameters
     ----------
     function : callable
-        Says what all of them return, and is what Python calls.
-    place : int
-        Place of the argument, a named tuple.
+        Declares arguments and result of all of them; called from Python.
+    position : int
+        Position of the deciding argument, a named tuple.
     ways : mapping
-        Compiled functions, by type of the argument.
+        The compiled function for each type of the argument.
     """
 
     is_compiling = False

@@ -151,7 +151,7 @@ def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = N
 
 
 class Suggestions:
-    """Searches for the first few names alone: nobody reads more, and each search takes time."""
+    """Searches for similar names, for the first eight names only, since each search takes time."""
 
     def __init__(self) -> None:
         self.left = SEARCHED

@@ -227,8 +227,8 @@ def plot(
     Parameters
     ----------
     dataset : xarray.Dataset, or a list of them
-        What `sweep`, `simulate` or `optimise` returned, or the path of a file that `vibrafeed run`
-        wrote. Of several, the same output is drawn over the same axis.
+        A dataset that `sweep`, `simulate` or `optimise` returned, or the path of a file that
+        `vibrafeed run` wrote. Of several, the same output is drawn over the same axis.
     variable : str, optional
         The output; the first if left out.
     axes : str or tuple of str, optional
@@ -243,10 +243,10 @@ def plot(
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
-        Units in which values are read: trade (mm, mm/s), si, or units such as m/min, each for its
-        kind. If left out, those of the study, else trade.
+        Units for reading: `trade`, those usual in practice (mm, mm/s); `si`; or units such as
+        m/min, each for its kind. If left out, those of the study, else trade.
     nearest : bool
-        Whether a value of `at` that the dataset does not have stands for the nearest one.
+        True if a value of `at` that the dataset does not have stands for the nearest one.
     dark : bool
         Use light colours on a dark background.
     small : bool
@@ -304,14 +304,14 @@ def animate(
     file : path
         The file; an existing one is replaced.
     slow : float, optional
-        How many times slower it is shown. Left out, a period takes about a second, a fall six.
+        Slow-motion factor. By default a period takes about a second, a fall six.
     title, units, dark, small
         As for `plot`.
 
     Raises
     ------
     VibrafeedError
-        If the dataset holds no course, or the file cannot be made.
+        If the dataset holds no trajectory, or the file cannot be made.
 
     Examples
     --------

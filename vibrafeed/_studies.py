@@ -287,8 +287,8 @@ def study(
 
     Parameters
     ----------
-    given : mapping, study or path, optional
-        What the keywords are added to.
+    base : mapping, study or path, optional
+        The study that the keywords add to.
     **keywords
         Keys of the study and parameters: those of `sweep`, `simulate` and `optimise`.
 
@@ -1141,8 +1141,8 @@ def simulate(
 ) -> xarray.Dataset:
     """Return the motion in time of one scene over a grid of parameters: mean velocities and more.
 
-    Without `outputs` it is the mean conveying velocity [m s-1]. `trajectory` gives the course of
-    one point in time.
+    Without `outputs` it is the mean conveying velocity [m s-1]. `trajectory` gives the
+    motion of one cell in time.
 
     *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
     several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
@@ -2564,8 +2564,8 @@ def sensitivity(
 ) -> xarray.Dataset:
     """Return the variation of outputs with parameters that are not known exactly, over a grid.
 
-    `uncertain` gives parameters and their distributions. What is told of each output (mean and
-    quantiles, probabilities, Sobol indices, a tolerance budget) is said by `analyses`.
+    `uncertain` gives parameters and their distributions. `analyses` names the results for
+    each output: mean and quantiles, probabilities, Sobol indices, a tolerance budget.
 
     *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
     several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
@@ -3182,7 +3182,7 @@ def sensitivity(
     Returns
     -------
     xarray.Dataset
-        What is told of each output, over the axes; units, errors, and `regime` of the nominal
+        The results of each output, over the axes; units, errors, and `regime` of the nominal
         values. Along `uncertain` are the uncertain parameters, in the order of its
         `flag_meanings`.
 
@@ -3989,7 +3989,7 @@ def drive_error(
 ) -> DriveError:
     """Return the error of a part's conveying velocity by the errors of a measured drive.
 
-    The part is followed under drives that the recording cannot tell from the fitted one. Errors of
+    The part is followed under drives that fit the recording as well as the fitted one. Errors of
     friction and other parameters, of the model and of the sensor's scale are not among them.
 
     Parameters
@@ -3997,9 +3997,9 @@ def drive_error(
     study : mapping or path, optional
         A study to simulate, of one cell, whose `drive` names a recording.
     draws : int
-        How many such drives.
+        Number of such drives.
     seed : int
-        Of the random numbers; equal ones give equal results.
+        Seed of the random numbers; equal ones give equal results.
     **keywords
         Keys of the study and parameters, as those of `simulate`.
 

@@ -233,7 +233,10 @@ def _show_many(table: Table, shown: Any) -> None:
 
 
 def _parameter_columns(table: Table) -> list[str]:
-    """Return the parameter columns that tell the rows of a look-up apart."""
+    """Return the names of the columns that distinguish the rows of a look-up.
+
+    They are its parameters, or the number of the row in a file.
+    """
     if ROW in table.coordinates:
         return [ROW]
     return list(table.coordinates)

@@ -45,17 +45,17 @@ class Running:
     Attributes
     ----------
     plain, resume : bool
-        As for `run`.
+        As for `run`: write NetCDF without compression; go on with stopped runs.
     units : str or None
-        Units of the values shown.
+        Units for printing.
     checked : float or None
-        Seconds that checking took, if it is to be told with whatever else is.
+        Seconds that checking the studies took; given with `--verbose` only, which prints more.
     deadline : float or None
-        As for a `Watch`.
+        Time of `time.monotonic` at which to stop [s].
     facts : list of dict
-        What came out so far, as documents.
+        The results so far, as JSON documents.
     solved : bool
-        Whether every optimisation so far has a solution of some design.
+        True if every optimisation so far has a solution for some design.
     """
 
     plain: bool

@@ -29,22 +29,22 @@ WIDTH: Final = 96
 
 @dataclass(frozen=True)
 class Starter:
-    """The study that answers a question.
+    """The study that answers a question of `vibrafeed new`.
 
     Attributes
     ----------
     says : tuple of str
-        The lines at its head.
+        The comment lines at its head.
     kind, kind_says : str
-        Its kind, and what that means.
+        Its kind, and a comment on it.
     outputs : tuple of str
-        What it tells.
+        Its outputs.
     outputs_of : mapping of str to tuple of str
-        What it tells of single scenes besides.
+        Further outputs by the scene that has them.
     tables : mapping of str to mapping
         Further tables, before the parameters.
     tables_say : mapping of str to str
-        What is said at the head of each.
+        The comment at the head of each table.
     """
 
     says: tuple[str, ...]

@@ -39,9 +39,9 @@ class Admission:
     settings : Settings
         The service's.
     wake : callable
-        Tells whoever works that the queue has changed.
+        Called when the queue has changed.
     waits : callable
-        Tells what work that has not begun waits for, besides its turn.
+        Returns the reason why unstarted work waits, other than its place in the queue; else None.
     """
 
     def __init__(

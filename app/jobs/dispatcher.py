@@ -65,22 +65,22 @@ class RunningTime:
 
 @dataclass
 class _Progress:
-    """The progress of an item.
+    """The progress of an item of work.
 
     Attributes
     ----------
     item : Work
         The item.
     seconds : float
-        How long one of its blocks is expected to take.
+        Expected time of one of its blocks [s].
     running : RunningTime
-        How long it has run.
+        Its running time, against its limit.
     done : int
-        Blocks that are there.
+        Number of its stored blocks.
     began : float
-        The `time.monotonic` at which the first block began.
-    told : asyncio.Task or None
-        The ledger's first note.
+        The `time.monotonic` at which the first block began [s].
+    first_note : asyncio.Task or None
+        Writes the first note into the ledger, which all others wait for.
     """
 
     item: Work
@@ -99,18 +99,18 @@ class Dispatcher:
     ledger, store, cluster
         Where progress is noted, where files are, and where the work runs.
     thread_pool : ThreadPool
-        Runs what waits for the ledger or the disk.
+        Runs calls that wait for the ledger or the disk.
     settings : Settings
         The service's.
 
     Attributes
     ----------
     work_progress : WorkProgress
-        Is told of blocks that are done.
+        Receives reports of finished blocks.
     executor : Executor
-        Who does it.
+        Runs the calls on workers.
     trouble : str or None
-        What keeps results from being sent where they are kept besides.
+        The reason why results cannot be sent to the object store.
     """
 
     def __init__(

@@ -12,18 +12,18 @@ STATES = (*ACTIVE, "successful", "failed", "dismissed")
 
 @dataclass(frozen=True)
 class Wanted:
-    """The filter of a list of jobs; a field that is empty or None chooses nothing.
+    """The filter of a list of jobs; a field that is empty or None does not restrict the list.
 
     Attributes
     ----------
     processes, states : tuple
-        One of these.
+        Names of which a job has to have one.
     created : pair of float or None
-        Entered between these times [s since the epoch].
+        Times between which a job was entered [s since the epoch].
     seconds : pair of int or None
-        Least and longest time from their beginning to their end, or until now.
+        Least and largest time from a job's beginning to its end, or until now [s].
     seen_by : str or None
-        The owner's, or shared.
+        Name of a key: jobs that it owns, and shared ones.
     """
 
     processes: tuple[str, ...] = ()
@@ -76,14 +76,20 @@ class Job:
 
 @dataclass(frozen=True)
 class Work:
-    """An item of work that this server holds the lease of.
+    """An item of work: what one or more jobs of equal studies need to have computed.
 
     Attributes
     ----------
+    key, process : str
+        The study's identifier, and what is carried out.
+    block_cells, blocks : int
+        Cells of a block, and number of blocks.
+    seconds : float
+        Computing time so far [s], summed over workers.
     owner : str
-        The claim.
+        The claim, under which a server holds the lease; empty if no server does.
     asker : str
-        Name of the key whose job has waited for it longest.
+        Name of the key whose job has waited longest for it.
     """
 
     key: str

@@ -56,16 +56,16 @@ class Executor:
     cluster : Cluster
         Where they run.
     fair_queue : FairQueue
-        Who is next.
+        Decides which call is next.
     grace : float
-        How long a worker may go on with what was given up [s], before it is killed.
+        Time that a worker may go on with an abandoned call before it is killed [s].
 
     Attributes
     ----------
     trouble : str or None
-        What keeps calls from being carried out.
+        The reason why calls cannot be carried out.
     workers : int
-        How many calls can run at a time, when that was last looked at.
+        Number of calls that can run at a time, at the last look.
     """
 
     def __init__(self, cluster: Cluster, fair_queue: FairQueue, grace: float):

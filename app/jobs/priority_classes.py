@@ -16,15 +16,16 @@ MAX_KNOWN = 1000  # items whose expected time is kept in memory
 
 
 class PriorityClasses:
-    """Chooses among the work that waits.
+    """Chooses the next item among the work that waits.
 
-    As many items as may be computed at a time are long, and as many more short: what is short does
-    not wait until something long is over. On the workers they share: see `app.jobs.fair_queue`.
+    As many long items may be computed at a time as `concurrent_jobs` says, and as many short ones
+    besides: short work does not wait until something long is over. On the workers they share time:
+    see `app.jobs.fair_queue`.
 
     Parameters
     ----------
     store : Store
-        Where studies are, which tell their price.
+        Where the studies are, from which the expected time follows.
     settings : Settings
         The service's.
     """

@@ -22,12 +22,12 @@ MAX_SPARE = 100_000_000  # bytes
 
 
 class Quota:
-    """Keeps the data directory within its quota, and off the end of the disk.
+    """Keeps the data directory within its quota, and some space of the disk free.
 
     Parameters
     ----------
     ledger, store
-        Where promises and files are kept.
+        Where reserved bytes and files are kept.
     settings : Settings
         The service's.
     """

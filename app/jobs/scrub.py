@@ -19,7 +19,7 @@ OURS = ("study.json", MANIFEST, LIST, "blocks")  # files of a study that no mani
 
 @dataclass(frozen=True)
 class Damage:
-    """A damage that was found in the folder of a study.
+    """The state of the folder of a study, as it was found on the disk.
 
     Attributes
     ----------
@@ -29,9 +29,9 @@ class Damage:
         "whole"; "broken": a file of the result is not what was written; "orphaned": no study, or
         files that belong to no result; "no result": it is not computed, or not as a whole.
     bytes : int
-        That were read.
+        Bytes that were read.
     files : tuple of str
-        Those that are broken or orphaned.
+        The broken or orphaned files.
     """
 
     name: str

@@ -14,16 +14,16 @@ logger = logging.getLogger("vibrafeed.jobs")
 
 
 class Witness(Protocol):
-    """Is told how work goes on; its methods return at once."""
+    """An observer of work, such as metrics or traces; its methods return at once."""
 
     def began(self, item: Work) -> Mapping[str, str]:
-        """Notice that an item was begun; return fields to add to its log lines."""
+        """Notice that an item of work was begun; return fields to add to its log lines."""
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Notice that blocks are done, with the seconds of each."""
+        """Notice that blocks of an item are done; `seconds` are their computing times [s]."""
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """Notice that an item ended here, with its outcome and duration."""
+        """Notice that an item ended here, with its outcome and the time it was under way [s]."""
 
 
 @dataclass

@@ -22,18 +22,20 @@ TIMES = 10.0  # as long as a reply may take: a file is finished though its price
 
 
 class Writer:
-    """Has files written in processes: the NetCDF library crashes if two threads of one use it.
+    """Computes sweeps and writes their NetCDF files, in processes of a pool.
+
+    The NetCDF library crashes if two threads of one process use it.
 
     Parameters
     ----------
     store : Store
         Where files go.
     make_room : callable
-        Makes room for a study of an identifier, so many bytes, and whoever asks for it.
+        Makes room for files; takes the study's identifier, their bytes, and the API key.
     settings : Settings
         The service's.
     process_pool : ProcessPool
-        Where they are computed and written.
+        Where sweeps are computed and written.
     """
 
     def __init__(

@@ -137,14 +137,14 @@ def file_reply(
 
 @dataclass(frozen=True)
 class Check:
-    """The check of a file against what was written, and the reaction if it differs.
+    """The check of a file against its digest, and the reaction if it differs.
 
     Attributes
     ----------
     integrity : Integrity
-        Looks at it, unless it has done so already.
+        Compares the file, unless it has done so already.
     broken : callable
-        Takes what was found broken away, and returns what the client is told.
+        Removes a damaged file, given its `stat` result, and returns the error for the client.
     """
 
     integrity: Integrity

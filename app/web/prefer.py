@@ -24,9 +24,9 @@ class Preferences:
     Attributes
     ----------
     respond_async : bool
-        It does not want to wait for the answer.
+        True if the client does not want to wait for the result.
     wait : int or None
-        It wants to wait at most so many seconds.
+        The longest time that it wants to wait [s].
     """
 
     respond_async: bool = False

@@ -19,9 +19,10 @@ Content = dict[str, Any]
 
 
 class Resolved(NamedTuple):
-    """Content with the numbers of a file in the place of its name.
+    """Content with the numbers of a file instead of its name, and problems of the file.
 
-    Without the section if the file is bad.
+    If the file cannot be used, the section is left out of the content. `fit` is that of a
+    recording.
     """
 
     content: Content
@@ -36,17 +37,17 @@ class Stranger:
     Attributes
     ----------
     path : sequence
-        Where it stands; the name comes last.
+        Its path in the study; the name comes last.
     place : str
         The same, as users read it.
     tag : str
-        Of which alternative the section is, if it has any.
+        The alternative that the section is, such as a kind of criterion, if it has any.
     keys : collection of str
         The keys of the study.
     parameters : collection of str
-        Those to choose from, which messages list.
+        The parameters of the scene, which messages list.
     suggest : Suggestions
-        Looks for what was meant.
+        Looks for similar names.
     """
 
     path: Sequence[Any]
@@ -111,26 +112,26 @@ class Section:
     Attributes
     ----------
     names : callable
-        Takes what stands in it, if anything, and the parameters of the scene; returns the
-        parameters that it gives or leaves open.
+        Takes the section's content, if any, and the parameters of the scene; returns the parameters
+        that it gives or leaves open.
     outputs : callable
-        Takes the same; returns the outputs that it asks for.
+        Takes the section's content; returns the outputs that it asks for.
     tags : tuple of str
         The alternatives among which its key `kind` chooses.
     by_parameter : bool
-        Whether its keys are parameters.
+        True if its keys are parameters.
     place : callable
-        Takes the path of a value; returns where that is, as users read it.
+        Takes the path of a value; returns it as users read it.
     unknown : callable
-        Takes a `Stranger`; returns what is wrong with it.
+        Takes a `Stranger`; returns its problem.
     beside : callable
-        Takes what stands in it and the folder of the study; returns it with the files that it names
-        found from anywhere.
+        Takes the section's content and the folder of the study; returns it with file names that can
+        be found from anywhere.
     resolve : callable, optional
-        Takes content that has the section, and whether files of this machine may be read; puts the
-        numbers of a file in the place of its name.
+        Takes content that has the section, and True if files of this machine may be read; replaces
+        the name of a file by its numbers.
     absent : callable, optional
-        Takes the section as a `Stranger` to a kind that has none such; returns what is wrong.
+        Takes the section as a `Stranger` to a kind that does not have it; returns the problem.
     """
 
     names: Callable[[Any, Collection[str]], Iterable[str]] = _nothing

@@ -16,7 +16,7 @@ from core.watch import Watch
 
 @dataclass(frozen=True)
 class Optima:
-    """The answers to every design; all arrays but `x` have the shape (cells,).
+    """The optima of every design; all arrays but `x` have the shape (cells,).
 
     Attributes
     ----------
@@ -25,14 +25,14 @@ class Optima:
     status : ndarray of int8
         Value of an `OPTIMUM_STATUSES` entry.
     value : ndarray or None
-        The objective as the method has it; None: as the scene's outputs have it.
+        The objective as the method computes it; None if it is to be taken from the scene's outputs.
     residual : ndarray or None
-        What the first-order conditions leave of the gradient, each variable over its range, in the
-        unit of the objective; None: it is left to differences.
+        Remainder of the gradient after the first-order conditions, each variable over its range, in
+        the unit of the objective; None if differences are to give it.
     evaluations : ndarray of int64 or int
-        Points at which the outputs were computed.
+        Number of points at which the outputs were computed.
     says : str
-        What the method itself says at the end.
+        The method's own message at the end.
     """
 
     x: Array

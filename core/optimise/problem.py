@@ -58,11 +58,11 @@ class Kept:
     name, output : str
         Name of the constraint, and its output.
     bound : float or None
-        In the unit of studies; None for the limit of the criterion, which is the design's.
+        The bound in the unit of studies; None if each design has its own (`design[LIMIT]`).
     upper : bool
-        Whether it is the largest value; else the least.
+        True for an upper bound, False for a lower one.
     absolute : bool
-        Whether it is that of the absolute value.
+        True if the absolute value has to keep it.
     """
 
     name: str

@@ -25,10 +25,14 @@ class Single:
 
     Parameters
     ----------
+    problem : OptimisationProblem
+        The problem.
+    design, scales : mapping of str to ndarray
+        Fixed parameters and scales of the outputs, shape (1,).
     watch : Watch, optional
-        May stop it, and is told how far it is.
+        Takes the progress, and may stop the search.
     about : int
-        About how many evaluations the design takes.
+        Approximate number of evaluations of the design, for the progress.
     """
 
     def __init__(

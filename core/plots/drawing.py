@@ -51,10 +51,10 @@ def draw(
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
-        Units in which values are read: trade, si, or units such as m/min, each for its kind. If
-        left out, those of the study.
+        Units for reading: `trade`, those usual in practice (mm, mm/s); `si`; or units such as
+        m/min, each for its kind. If left out, those of the study.
     nearest : bool
-        Whether a value of `at` that the dataset does not have stands for the nearest one.
+        True if a value of `at` that the dataset does not have stands for the nearest one.
     dark : bool
         Use light colours on a dark background.
     small : bool

@@ -34,22 +34,22 @@ Array = NDArray[np.float64]
 
 
 class TumblingTrajectory(NamedTuple):
-    """The course of one part in the units in which it is drawn.
+    """The trajectory of one tumbling part, in the units in which it is drawn.
 
     Attributes
     ----------
     time : ndarray, shape (n,)
         Times, in `time_unit`.
     along, upward, gap : ndarray, shape (n,)
-        Place of the part's middle, and height of its lowest corner, in `length_unit`.
+        Position of the part's middle, and height of its lowest corner, in `length_unit`.
     pitch : ndarray, shape (n,)
         Pitch, clockwise, in `pitch_unit`.
     outlines : ndarray, shape (n, 4, 2)
-        The corners of the part.
-    touches : ndarray, shape (n,)
-        Whether a corner is on the plane.
+        The corners of the part, in `length_unit`.
+    touches : ndarray of bool, shape (n,)
+        True while a corner is on the plane.
     facts : list of str
-        How it ends, and every parameter, in words.
+        The final state, and every parameter, in words.
     """
 
     time: Array

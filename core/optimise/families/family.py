@@ -22,14 +22,15 @@ class Family:
     Attributes
     ----------
     name : str
+        Its name.
     systems : tuple
         Scene, variant and the output that is to be largest, of each problem.
     closed : mapping
-        Closed forms, by the criterion that they answer: both angles from 0 to 90 degrees.
+        Closed forms by the criterion that they solve: both angles from 0 to 90 degrees.
     batch : tuple
-        The criteria that the batch solver answers; of a front, each of its points.
+        The criteria that the batch solver solves; of a front, each of its points.
     kernel : callable or None
-        Makes what tells compiled code the family and the contacts that a study keeps.
+        Makes the record by whose type compiled code finds the family; it holds the kept contacts.
     against : str or None
         The output whose absolute value can be kept low.
     contacts : frozenset of str
