@@ -112,7 +112,7 @@ def _below(schema: Any) -> Iterator[Schema]:
 
 
 def _map_children(schema: Any, change: Any) -> Any:
-    """Return a schema with each direct child changed by a function."""
+    """Return a schema with each direct child replaced by the result of a function."""
     if not isinstance(schema, dict):
         return schema
     changed: Schema = {}

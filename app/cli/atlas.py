@@ -96,7 +96,7 @@ def _refuse_problems(
 
 
 def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
-    """Run a long computation with a progress bar and Ctrl-C.
+    """Run a long computation with a progress bar; print its result, or exit with an error.
 
     `target` is the file that it writes. `carry_out` is called with a watch that reports progress
     and Ctrl-C, and returns the result in words.

@@ -41,7 +41,7 @@ def say(text: str) -> None:
 
 
 def tell(text: str) -> None:
-    """Print a long line: folded between words on a terminal, unfolded where a program reads it."""
+    """Print a line, folded between words on a terminal, unfolded where a program reads it."""
     for line in fold_line(text, stdout.width) if stdout.is_terminal else [text]:
         say(line)
 

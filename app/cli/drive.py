@@ -125,7 +125,7 @@ def _split_list(text: str | None) -> tuple[str, ...] | None:
 
 
 def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
-    """Return the drive fitted to a recording.
+    """Return the drive fitted to a recording; print every problem and exit if there is one.
 
     `asked` holds the columns and options of the recording; `plot` is the file of the picture, if
     one is wanted.

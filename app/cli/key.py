@@ -79,7 +79,7 @@ def add(
 
 
 def _parse_limit(figure: float | None) -> int | None:
-    """Return a limit as a number; notation such as 1e9 is allowed.
+    """Return a limit as a whole number, so that 1e9 may be typed; None for no limit.
 
     A number that is not whole becomes 0, which the check of the key refuses.
     """

@@ -70,7 +70,10 @@ def _align_cells(cells: Sequence[str], widths: Sequence[int]) -> str:
 
 
 def fold_line(line: str, width: int) -> list[str]:
-    """Return a long line as several lines, broken between words; further lines are indented."""
+    """Return a long line as several lines, broken between words; further lines are indented.
+
+    `width` is the largest length of a line [characters]; a longer word is not broken.
+    """
     if len(line) <= width:
         return [line]
     return textwrap.wrap(

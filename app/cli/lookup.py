@@ -135,7 +135,7 @@ def _look_up_or_exit(
 
 
 def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
-    """Return `name=value` words as a mapping, numbers as numbers, and the problems found."""
+    """Return typed `name=value` words as parameters, numbers as numbers, and the problems found."""
     parameters: dict[str, str | float] = {}
     problems = []
     for text in assignments:

@@ -52,7 +52,10 @@ def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part
 
 
 def join_parts(path: Path, parts: Parts, history: str) -> None:
-    """Join all computed parts of a study into its result; exit and name the missing parts."""
+    """Join all computed parts of a study into its result; exit and name the missing parts.
+
+    `path` is the study's file; `history` is the CF attribute of the result.
+    """
     with report_errors(path, parts.where):
         try:
             with console.progress(f"{path.name}, joining") as advance, interruption() as stopped:
@@ -118,7 +121,10 @@ def counts_of(target: str) -> set[int]:
 
 @contextmanager
 def report_errors(path: Path, target: str) -> Iterator[None]:
-    """Print errors of files and clusters raised in the block, and exit with code 1."""
+    """Print errors of files and clusters that are raised in the block, and exit with code 1.
+
+    `path` is the study's file; `target` is the path or URL of its result.
+    """
     try:
         yield
     except OSError as error:

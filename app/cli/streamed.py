@@ -38,8 +38,25 @@ def run_streamed(
 ) -> tuple[bool, bool, dict[str, Any] | None]:
     """Compute a sweep tile by tile and write it to a file or Zarr group.
 
-    If it is stopped, what is done is kept, and a message says how to resume. Returns whether it is
-    whole, whether it is sound, and what came out.
+    If it is stopped, the finished tiles are kept, and a line says how to go on.
+
+    Parameters
+    ----------
+    path, sweep, target : Path, Prepared, str
+        The study's file, the sweep, and the path or URL of its result.
+    compression, resume : bool
+        True to compress NetCDF, and to go on with the tiles of an earlier run.
+    history : str
+        The CF attribute of the result.
+    deadline : float or None
+        Time of `time.monotonic` at which to stop [s].
+    units : str or None
+        Units for printing.
+
+    Returns
+    -------
+    tuple
+        True if the result is complete; True if it is verified, too; its JSON document, if new.
     """
     if resume and is_complete(target, sweep):
         console.say(f"{path}: {target} is complete already")

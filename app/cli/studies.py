@@ -42,7 +42,8 @@ def prepare_all(
 ) -> dict[Path, Prepared]:
     """Read and prepare the study of each file; print every error of every file and exit.
 
-    Allowed but unusual values are questioned on the error stream.
+    `cells` and `bytes_` are the largest size that is accepted, if any. Unusual values are allowed,
+    and a line on the error stream asks about each.
     """
     prepared: dict[Path, Prepared] = {}
     invalid: dict[Path, Sequence[Problem]] = {}

@@ -148,7 +148,10 @@ def _own_outcomes(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
 def _outcomes_of_other_program(
     program: ProgramAnswers, letters: Sequence[str]
 ) -> tuple[list[Outcome], str]:
-    """Return the outcomes of another program's answers in the asked families, and its name."""
+    """Return the outcomes of another program's answers, judged by our tolerances, and its name.
+
+    `letters` are the families of problems that count. Exit if the program answers none of them.
+    """
     asked = [problem for problem in program.cases if problem.family in letters]
     if not asked:
         fix = f"Families that it answers: {', '.join(sorted({p.family for p in program.cases}))}"
@@ -157,7 +160,10 @@ def _outcomes_of_other_program(
 
 
 def _print_outcomes(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
-    """Print outcomes: each problem, or one row per family and the wrong ones."""
+    """Print outcomes: one row per family and the failed ones, or each problem if `listed`.
+
+    `program` is the name of the program that solved the problems.
+    """
     failed = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
         console.table((*COLUMNS,), rows(outcomes))

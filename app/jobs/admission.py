@@ -182,7 +182,7 @@ class Admission:
         return True
 
     def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
-        """Return cells of a block, number of blocks, and the largest number of bytes on disk.
+        """Return the cells of a block, the number of blocks, and the most bytes of all files.
 
         These bytes are for blocks and result together, which are on the disk at the same time for a
         moment. `process` is what is carried out, such as `sweep` or `accuracy`.

@@ -149,7 +149,11 @@ class Executor:
         return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
     async def _submit(self, function: Callable[..., float], arguments: Any) -> _Call:
-        """Submit a call to the cluster and register it."""
+        """Submit a call to the cluster, register it, and return its record.
+
+        The record has the future of its result, and futures that workers' reports set: begun, and
+        code loaded.
+        """
         client = await self._client()
         future = client.submit(by_name(function), *arguments, pure=False)
         loop = asyncio.get_running_loop()
@@ -172,7 +176,11 @@ class Executor:
                 event.set_result(None)
 
     async def _await_result(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
-        """Wait for the result of a call; raise if the cluster, or the call's worker, is lost."""
+        """Wait for the result of a call and return it.
+
+        Await `began` once a worker has loaded the code. Raises the error of the call; `LostError`
+        if the cluster is lost.
+        """
         announced = False
         while True:
             events: set[asyncio.Future[Any]] = {call.result}
@@ -201,7 +209,7 @@ class Executor:
         task.add_done_callback(self._ending.discard)
 
     async def _await_end(self, call: _Call, slot: Slot) -> None:
-        """Wait until an abandoned call ends, killing its worker if need be; then free the slot."""
+        """Wait until an abandoned call ends, killing its worker if need be; then free its slot."""
         try:
             either: set[asyncio.Future[Any]] = {call.result, call.begun}
             await asyncio.wait(either, timeout=SETTLE, return_when=asyncio.FIRST_COMPLETED)

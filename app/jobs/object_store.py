@@ -92,7 +92,11 @@ class RemoteResults:
             self._fetching.pop(key, None)
 
     def _fetch(self, key: str, folder: Path) -> bool:
-        """Download all files of a result and its manifest; False if it is not stored or damaged."""
+        """Download all files of a result and its manifest; False if it is not stored or damaged.
+
+        The files go into a temporary folder first, and the manifest is written last, so that an
+        incomplete download is never a result.
+        """
         with _plain_errors():
             store = self._store(key)
             packed = _get(store, MANIFEST)

@@ -73,7 +73,10 @@ class PriorityClasses:
         return self.price(item) / max(1, item.blocks)
 
     def _expected_seconds(self, item: Work) -> float:
-        """Return the expected time of an item [s], from its stored study."""
+        """Return the expected time of an item on one core [s], from its stored study.
+
+        It is 0 if the study cannot be read: the error shows when the item is carried out.
+        """
         if item.process not in KINDS:
             return item.blocks * SECONDS
         try:

@@ -150,7 +150,12 @@ class Quota:
         return leaving
 
     def _own_studies_to_remove(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
-        """Return the studies that an owner gives up so that a new one fits; else raise."""
+        """Return the studies that an owner gives up so that a new one fits into the owner's quota.
+
+        `promised` holds the bytes reserved for each study in work, that of `key`, the new one,
+        included; `who` is the owner's API key. Raises `NoRoomError` if giving up all others is not
+        enough.
+        """
         if self._beyond(promised, key, who) <= 0:
             return []
         self._count(RIGHT_FOR)

@@ -94,7 +94,8 @@ class Store(Blocks):
     def manifest(self, key: str) -> Manifest | None:
         """Return the manifest of a complete result and note its use; None if there is none.
 
-        A result with a missing file, or one of another size, counts as none.
+        A result of which a file is missing, or has another size, counts as none. `key` is the
+        study's identifier.
         """
         manifest = self._manifest(key)
         if manifest is not None:

@@ -157,7 +157,10 @@ class Studies:
 
 @contextlib.contextmanager
 def durable_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary name; the finished file takes its name and both are flushed to disk."""
+    """Yield a temporary path; after the block the file gets its name and is flushed to the disk.
+
+    A reader sees either the whole file or none, and both file and name survive a power failure.
+    """
     with whole(path) as temporary:
         yield temporary
     folder = os.open(path.parent, os.O_RDONLY)

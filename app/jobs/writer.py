@@ -121,7 +121,10 @@ class Writer:
 
 
 def write_sweep_file(directory: str, key: str) -> None:
-    """Compute a stored sweep and write its file; runs in a process of the pool."""
+    """Compute a stored sweep and write its file, unless it exists; for a process of the pool.
+
+    `directory` is the data directory of the service; `key` is the sweep's identifier.
+    """
     store = Store(Path(directory))
     if store.manifest(key) is not None:  # somebody else asked for it, too
         return

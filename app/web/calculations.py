@@ -24,7 +24,11 @@ from core.watch import Watch
 
 
 def convert_study(body: bytes, to: str, base: str) -> str:
-    """Return a study converted to another format; `base` is the service's address for curl."""
+    """Return a study converted to another format.
+
+    `body` is the study as JSON; `to` is the format, or `curl` for a command that posts the study;
+    `base` is the service's address, for that command.
+    """
     content = cast(dict[str, Any], read_json(body))
     prepare_content(content)
     return to_curl(content, base) if to == "curl" else FORMS[to](content)

@@ -52,7 +52,10 @@ class Compress:
 
 
 def _weaken_etag(send: Send) -> Send:
-    """Return a `send` that adapts the headers of a compressed reply: weak ETag, no ranges."""
+    """Return a `send` that adapts the headers of a compressed reply: weak ETag, no ranges.
+
+    The arguments and the result are `send` functions of ASGI.
+    """
 
     async def weakened(message: Message) -> None:
         """Send a message, adapting the headers of a compressed reply."""

@@ -58,7 +58,10 @@ async def base_of(request: Request) -> str:
 
 
 def refuse_repeated(*several: str) -> params.Depends:
-    """Return a dependency that refuses repeated query parameters, except the named ones."""
+    """Return a dependency of a route that refuses repeated query parameters.
+
+    `several` are the names of the parameters that may be repeated.
+    """
 
     async def check(request: Request) -> None:
         """Raise `RequestValidationError`, which becomes a 422, if a query parameter is repeated."""

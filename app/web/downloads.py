@@ -41,7 +41,10 @@ def etag_of(*parts: str) -> str:
 
 
 def not_modified(request: Request, etag: str, cache: str) -> Response | None:
-    """Return the reply 304 if the client has this content, by If-None-Match; else None."""
+    """Return the reply 304 if the client has this content already, by its If-None-Match header.
+
+    None if the content has to be sent. `cache` is the reply's Cache-Control header.
+    """
     if not _names(request.headers.getlist("if-none-match"), etag):
         return None
     return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})

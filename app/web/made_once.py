@@ -59,7 +59,7 @@ class MadeOnce:
 
 
 def _retrieve_exception(making: asyncio.Task[tuple[bytes, str]]) -> None:
-    """Retrieve a task's exception, so that asyncio does not warn if nobody awaited it."""
+    """Retrieve a task's exception, so that asyncio does not warn if no client has awaited it."""
     if not making.cancelled():
         making.exception()
 
@@ -67,7 +67,8 @@ def _retrieve_exception(making: asyncio.Task[tuple[bytes, str]]) -> None:
 async def made_once(request: Request, name: Hashable, make: Callable[[], bytes]) -> Response:
     """Return a cached JSON document as a reply; `make` is called if it is missing.
 
-    There must be few names: nothing that a client may choose freely.
+    `name` is its key in the cache. Names have to be few, since nothing is ever removed: none may
+    contain a text that a client chooses freely.
     """
     content, etag = await cast(MadeOnce, request.app.state.made_once)(name, make)
     return document_reply(request, content, etag)

@@ -77,7 +77,10 @@ def error_for_missing_file(admission: Admission, job: Job, path: Path) -> Except
 
 
 def _recompute(admission: Admission, job: Job) -> Exception:
-    """Queue a job again whose result is missing; return the error for the client."""
+    """Queue a job again whose result is missing; return the error to raise for the client.
+
+    It is `NotReadyError` if the result is computed again, else `NotFoundError`.
+    """
     if job.state == "successful" and admission.mend(job):
         return NotReadyError(
             f"The results of the job {job.id} were damaged on the disk; they are computed again."

@@ -119,7 +119,12 @@ class Outgoing:
 
 
 def _hold_back_head(scope: Scope, receive: Receive, send: Send, share: _Share) -> Send:
-    """Return a `send` that holds back the head of a reply until its body is counted."""
+    """Return a `send` that holds back the head of a reply until its body is counted.
+
+    A body that does not fit the bound of unsent bytes is replaced by a 503; a large one is sent in
+    pieces. `scope`, `receive` and `send` are those of ASGI; `share` is what the request has
+    reserved.
+    """
     head: Message | None = None
     is_refused = False
 

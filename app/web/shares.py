@@ -29,7 +29,7 @@ BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more requ
 
 
 class Shares:
-    """Gives out places for running requests to their owners, in turns.
+    """Gives out places for computing to owners in turns; a waiting request gets the next free one.
 
     The next place goes to the owner who has the fewest, then to the one who was served longest ago.
     Of one owner's requests the first comes first, unless its price lets later ones pass.

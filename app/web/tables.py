@@ -47,7 +47,10 @@ def _missing() -> list[str]:
 
 
 def writer_version(form: str) -> str:
-    """Return the format and the version of the package that writes it, for the ETag."""
+    """Return a table format with the version of the package that writes it, for the ETag.
+
+    Raises `MissingPackageError` if the package is not installed.
+    """
     if form not in PACKAGES:
         return form
     FORMATS[f".{form}"].needs()

@@ -81,7 +81,10 @@ def build(resolution: str = "full", watch: Watch | None = None) -> Table:
 
 
 def _compute_nodes(axes: Axes, watch: Watch) -> Cells:
-    """Return the computed cells of all nodes, slab by slab."""
+    """Return the exact values at all nodes of the axes, computed slab by slab.
+
+    Raises `StoppedError` if `watch` stops it.
+    """
     shape = tuple(one.size for one in axes)
     rows = max(1, SLAB // int(np.prod(shape[1:])))
     parts = []
@@ -95,7 +98,7 @@ def _compute_nodes(axes: Axes, watch: Watch) -> Cells:
 
 
 def _round_cells(cells: Cells) -> Cells:
-    """Return cells rounded to the stored digits, so that every processor gives the same."""
+    """Return values rounded to the digits of the file, so that every processor gives the same."""
     shares = [np.round(getattr(cells, name), SHARE_DIGITS) for name in SHARES]
     return Cells._make((np.round(cells.velocity, VELOCITY_DIGITS), *shares, cells.pattern))
 

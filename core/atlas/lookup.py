@@ -246,7 +246,11 @@ def _span(values: NDArray[np.float64]) -> str:
 
 
 def _prepare_simulation(parameters: Mapping[str, Any]) -> Simulation:
-    """Return the simulation of some parameters; raise `StudyError` for cases outside any atlas."""
+    """Return the simulation of some parameters, by whose plan a look-up is made.
+
+    Raises `StudyError` with every problem of them, and where no atlas holds: rebounds, drives
+    across the track, other waves than a sine.
+    """
     content = {
         "kind": "simulate",
         "scene": SCENE,

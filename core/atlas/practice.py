@@ -52,7 +52,7 @@ def practical_numbers(shares: NDArray[np.float64]) -> Numbers:
 
 
 def spread_points(count: int) -> NDArray[np.float64]:
-    """Return evenly spread points of the unit cube in seven dimensions, shape (count, 7)."""
+    """Return `count` evenly spread points of the unit cube in seven dimensions, (count, 7)."""
     dims = 7
     root = 1.0
     for _ in range(60):  # x^(dims + 1) = x + 1

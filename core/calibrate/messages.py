@@ -32,7 +32,10 @@ def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
 
 
 def format_rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
-    """Return a value as text, rounded to the digits that its standard deviation justifies."""
+    """Return a value with a readable unit as text, with the digits that its deviation justifies.
+
+    Value and standard deviation are given in the unit `unit`.
+    """
     shown = units.of(unit, abs(value))
     value, deviation = shown.factor * value, abs(shown.factor * deviation)
     digits = 3

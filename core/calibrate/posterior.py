@@ -229,20 +229,27 @@ def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
 
 
 def marginal(posterior: Posterior, axis: Array, k: int) -> Array:
-    """Return the posterior density of one unknown at evenly spaced values, per its unit."""
+    """Return the posterior density of one unknown at evenly spaced values, per its unit.
+
+    `axis` are the values, `k` is the position of the unknown; the density is smoothed over a few
+    values.
+    """
     found = np.pad(_bin_mass(posterior, [axis], [k]), len(SMOOTH) // 2, mode="symmetric")
     return np.asarray(np.convolve(found, SMOOTH, mode="valid")) / (axis[1] - axis[0])
 
 
 def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:
-    """Return the posterior density of two unknowns at evenly spaced values, per their units."""
+    """Return the posterior density of two unknowns at evenly spaced values, per their units.
+
+    `axes` are the values of all unknowns, `first` and `second` the positions of these two.
+    """
     found = _bin_mass(posterior, [axes[first], axes[second]], [first, second])
     steps = [axes[k][1] - axes[k][0] for k in (first, second)]
     return found / (steps[0] * steps[1])
 
 
 def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
-    """Return the mass in the cells of a grid of some unknowns.
+    """Return the posterior mass around the nodes of a grid of some unknowns.
 
     `axes` are their values, `which` their positions. Each point shares its weight among the nodes
     beside it, so that the density is as smooth as the points allow.

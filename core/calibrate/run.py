@@ -93,7 +93,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
 
 
 def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
-    """Return means, deviations, intervals, correlations, and the scatter of the runs."""
+    """Return means, deviations, intervals and correlations of the unknowns, and the discrepancy."""
     model, arrays = prepared.model, dict[str, Array]()
     points = posterior.points
     quantiles = posterior.quantiles(points, (0.5, *SHARES))

@@ -167,7 +167,7 @@ class Likelihood:
 
 
 def log_sum(log: Array) -> Array:
-    """Return the logarithm of a sum over the last axis, given logarithms of the terms."""
+    """Return the logarithm of a sum over the last axis, given the logarithms of its terms."""
     top = log.max(axis=-1, keepdims=True)
     top = np.where(np.isfinite(top), top, 0.0)
     with np.errstate(divide="ignore"):

@@ -201,7 +201,7 @@ def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[An
 
 
 def slice_in_tile(chunk: Box, tile: Box) -> Box:
-    """Return the slice of a chunk within the array of its tile."""
+    """Return the box of a chunk within the array of its tile; both boxes are of the whole array."""
     return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
 
 

@@ -212,7 +212,7 @@ class _Archive(ZipFile):
 
 
 def _dateless_entry(name: str) -> ZipInfo:
-    """Return the archive entry of a file, with a fixed date."""
+    """Return the archive entry of a file, with the fixed date 1980-01-01."""
     info = ZipInfo(name, NEVER.timetuple()[:6])
     info.compress_type = ZIP_DEFLATED
     return info

@@ -98,7 +98,7 @@ FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
 
 
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
-    """Return content whose files of recordings and observations are found from the new place.
+    """Return a study whose files of recordings and observations are found from its new place.
 
     Parameters
     ----------

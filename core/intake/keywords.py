@@ -38,7 +38,7 @@ def gather(
     keywords : mapping
         Further keys and parameters.
     kind : str, optional
-        The only accepted kind, and the default if none is given.
+        The only accepted kind, and the kind of a study that names none.
 
     Raises
     ------

@@ -80,7 +80,11 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
 
 
 def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
-    """Return the record of a measured drive, and the fit to its recording."""
+    """Return the record of a measured drive for the study, and the fit to its recording.
+
+    `drive` is the section; `files` is True if files of this machine may be read. Raises
+    `StudyError` with every problem.
+    """
     fields = _read(drive)
     source = _source(fields, files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
@@ -99,7 +103,7 @@ def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDriv
 
 
 def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
-    """Return the record of a fit: numbers, name and SHA-256 of the recording."""
+    """Return the record of a fit: numbers, name and SHA-256 (`digest`) of the recording."""
     shares: dict[Any, float] = dict(zip(fit.axes, map(_rounded_number, fit.left_over), strict=True))
     return MeasuredDrive(
         name=name,

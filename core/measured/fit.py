@@ -27,11 +27,11 @@ def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:
 def fit_signal(signal: Signal) -> Fit:
     """Return the harmonics of a signal, by least squares of all axes with one frequency.
 
-    An order of an axis, or a term of the drift, is kept if it lowers Schwarz's information
-    criterion: if its square over its variance, as the coloured residual states it, exceeds
-    `hurdle` for each of its coefficients. Noise passes for a given order once in n recordings of n
-    samples. Orders that no axis tells and higher terms of the drift are left out, and the rest is
-    fitted again.
+    A harmonic of an axis is significant, and a term of the drift kept, if it lowers Schwarz's
+    information criterion: if its square over its variance, as the coloured residual states it,
+    exceeds `hurdle` for each of its coefficients. Noise passes for a given order once in n
+    recordings of n samples. Orders that are significant in no axis and higher terms of the drift
+    are left out, and the rest is fitted again.
 
     Raises
     ------

@@ -136,5 +136,5 @@ def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
 
 
 def _sum_products(stack: Array, other: Array) -> Array:
-    """Return sum_j A_j' B_j of two stacks of matrices."""
+    """Return the sum of A_j' B_j over two stacks of matrices."""
     return stack.reshape(-1, stack.shape[-1]).T @ other.reshape(-1, other.shape[-1])

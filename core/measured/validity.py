@@ -117,8 +117,8 @@ def check_fit(
     Raises
     ------
     StudyError
-        If no order remains, too much is left over, the drive changes from the first third to the
-        last, or the clock is too far off.
+        If no order is significant, too much is left over, the drive changes from the first third to
+        the last, or the clock is too far off.
     """
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)

@@ -109,7 +109,11 @@ def cylinder_masses(
     diameter_2: Array,
     length_2: Array,
 ) -> CylinderMasses:
-    """Return mass and inertias of both bodies, I_a = m d^2/8, I_t = m (3/4 d^2 + h^2)/12."""
+    """Return mass and both moments of inertia of the two bodies [kg, kg m2].
+
+    With diameter d and length h: I_a = m d^2/8 about the axis, I_t = m (3/4 d^2 + h^2)/12 across
+    it.
+    """
     square_1, square_2 = diameter_1 * diameter_1, diameter_2 * diameter_2
     return CylinderMasses(
         mass_1,
@@ -153,7 +157,11 @@ def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion
 
 
 def _turned(moment: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
-    """Return the angular velocity by an angular impulse M, M/I_t + u (u.M)(1/I_a - 1/I_t)."""
+    """Return the change of spin by a moment impulse, M/I_t + u (u.M)(1/I_a - 1/I_t) [rad s-1].
+
+    M is `moment` [N m s], u the axis of the body, I_a (`axial`) and I_t (`transverse`) its moments
+    of inertia along and across the axis [kg m2].
+    """
     along = dot(moment, body.axis) * (1 / axial - 1 / transverse)
     return plus(scaled(moment, 1 / transverse), body.axis, along)
 
@@ -248,7 +256,7 @@ def spatial_delassus(
     cylinder_2: Cylinder,
     cylinder_masses: CylinderMasses,
 ) -> SpatialDelassus:
-    """Return the inverse effective masses (Delassus numbers) of a contact point, by direction."""
+    """Return the six Delassus numbers of the contact, for its normal and both tangents [kg-1]."""
     p, n, t, s = contact_frame[:4]
     bodies = (cylinder_1, cylinder_2, cylinder_masses)
     return SpatialDelassus(
@@ -444,7 +452,10 @@ def spatial_motion_after(
 
 
 def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
-    """Return the angular momentum of an angular velocity, J w."""
+    """Return the angular momentum J w of a cylinder that turns with w [kg m2 s-1].
+
+    `axial` and `transverse` are the moments of inertia along and across its axis [kg m2].
+    """
     return plus(
         scaled(vector, transverse), body.axis, dot(vector, body.axis) * (axial - transverse)
     )

@@ -211,7 +211,7 @@ def _in_cone(
     b: tuple[Array, Array],
     friction: Array,
 ) -> tuple[tuple[Array, Array], Mask]:
-    """Return friction impulses L with c + S L = -z L, |L| <= mu (a - b.L), and where z = 0.
+    """Return the tangential impulse with friction on a disc, and a mask where the contact sticks.
 
     The impulse L obeys c + S L = -z L, |L| <= mu (a - b.L): `stiffness` is S_11, S_12, S_22 [kg-1],
     `c` the sliding velocity without L [m s-1], and a - b.L the normal impulse. z is 0 where the

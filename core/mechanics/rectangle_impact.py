@@ -372,7 +372,11 @@ def frictionless_impulse(
     approach_normal: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return Newton's impulse without friction; NaN where bodies overlap or no answer is unique."""
+    """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
+
+    eps is the restitution, u_N the approach velocity, G_NN the Delassus number. 0 where the bodies
+    are apart, NaN where they overlap or the impact has no single impulse.
+    """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     impulse = Impulse(normal, np.zeros_like(normal), np.zeros(normal.shape, dtype=np.bool_))
     return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)

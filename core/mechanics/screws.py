@@ -271,7 +271,7 @@ def inertia_about(*, mass: Array, central_inertia: Array, offset: Array) -> Arra
 def momentum_screw(
     *, mass: Array, inertia: Array, mass_centre: Array, twist: Twist
 ) -> MomentumScrew:
-    """Return the momentum about a body point A, m (V_A + w x AG) and I_A w + m AG x V_A, (2.11).
+    """Return momentum q = m (V_A + w x AG) and moment H_A = I_A w + m AG x V_A of a body, (2.11).
 
     A is any point of the body, with the velocity V_A; `inertia` I_A is about A, `mass_centre` AG
     leads from A to the mass centre G, all in body components. w and V_A are `twist`.

@@ -46,7 +46,7 @@ def hunt_crossley(impact_number: Array) -> Array:
 
 
 def damped_number(restitution: Array) -> Array:
-    """Return the impact number d = b v that has a restitution by Hunt and Crossley; inf for 0 [1].
+    """Return the impact number d = b v at which Hunt and Crossley's law has a restitution [1].
 
     b is the damping of the contact [s m-1], v the impact speed; infinite for restitution 0. 1/e - 1
     is nearly linear in d, 2 d/3 for small and d - 1 for large d, so that Newton's method in it

@@ -36,7 +36,11 @@ LONG_WAY = 1400.0
 
 
 def _rate(K: Array, friction: Array, radius: Array) -> Array:
-    """Return the rate of approach to the terminal velocity, sqrt(mu |K|/R) [s-1]."""
+    """Return the rate sqrt(mu |K|/R) with which the speed tends to its limit [s-1].
+
+    K is the acceleration at zero speed, mu the kinetic friction, R the bowl's radius. It is a
+    product of roots, since mu |K| may underflow.
+    """
     return np.sqrt(friction / radius) * np.sqrt(np.abs(K))
 
 
@@ -150,7 +154,10 @@ def mean_velocity(
 
 
 def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:
-    """Return the scaled starting speed v0 sqrt(mu/(|K| R)) of a braking part, else 0 [1]."""
+    """Return the starting speed over sqrt(|K| R/mu), where the part brakes (K < 0); else 0 [1].
+
+    K is the acceleration at zero speed, mu the friction, R the bowl's radius.
+    """
     root = np.sqrt(np.where(K < 0, -K, 1.0))
     return np.where(K < 0, speed * np.sqrt(friction / radius) / root, 0.0)
 

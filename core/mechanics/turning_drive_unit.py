@@ -45,7 +45,12 @@ def turning_mass(
 def _arm(
     m_r: Array, i1: Array, i2: Array, along: Array, upward: Array, th: Array
 ) -> tuple[Array, Array]:
-    """Return the lever of the drive about the mass centre, d x e, and the total inertia I_t."""
+    """Return the lever d x e of the drive [m] and the total moment of inertia I_t [kg m2].
+
+    d is (`along`, `upward`), from the base's mass centre to the trough's, e the unit vector at the
+    angle `th`; `m_r` is the reduced mass, `i1` and `i2` are both moments of inertia: I_t = i1 + i2
+    + m_r d^2.
+    """
     arm = along * sine(th) - upward * cosine(th)
     return arm, i1 + i2 + m_r * (along * along + upward * upward)
 

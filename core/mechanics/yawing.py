@@ -258,7 +258,10 @@ def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> 
 
 
 def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
-    """Return the moment about eta that yaws a spinning part, -I3 theta' phi', I3 = m r^2/2."""
+    """Return the moment about eta that turns the spin, -I3 theta' phi', I3 = m r^2/2 [N m].
+
+    phi' is the spin rate, theta' the yaw rate.
+    """
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
 
 

@@ -267,7 +267,7 @@ def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
 
 
 def fix_for_unused_setting(scene: Scene, setting: str) -> str:
-    """Return the fix for a setting that the method in force ignores."""
+    """Return the fix for a setting that the method in force ignores: the methods that use it."""
     users = [name for name in scene.variants if setting in scene.variant_defaults.get(name, {})]
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 

@@ -237,7 +237,10 @@ def rolling_scenes(
 
 
 def _equations_of_method(method: Method, *, slips: bool) -> tuple[Equation, ...]:
-    """Return the equations of the motion by a method, and those of its results."""
+    """Return the equations of the motion by a method, and those of its results.
+
+    `slips` is True if the slip of the contact is a result, too.
+    """
     equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
     if slips:
         block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)

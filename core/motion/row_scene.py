@@ -91,7 +91,7 @@ def _equations_of_method(method: Any) -> tuple[Equation, ...]:
 
 
 def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
-    """Return the equations that give the parts of a row and their scales."""
+    """Return the equations that give the parts of a row and the scale of their masses."""
     own = (
         Equation("friction_static", own_static, SOURCE),
         Equation("friction_kinetic", own_kinetic, SOURCE),

@@ -116,7 +116,7 @@ def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Tr
 
 
 def _drop_unused_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
-    """Return values without the grid axes that the quantity does not depend on."""
+    """Return values without the grid axes that the quantity `name` does not depend on."""
     if not values.ndim:
         return values
     dims = prepared.dims[name]

@@ -56,7 +56,10 @@ def _plain(name: str) -> Scene:
 
 
 def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scene:
-    """Return a system with Hunt and Crossley's law, given one restitution at one speed."""
+    """Return a system with Hunt and Crossley's law, given one restitution at one speed.
+
+    `parameters` are the names of the study's parameters.
+    """
     law = Equation("impact_damping", soft_contact.impact_damping, SOURCE)
 
     def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
@@ -180,7 +183,10 @@ def _with_lining(system: Scene) -> Scene:
 
 
 def _with_damping_ratio(system: Scene, parameters: Collection[str]) -> Scene:
-    """Return a system whose sprung floors take either damping ratio or restitution."""
+    """Return a system whose sprung floors take either damping ratio or restitution.
+
+    The one follows from the other; `parameters` are the names of the study's parameters.
+    """
     equations: tuple[Equation, ...] = (
         Equation("damping_of_restitution", soft_contact.damping_of_restitution, SOURCE),
         Equation("restitution_of_damping", soft_contact.restitution_of_damping, SOURCE),

@@ -246,7 +246,11 @@ def _follow_cells(
 def _velocity_difference(
     ours: Mapping[str, Array], theirs: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    """Return the difference of mean velocities less both stated errors; else infinity."""
+    """Return the difference of two mean velocities, and the difference that their errors allow.
+
+    In m/s: the sum of both stated errors and what is resolved of the drive's speed; 0 and infinity
+    where a method states no error.
+    """
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf

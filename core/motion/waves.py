@@ -50,7 +50,10 @@ class Wave(NamedTuple):
         return np.broadcast_shapes(self.harmonics.shape[3:], self.steps.shape[2:])
 
     def columns(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
-        """Return one row per cell: the two counts, then harmonics and steps."""
+        """Return one row per cell: numbers of orders and steps, then harmonics and steps.
+
+        `shape` is that of the cells; kernels take the wave in this form.
+        """
         parts = [_broadcast_cells(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
         counts = np.empty((2, *shape))
         counts[0], counts[1] = self.harmonics.shape[2], self.steps.shape[1]
@@ -59,7 +62,7 @@ class Wave(NamedTuple):
 
 
 def _broadcast_cells(part: Array, own: int, shape: tuple[int, ...]) -> Array:
-    """Return an array broadcast from the right to a shape, its own leading axes kept."""
+    """Return an array broadcast from the right to a shape, its `own` leading axes kept."""
     axes, cells = part.shape[:own], part.shape[own:]
     missing = (1,) * (len(shape) - len(cells))
     return np.broadcast_to(part.reshape(*axes, *missing, *cells), (*axes, *shape))
@@ -207,7 +210,10 @@ def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
 
 
 def stroke(wave: Wave, axis: int) -> Array:
-    """Return the stroke of the track along an axis, peak to peak, in g/w^2."""
+    """Return the stroke of the track along an axis, peak to peak, in g/w^2.
+
+    Here w = 2 pi f, f being the frequency of the drive.
+    """
     return largest_over_period(wave, axis, "place") + largest_over_period(wave, axis, "place back")
 
 

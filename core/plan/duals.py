@@ -105,7 +105,7 @@ class Dual(NDArrayOperatorsMixin):
 
 
 def unbox(x: Any) -> Any:
-    """Return the `Dual` inside an array made by `np.asarray`; anything else unchanged."""
+    """Return the `Dual` inside an array made by `np.asarray`; return other arguments unchanged."""
     if isinstance(x, np.ndarray) and x.dtype == object and x.ndim == 0:
         return x.item()
     return x
@@ -143,7 +143,7 @@ def _clip(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return dual numbers chosen by a condition."""
+    """Return values and derivatives chosen by a condition, as numpy's `where` chooses."""
     condition, *values = _map_arguments(value_of, args)
     return Dual(
         np.where(condition, *values), np.where(condition, *_map_arguments(slope_of, args[1:])), ties

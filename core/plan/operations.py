@@ -75,7 +75,10 @@ def _chain(factor: Callable[[Any, Any], Any]) -> Function:
 
 
 def _divide(m: Any, above: Any, below: Any) -> Any:
-    """Return a quotient with floating-point rules: infinite over 0, NaN for 0/0."""
+    """Return a quotient of numbers of 50 digits by the rules of floats: infinite or NaN over 0.
+
+    `m` is the context of mpmath.
+    """
     if below == 0:
         return m.nan if above == 0 or m.isnan(above) else m.sign(above) * m.inf
     return above / below

@@ -294,7 +294,10 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
 
 
 def locate_problem(problem: Problem, study: Study) -> Problem:
-    """Return a problem of a plan with the path of its cause in the study."""
+    """Return a problem of a plan with the path of its cause in the study.
+
+    A plan names `parameters.<name>` or an output; the study may hold either in another section.
+    """
     section, _, name = problem.place.partition(".")
     if section == "parameters":
         return replace(problem, place=study.places().get(name, problem.place))

@@ -100,7 +100,23 @@ class Chart:
 def followed(
     friction: float, slope: float, betas: Array, throw: Array
 ) -> tuple[Array, Array, NDArray[np.int8]]:
-    """Return v f/g, the share v/(A0 w cos(beta)) and regimes, each (betas, throw numbers)."""
+    """Return mean velocities and regimes over drive angles and throw numbers, computed exactly.
+
+    Parameters
+    ----------
+    friction, slope : float
+        Coefficient of friction, static and kinetic, and climb of the track in degrees.
+    betas : ndarray, shape (b,)
+        Angles of the drive above the track in degrees.
+    throw : ndarray, shape (n,)
+        Throw numbers.
+
+    Returns
+    -------
+    tuple of ndarray, shape (b, n)
+        v f/g and v/(A0 w cos(beta)), with mean velocity v, frequency f, gravity g, amplitude A0 and
+        w = 2 pi f; regimes as flag values.
+    """
     gamma, beta = np.deg2rad(slope), np.deg2rad(betas)[:, None]
     load = np.cos(gamma)
     along = throw * load / np.tan(beta)

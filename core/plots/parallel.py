@@ -126,7 +126,12 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | None) -> Designs:
-    """Return the designs of a dataset, and the best one."""
+    """Return the designs of a dataset to draw, with the best one.
+
+    `variable` is the output that ranks them, by default that of the study; `units` are those for
+    reading. Designs without a valid value are left out. Raises `PlotError` if fewer than two are
+    left.
+    """
     study = study_of(dataset)
     criterion = study.get("criterion") or {}
     output = _output(dataset, study, variable)
@@ -190,7 +195,11 @@ def _best(
 
 
 def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | None) -> str:
-    """Return the output that ranks the designs: the asked one, or that of the study."""
+    """Return the output that ranks the designs: `variable`, else that of the study's criterion.
+
+    Without a criterion it is the first output of the study. Raises `PlotError` if `variable` is
+    unknown.
+    """
     outputs = outputs_of(dataset)
     if variable is not None and variable not in outputs:
         raise PlotError("variable", f"'{variable[:40]}' is unknown", suggestion(variable, outputs))
@@ -203,7 +212,10 @@ def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | N
 def _names(
     dataset: xarray.Dataset, study: Mapping[str, Any], axes: list[str], output: str
 ) -> list[str]:
-    """Return the names of the columns besides the output: axes, variables, other outputs."""
+    """Return the names of the columns besides the output: axes, variables, other outputs.
+
+    Raises `PlotError` if no column has more than one value.
+    """
     outputs = outputs_of(dataset)
     chosen = [name for name in outputs if name.startswith("best_")]
     further = [(study.get("criterion") or {}).get("against"), *(study.get("outputs") or ())]
@@ -326,7 +338,10 @@ def _ticks(column: ParallelColumn) -> Sequence[float]:
 
 
 def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
-    """Return a mask of the designs that describe a real part."""
+    """Return True for each design whose regime describes a real part, shape (designs,).
+
+    `at_all` returns the values of a variable for all designs.
+    """
     flags = flags_of(dataset["regime"].attrs)
     bad = [n for n, name in flags.items() if name in REGIMES and not REGIMES[name].valid]
     return ~np.isin(at_all("regime"), bad)

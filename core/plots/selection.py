@@ -270,7 +270,10 @@ def _regime(dataset: xarray.Dataset) -> xarray.DataArray:
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
-    """Return the output to draw; raise `PlotError` if there is none such."""
+    """Return the output to draw; raise `PlotError` if the dataset has no such output.
+
+    Without a name it is the first output that varies and is not a count.
+    """
     outputs = outputs_of(dataset)
     if not outputs:
         raise unreadable("it holds no output")

@@ -323,8 +323,8 @@ def exact_quantiles(
 ) -> NDArray[np.float64]:
     """Return quantiles of each line, ignoring NaN, shape (quantiles, lines).
 
-    Each value counts `times`: it stands for so many cells. A quantile between two cells is given by
-    the straight line between their values.
+    Each value counts `times`, as it stands for so many cells. A quantile between two cells lies on
+    the straight line between their values, as numpy's method `linear` has it.
     """
     lines = np.sort(lines, axis=-1)
     counts = lines.shape[1] - np.count_nonzero(np.isnan(lines), axis=-1)

@@ -97,7 +97,7 @@ def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
 
 
 def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
-    """Yield what is asked, one by one: the arrays that it needs, and a field with it alone.
+    """Yield each question of a reduction: the arrays that it needs, and a field with it alone.
 
     A statistic of an output, the count of regimes, a share, or a level.
     """

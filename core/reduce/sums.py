@@ -16,7 +16,10 @@ Integers = NDArray[np.int64]
 
 
 def propagate_carries(sums: Integers) -> Integers:
-    """Return exact sums with carries propagated, from level 0 up."""
+    """Return exact sums with carries propagated, shape (levels, slots), from level 0 up.
+
+    A level has digits of 40 bits, with sign; each is brought back into that range.
+    """
     sums = sums.copy()
     half = 1 << (DIGIT - 1)
     for level in range(len(sums) - 1):

@@ -168,7 +168,10 @@ class DeviceLine:
 
 
 def _pick(pick: list[Any], values: list[Array]) -> Array:
-    """Return the chosen one of several values, for each cell."""
+    """Return, for each cell, the value whose mask is true; the first if no other mask is.
+
+    `pick` has a mask for each of the `values`.
+    """
     picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):
         picked = np.where(mask, value, picked)

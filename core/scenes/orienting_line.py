@@ -103,7 +103,10 @@ def any_line(shape: str) -> tuple[Equation, ...]:
 
 
 def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
-    """Return the scene fitted to a study: with its devices and its drop test."""
+    """Return the scene with the devices, and perhaps the drop test, that a study has.
+
+    They follow from the names of its parameters, such as `wiper_height_1` or `drop_count_2`.
+    """
     names = {*parameters}
     numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
     tested = any(name.startswith("drop_count_") for name in names)

@@ -116,7 +116,7 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
     Raises
     ------
     UnitError
-        If it is not a distribution, or holds values that are invalid for the quantity.
+        If it is none, or holds values that are none of that quantity.
     """
     if isinstance(raw, Distribution):
         return raw

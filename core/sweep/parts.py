@@ -88,7 +88,7 @@ class Shards(Parts):
         return {}, growing.digests
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        """Finish the group and return its table."""
+        """Verify the sweep, check all shards, finish the Zarr group and return its table."""
         table = outline_table(self.sweep, watch)
         growing = self._growing(table, history)
         try:

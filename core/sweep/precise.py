@@ -118,7 +118,7 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
 
 
 def _apply_operation(operation: Operation, inputs: Sequence[Any]) -> Any:
-    """Return the results of an operation on numbers, or on truth values."""
+    """Return the results of an operation on arrays of numbers, element by element."""
     results = _of_elements(operation, len(inputs))(*map(np.asarray, inputs))
     return np.asarray(results).astype(np.bool_) if operation.gives_truth else _labelled(results)
 

@@ -17,7 +17,7 @@ CHUNKS = 12  # how many are tried
 def bytes_in_file(sweep: Prepared, *, compressed: bool) -> int:
     """Return the bytes of a sweep in a file; an estimate if compressed.
 
-    The estimate is made from a few chunks, which are the same for equal studies.
+    The estimate packs a few random chunks, which are the same for equal studies.
     """
     tiled = Tiled(sweep)
     if not compressed or not len(tiled.tiles):

@@ -111,7 +111,7 @@ def prepare_cut(
 
 
 def compute_slice(prepared: SliceCut) -> dict[str, Any]:
-    """Return the computed values of a prepared slice."""
+    """Compute a slice; return its values, axes, fixed parameters and regimes as a document."""
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid)
     depends = plan.depends_on(grid.axes)

@@ -158,7 +158,11 @@ def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -
 
 
 def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
-    """Return the description of a sweep; its owner also sees how it is shared."""
+    """Return the description of a sweep, which says whether it is shared.
+
+    `key` is the sweep's identifier; `who` is the API key of the reader. An owner sees the sharing
+    of its own record; all others that of any owner.
+    """
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
     shared = admission.ownership.is_shared(who.name if is_own else None, key)
     return description(key, sweep, shared=shared)

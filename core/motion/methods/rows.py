@@ -190,7 +190,10 @@ def row_motion(
 
 
 def _waved(rows: Array) -> NDArray[np.bool_]:
-    """Return a mask of the rows whose drive is a wave beyond steps along the track."""
+    """Return a mask of the rows whose drive is a wave beyond steps along the track.
+
+    `rows` are those of the kernel, with the wave's columns last; such rows need another kernel.
+    """
     tables = compiled.rows
     columns = rows[:, tables.HEAD + len(tables.OWN) * int(rows[0, tables.AT.room]) :]
     if not columns.size:
@@ -246,7 +249,7 @@ def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
 
 
 def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
-    """Return a mask (rows, parts) of the parts that exist in each row."""
+    """Return a mask, shape (rows, room), of the parts that exist in each row."""
     counts = rows[:, compiled.rows.AT.parts].astype(int)
     return np.arange(room) < counts[:, np.newaxis]
 
@@ -267,7 +270,11 @@ def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_], room: int) -> Arra
 def _spread_to_parts(
     table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, columns: int
 ) -> None:
-    """Fill the columns of each part in rows that were followed as a single part."""
+    """Fill the columns of each part in rows that were followed as a single part.
+
+    `table_` holds the results, `alike` the rows of one friction, `room` the columns for parts,
+    `columns` the number of columns before them.
+    """
     as_one = alike & np.isnan(table_[:, columns + 1]) & ~np.isnan(table_[:, columns])
     inside = _inside(rows, room)[as_one]
     for start, value in ((columns, table_[as_one, columns]), (columns + room, 1.0)):

@@ -150,7 +150,7 @@ def _value(
 def _held_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return a_x, drive D_x, D_y and load n at the limit of static friction in direction eta.
+    """Return a_x, D_x, D_y and n at the limit of static friction in the direction eta [rad].
 
     D is the drive in the plane less gravity, n the normal force per mass, all in units of P. The
     drive's unit length leaves a quadratic in n; a_x is a multiple of n, so the larger root counts.

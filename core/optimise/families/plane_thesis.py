@@ -157,7 +157,11 @@ def plane_thesis_pareto(
 def _printed_accelerations(
     P: Array, c: Array, G: Array, mu: Array, alpha: Array, beta: Array
 ) -> tuple[Array, Array]:
-    """Return the accelerations a_x and a_y as printed in (3.11) [m s-2]."""
+    """Return a_x and a_y of (3.11), with friction mu (G - P sin(beta)) against both.
+
+    P is the drive's acceleration amplitude, c and G are gravity along -x and onto the floor [m
+    s-2].
+    """
     friction = mu * (G - P * np.sin(beta))
     push = P * np.cos(beta)
     return push * np.cos(alpha) - c - friction, push * np.sin(alpha) - friction

@@ -119,7 +119,10 @@ def _level(beta: float, block: Block) -> Level:
 
 @compiled
 def _across(X: float, k: float, at: Level) -> float:
-    """Return the acceleration across, |a_y|, for a drive along of D_x = X."""
+    """Return |a_y| for a drive along the track less gravity D_x = X, in units of P.
+
+    `k` is gravity along -x; `at` holds drive and friction at one beta.
+    """
     q = at.q
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
     Y = math.sqrt(max((q - X - k) * (q + X + k), 0.0))
@@ -128,7 +131,7 @@ def _across(X: float, k: float, at: Level) -> float:
 
 @compiled
 def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tuple[float, int]:
-    """Return the drive D_x of the largest a_x between `least` (or 0) and `high`, and its limit.
+    """Return D_x of the largest a_x between `least` (or 0) and `high`, and what limits it.
 
     D_x is the drive along x less gravity, in units of P, and k gravity along -x. a_x is concave in
     D_x and its slope too: Newton's steps from the right fall to the root. `held` is what limits D_x
@@ -155,7 +158,10 @@ def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tu
 
 @compiled
 def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float, float]:
-    """Return the drive D_x before and after the first step down from X with |a_y| <= e; else -1."""
+    """Return D_x before and after the first step down from X with |a_y| <= e; -1 if there is none.
+
+    16 equal steps lead to `low`; where the block would stick they end. All in units of P.
+    """
     for i in range(1, RETREATS + 1):
         trial = X + (low - X) * i / RETREATS
         if at.q * at.q - k * k - 2 * k * trial < at.ms * at.ms:
@@ -421,7 +427,7 @@ def _climbed(
 
 @compiled
 def _azimuth(beta: float, at: BestAcross, block: Block) -> float:
-    """Return the azimuth |alpha| of the best drive at one beta [rad]."""
+    """Return |alpha| of the best drive at one beta [rad]."""
     if at.held == NEAREST:
         return block.a0
     if at.held == FARTHEST:

@@ -158,7 +158,7 @@ def run_stages(
     program : Program
         The loops.
     operands : mapping of int to ndarray or number
-        What numpy has made for them, by `lay_out_operands`.
+        Inputs that numpy has computed, by number of the node: the result of `laid_out`.
     ranges : tuple of ndarray
         Start and stop along the row and along each outer loop, then the strides of the loops in the
         results, and with lanes the strides of the numbers of cells.
@@ -190,7 +190,11 @@ def run_stages(
 def lay_out_operands(
     program: Program, traced: Traced, values: Values, grid: Grid
 ) -> dict[int, Any]:
-    """Return the operands of a program's loops, ordered by loop axes and row."""
+    """Return the inputs of a program's loops, laid out by loop axes and row.
+
+    They are arrays or plain numbers by the number of their node. `values` computes them by numpy on
+    the grid; a value that changes along the row is spread over all of it.
+    """
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)
     operands: dict[int, Any] = {}

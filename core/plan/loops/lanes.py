@@ -231,6 +231,6 @@ class LaneLoop:
 
 
 def even_length(size: int, most: int) -> int:
-    """Return the length of nearly equal pieces of an axis, none longer than `most`."""
+    """Return the length of pieces of an axis, nearly equal and at most `most` values long."""
     pieces = -(-size // max(1, min(size, most)))
     return -(-size // pieces)

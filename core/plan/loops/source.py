@@ -187,7 +187,7 @@ class _Writer:
         return dict(sorted(kept.items()))
 
     def _term(self, node: Node) -> str:
-        """Return the source text for a value inside the row's loop."""
+        """Return the source text for a node's value inside the loop along the row."""
         number = node.number
         if number in self.columns:
             return f"c{number}[done + i]"
@@ -233,7 +233,10 @@ class _Writer:
         )
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return the source lines of the steps and row loops at one loop level."""
+        """Return the source lines at one loop level: inputs, numbers, then rows.
+
+        `arrays` are the nodes that numpy has made, `pad` is the indentation.
+        """
         here = [node for node in self.nodes if self._level(node) == level]
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
@@ -247,14 +250,14 @@ class _Writer:
         return [f"{pad}{line}" for line in lines]
 
     def _taken(self, node: Node) -> str:
-        """Return the source line that reads an element of an array for inner loops."""
+        """Return the line that names an element or a row of an input array for inner loops."""
         turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
         index = ", ".join(turns[name] for name in self.order.kept(node))
         taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
         return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
-        """Return the source lines that compute where the results of a row begin."""
+        """Return the lines that compute where the results of a row begin in their arrays."""
         lines = []
         if self.lanes:
             lines += [f"start = {self._lane_index('strides')}"]
@@ -266,7 +269,10 @@ class _Writer:
         return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
 
     def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
-        """Return the source lines of the loop along a row: steps, stored rows, updates."""
+        """Return the lines of the loop along a row: steps, stored rows, then updates.
+
+        `rows` are the nodes to compute, `updates` the lines that store or gather results.
+        """
         lines = ["for i in range(cells):"]
         for node in rows:
             lines.append(f"    t{node.number} = {self._step(node)}")
@@ -278,7 +284,7 @@ class _Writer:
         return [*lines, *(f"    {line}" for line in updates)]
 
     def _lane_index(self, strides: str) -> str:
-        """Return the source text for the index of the first cell of a piece of a row."""
+        """Return the text for the index of a row's first cell, by the array named `strides`."""
         assert self.lanes is not None
         turns = [f"i{k + 1}" for k in range(self.deepest)] + [f"at // {self.lanes.period}"]
         terms = [f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns)]

@@ -139,7 +139,7 @@ def rounded(drive: SineDrive) -> SineDrive:
 
 @compiled
 def arc(d: float) -> tuple[float, float]:
-    """Return D - sin D and 1 - cos D without cancellation, the terms of a sine's integrals.
+    """Return D - sin D and 1 - cos D = 2 sin^2(D/2) of a phase D in rad, without loss of digits.
 
     Below 0.7 from their series, D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 -
     D^2/30 ...)), since differences lose digits (theory 13.2).

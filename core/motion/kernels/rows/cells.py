@@ -207,7 +207,11 @@ def platoons(
 
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
-    """Follow a row of parts until it repeats, write its results, and return its status."""
+    """Follow a row of parts until it repeats, write its results, and return its status.
+
+    `cell` has the columns of `Head`, then the parts and the wave; `result` has the columns of
+    `COLUMN`, then velocity and platoon of each part; `stop` is a flag that ends the work.
+    """
     restitution, most = cell[AT.part_restitution], int(cell[AT.max_periods])
     parts = row.mass.size
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
@@ -360,7 +364,12 @@ def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats
 
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write positions and gaps of a row's parts at ascending phases under a drive."""
+    """Write positions and gaps of a row's parts at ascending phases, under a drive of any type.
+
+    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2 (w = 2 pi f); NaN after a
+    period with more than `MAX_EVENTS` events. `cell` has the columns of `Head`, then the parts and
+    the wave.
+    """
     row, restitution = row_at(cell, backward_speed(drive)), cell[AT.part_restitution]
     air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0

@@ -137,7 +137,11 @@ def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, releas
 
 @borrowing
 def least_pressed(row: Row, first: int) -> float:
-    """Return the signed friction, -mode mu, of the block that a stop in space releases first."""
+    """Return -mode mu of the block held by a stop in space that is released first.
+
+    `first` is the first part of the chain at the stop; the block lets go when -mode mu n falls to
+    gs.
+    """
     parts = row.mass.size
     for i in range(first, parts):
         row.value[i] = -row.mode[first] * row.kinetic[i]

@@ -59,7 +59,10 @@ class Pushes(NamedTuple):
 
 @compiled
 def pushes_of(cell: Floats, steps: int) -> Pushes:
-    """Return the drive of a cell, sampled in the middles of the steps of a period."""
+    """Return the drive of a cell, sampled in the middles of `steps` steps of a period.
+
+    `cell` has the columns of `Head`, then the parts and the wave.
+    """
     columns, h = columns_of(cell), TURN / steps
     along, normal, backward = np.zeros(steps), np.zeros(steps), np.zeros(steps)
     orders, levels = columns.orders, columns.steps
@@ -225,7 +228,11 @@ def stepped_period(
 
 @compiled
 def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
-    """Follow a row by time steps until it repeats, write its results, and return its status."""
+    """Follow a row by time steps until it repeats, write its results, and return its status.
+
+    `cell` has the columns of `Head`, then the parts and the wave; `result` has the columns of
+    `COLUMN`, then velocity and platoon of each part; `stop` is a flag that ends the work.
+    """
     row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[AT.max_periods])
     parts = row.mass.size
     gs, gn = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]

@@ -107,7 +107,10 @@ def columns_of(cell: Floats) -> WaveColumns:
 
 @compiled
 def drive_of(cell: Floats) -> Drive:
-    """Return the drive of a cell; a sine has one step of level 0."""
+    """Return the drive of a cell; a sine has one step of level 0.
+
+    `cell` has the columns of `Head`, then the parts and the wave.
+    """
     columns = columns_of(cell)
     ends, levels = np.array([2 * np.pi]), np.zeros(1)
     if columns.steps > 0:
@@ -130,7 +133,11 @@ def row_of(cell: Floats) -> Row:
 
 @compiled
 def row_at(cell: Floats, backward: float) -> Row:
-    """Return the row of a cell at rest on the track; a stop at rest in space moves backward."""
+    """Return the row of a cell at rest on the track; a stop at rest in space moves backward.
+
+    `cell` has the columns of `Head`, then the parts; `backward` is the velocity in g/w (w = 2 pi
+    f), relative to the track at phase 0, of a body at rest in space.
+    """
     stop, parts = int(cell[AT.stop]), int(cell[AT.parts])
     static, kinetic = own_numbers(cell, OWN.static, parts), own_numbers(cell, OWN.kinetic, parts)
     mass = own_numbers(cell, OWN.mass, parts)

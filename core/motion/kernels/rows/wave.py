@@ -81,7 +81,7 @@ Swung = namedtuple("Swung", "swing sway normal_swing normal_sway")
 
 @compiled
 def waved_of(cell: Floats) -> RowWave:
-    """Return the wave of a cell."""
+    """Return the wave of a cell: columns of `Head`, then the parts and the wave's coefficients."""
     columns, bodies = columns_of(cell), int(cell[AT.parts]) + 1
     orders, steps = columns.orders, columns.steps
     table, largest, ends = np.zeros(TABLE), np.zeros(2), np.array([2.0 * np.pi])

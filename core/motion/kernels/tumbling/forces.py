@@ -52,7 +52,7 @@ def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> t
 
 @compiled
 def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
-    """Return the normal acceleration of a sliding corner per normal force and mass, m tau.
+    """Return m tau: the normal acceleration of a sliding corner over the normal force per mass.
 
     m tau = 1 + kappa c (c - sigma mu_k s), with sine and cosine `s`, `c` of the corner's angle and
     the direction of slip `sigma`. If it is not positive there is no solution, or several (theory
