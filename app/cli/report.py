@@ -22,9 +22,7 @@ def report(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o",
-            "--output",
-            help="Output folder; by default `accuracy` in the folder of the study.",
+            "-o", "--output", help="Output folder; by default `accuracy` in the study's folder."
         ),
     ] = None,
     only: Annotated[
