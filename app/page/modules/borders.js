@@ -9,7 +9,8 @@ const { contours } = /** @type {any} */ (window).d3;
 // shrink (Taubin's filter): steps of ten cells go, too.
 const THERE = 0.67; // below 0.7: else steps of one cell would grow
 const BACK = -0.672;
-const TIMES = 150;
+const TIMES = { few: 40, many: 150 }; // of few values, as while something is dragged, less is seen
+const FEW = 50; // values of an axis
 const REACH = [4, 8]; // points from an end, through which the line goes on to it
 const INSIDE = 0.49; // of the way to a neighbour: two borders do not meet in a cell
 
@@ -30,7 +31,8 @@ export function ringsAround({ nx, ny, at }, isIn, edges = null) {
   return coordinates.map((polygon) =>
     polygon.map((ring) => {
       const links = ring.map(([x, y]) => linkAt(x, y, nx, ny));
-      return smoothed(edges ? ring.map((point, k) => moved(point, links[k], isIn, edges)) : ring, links, room);
+      const points = edges ? ring.map((point, k) => moved(point, links[k], isIn, edges)) : ring;
+      return smoothed(points, links, room, Math.max(nx, ny) > FEW ? TIMES.many : TIMES.few);
     }),
   );
 }
@@ -56,7 +58,7 @@ function moved([x, y], link, isIn, { times, across, up }) {
 
 // A closed ring without its steps; its first point is its last one, too. What lies along the ends of the grid
 // stays; what comes to them goes on as it came.
-function smoothed(ring, links, room) {
+function smoothed(ring, links, room, times) {
   const length = ring.length - 1;
   if (length < 8) return ring; // a single cell
   const places = [0, 1].map((axis) => Float64Array.from({ length }, (_, k) => ring[k][axis]));
@@ -71,7 +73,7 @@ function smoothed(ring, links, room) {
     else if ((before || after) && isLinked(near) && isLinked(far)) free.push([k, around(near), around(far)]);
   }
   const steps = new Float64Array(length);
-  for (let turn = 0; turn < 2 * TIMES; turn++) {
+  for (let turn = 0; turn < 2 * times; turn++) {
     for (const [k, one, other] of free) steps[k] = (turn % 2 ? BACK : THERE) * bent(one, k, other, links[k], places);
     for (const [k] of free) {
       const middle = ring[k][links[k]];
