@@ -145,7 +145,8 @@ class Parts:
             process.wait()
             print(f"part {part}: killed after {kill_after:.1f} s", flush=True)
         else:
-            self.seconds[part] = time.perf_counter() - started
+            if process.returncode == 0:
+                self.seconds[part] = time.perf_counter() - started
         self._cores.append(core)
 
     def run(self) -> float:
