@@ -263,7 +263,7 @@ class TestChunks:
         ("wish", "told"),
         [
             ("freqency:all", "Did you mean 'frequency'"),
-            ("frequency:all,frequency:1", "stands twice"),
+            ("frequency:all,frequency:1", "given twice"),
             ("frequency:0", "not a length"),
             ("frequency", "not a length"),
             ("frequency:many", "not a length"),
