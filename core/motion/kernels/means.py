@@ -102,8 +102,8 @@ def mean_error(means: Floats) -> float:
 def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float:
     """Return the mean velocity over the periods of the drive from index `first` to before `last`.
 
-    v = (sum of travel[k])/((last - first) T). `travel` holds the distance covered in each period;
-    `period` is the duration T of one period.
+    v = (sum of travel[k])/((last - first) T). `travel` holds the distance covered in each period,
+    in g/w^2 (w = 2 pi f); `period` is the duration T of one period in rad; v is in g/w.
     """
     total = 0.0
     for k in range(first, last):
@@ -116,7 +116,7 @@ def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
     """Return two growths of the mean velocity: last less third quarter, third less second.
 
     Quarters of the first `done` periods; `travel` holds the distance covered in each period,
-    `period` is the duration of one period. A motion that runs away keeps gaining speed.
+    `period` is the duration of one period in rad. A motion that runs away keeps gaining speed.
     """
     quarter = done // 4
     first = mean_velocity(travel, quarter, 2 * quarter, period)
@@ -141,8 +141,8 @@ def fill_means(tallies: Floats, first: int, last: int, period: float, result: Fl
     """Fill `result` with the mean values over the periods from index `first` to before `last`.
 
     `tallies` has one row a period with the columns of `TALLY`, `period` is the duration of one
-    period, `result` has the columns of `COLUMN`. The mean velocity across the track is set to 0 if
-    the part touched the wall in these periods, because it then returns to the wall.
+    period in rad, `result` has the columns of `COLUMN`. The mean velocity across the track is set
+    to 0 if the part touched the wall in these periods, because it then returns to the wall.
     """
     result[:] = 0.0
     travel, across, at_wall = 0.0, 0.0, 0.0
@@ -191,9 +191,10 @@ def ended(
 def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
     """Return the change of the distance from the wall as far as it keeps a motion from repeating.
 
-    `drift` is the change of the distance, outwards positive. The result is |drift| if the part
-    touched the wall in the periods from index `first` to before `last` of `tallies` (columns of
-    `TALLY`), and max(0, -drift) if not: a part that never touches the wall may move away from it.
+    `drift` is the change of the distance in g/w^2 (w = 2 pi f), outwards positive. The result is
+    |drift| if the part touched the wall in the periods from index `first` to before `last` of
+    `tallies` (columns of `TALLY`), and max(0, -drift) if not: a part that never touches the wall
+    may move away.
     """
     for k in range(first, last):
         if tallies[k, TALLY.at_wall] > 0.0:

@@ -187,15 +187,16 @@ class TumblePath(NamedTuple):
 def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None = None) -> Tumble:
     """Return the tumbling of parts on a plane from the start to the end of the duration.
 
-    Wrong values, such as a restitution above 1, raise ValueError. Where numbers are beyond those of
-    a computer, such as an acceleration that overflows, the status is `limit_reached`.
+    Wrong values, such as a restitution above 1, raise ValueError. Where a computed number is
+    outside double precision, such as an acceleration that overflows, the status is `limit_reached`.
 
     Parameters
     ----------
     throw : Throw
         The parts, the plane and the start.
     method : {"events", "stepping"}
-        See the module.
+        From event to event, or the midpoint rule of Moreau and Jean, which has only Moreau's law of
+        impact.
     watch : Watch, optional
         May stop it.
     """

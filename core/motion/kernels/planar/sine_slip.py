@@ -200,16 +200,17 @@ def slip_uncertainty(drive: SineDrive) -> float:
 
 @compiled
 def two_sided(drive: SineDrive) -> tuple[float, float]:
-    """Return mean velocity in g/w and forward share of a slide to and fro that never sticks.
+    """Return mean velocity and forward share of a slide to and fro that never sticks.
 
-    Slips forward and backward close, with c1 = mu s, k1 = mu n, H = c k1 - c1 sin(gamma) and E = pi
-    (c1 k1 - c sin(gamma))/H, the forward one over the phase pi + E about pi - asin(S), where Here w
-    = 2 pi f.
+    The velocity is in g/(2 pi f). Slips forward and backward close, with c1 = mu s, k1 = mu n, H =
+    c k1 less c1 sin(gamma), and E = pi (c1 k1 - c sin(gamma))/H, the forward one over the phase pi
+    + E about the phase pi less asin(S), where
 
         S = pi (k1^2 - sin(gamma)^2)/(2 H cos(E/2))
         v = sqrt(1 - S^2) (2 c1 cos(E/2) + (pi c + c1 E) sin(E/2))/pi
 
-    Both are 0 if there is no such motion: the part lifts off, or sticks.
+    c, s are the drive's amplitudes and n gravity normal. Both are 0 if there is no such motion: the
+    part lifts off, or sticks.
     """
     c, s, gs, gn, mu_s, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
     c1, k1 = mu * s, mu * gn

@@ -227,11 +227,11 @@ def settle(
 def to_cycle(
     row: Floats, wall: bool, rolling: float, series: Series, history: History, work: Work
 ) -> tuple[Settled, Floats, Flags]:
-    """Follow a cell from rest until it repeats; return state and contacts at the cycle's start.
+    """Follow a cell from rest until it repeats; return how, and state and contacts at its start.
 
-    The first value tells the way in which it came to repeat. If it does not repeat, state (columns
-    of `STATE`) and contacts (columns of `HOLD`) are those at the end. `row` holds the cell's
-    numbers, `work` is set for its drive and its step series.
+    The first value is the way in which it came to repeat (`Settled`). If it does not repeat, state
+    (columns of `STATE`) and contacts (columns of `HOLD`) are those at the end. `row` holds the
+    cell's numbers, `work` is set for its drive and its step series.
     """
     cell = cell_of(row)
     drive.set_drive(cell, row, work)

@@ -85,8 +85,8 @@ def _cells(
 ) -> list[Cell]:
     """Return a cell with the laws asked for, then cells with laws once and twice as coarse.
 
-    `slip` is the slip speed in g/(2 pi f), `stiffness` that of the floor over mass times w^2;
-    coarser cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the
+    `slip` is the slip speed in g/(2 pi f), `stiffness` that of the floor over mass times (2 pi
+    f)^2; coarser cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the
     indices of the axes: (0, 2) in the plane, (0, 1, 2) in space.
     """
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution

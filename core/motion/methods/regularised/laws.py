@@ -115,7 +115,7 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
     damping, which would let the part sink and rise slowly. The ratio stays below
     (stiffness^(1/2)/8)^(1/3), but at least 1: there a landing at g/(2 pi f) under the full weight
     ends without any rebound, and the floor still recovers in a time of order stiffness^(-1/3). The
-    stiffness is in units of mass times w^2.
+    stiffness is over mass times (2 pi f)^2.
     """
     most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
     if restitution >= 1:
@@ -145,7 +145,7 @@ def laws(
 ) -> RegularisedLaws:
     """Return the regularised laws of a cell, with the damping that gives its restitution.
 
-    `slip_speed` in g/(2 pi f), `stiffness` of the floor over mass times w^2.
+    `slip_speed` in g/(2 pi f), `stiffness` of the floor over mass times (2 pi f)^2.
     """
     damping = 2 * damping_ratio(restitution, stiffness) * math.sqrt(stiffness)
     static = max(friction_static, friction_kinetic)
