@@ -76,7 +76,7 @@ DEFAULTS = {"part_gap": 0.0}
 def travel_in_words(table: Table) -> str:
     """Return a sentence on how many cells of a result travel backwards; empty if none do.
 
-    It is told by `direction` if the result has that, else by its mean velocity or its feed rate;
+    It goes by `direction` if the result has that, else by its mean velocity or its feed rate;
     speeds below the stated error, or a nanometre a second, are those of parts that rest.
     """
     if "mean_acceleration" in table.variables:

@@ -1,4 +1,4 @@
-"""Motion of which answers are told in place of its cells."""
+"""Motion of which statistics are reported instead of its cells."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from core.watch import Watch
 
 
 class ReducedSimulation(Reduced, Simulation):
-    """A study of motion of which answers are told in place of its cells."""
+    """A study of motion of which statistics are reported instead of its cells."""
 
     study: SimulateStudy
     box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer

@@ -1,4 +1,4 @@
-"""Which parts a row has: the names of a study's parameters say which have their own numbers."""
+"""The parts of a row: the names of a study's parameters say which have their own numbers."""
 
 from __future__ import annotations
 

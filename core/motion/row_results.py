@@ -1,4 +1,4 @@
-"""What comes out of the motion of a row: its outputs, and where it is of which kind."""
+"""The outputs of the motion of a row, and the conditions of its regimes."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ CONDITIONS = (
     Condition("stick_slip", _sticks, ANY_RESULT),
 )
 LEAVES_THE_WALL = Condition("wall_lost", _leaves_the_wall, ANY_RESULT)
-"""Of a track: the part leaves it sideways; what is told holds on a floor without an end."""
+"""Condition of a track: the part leaves it sideways; the results hold on an endless floor."""
 
 PLANAR_SCALES = (
     Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),

@@ -10,7 +10,7 @@ SETTLED_SOFTLY = 3e-4
 """The same, rebound times remaining time, where restitution falls with the speed of impact.
 
 Such hops never end: a speed w falls as exp(-b n t/3), b the damping of the law and n the load, and
-takes 3/(2 b w) hops. What is left out is told as an error.
+takes 3/(2 b w) hops. What is left out is stated as an error.
 """
 
 LEFT_SOFTLY = 2e-3

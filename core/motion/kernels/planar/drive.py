@@ -72,7 +72,7 @@ def track_speed(drive: Drive, tau: float) -> float:
 def rounded(drive: Drive) -> Drive:
     """Return the drive with its numbers rounded to their first 32 bits; a wave is unchanged.
 
-    Neighbouring studies then have the same runs where rounding decides the motion.
+    Neighbouring studies then have the same runs, where rounding decides the motion.
     """
     raise NotImplementedError
 

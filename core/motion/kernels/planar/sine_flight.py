@@ -77,9 +77,10 @@ def load(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def lift_off(drive: SineDrive, tau: float) -> float:
-    """Return the phase in rad of the next lift-off, asin(n/s), whatever the phase `tau` is.
+    """Return the phase in rad of the next lift-off, asin(n/s); NaN if the part never lifts off.
 
-    There s sin(tau) rises through n, with normal drive amplitude s and gravity n (theory 13.3).
+    There s sin(tau) rises through n, with normal drive amplitude s and gravity n, once in each
+    period, so that it does not depend on the phase `tau` (theory 13.3).
     """
     return drive.up_at
 

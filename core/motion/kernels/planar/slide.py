@@ -124,9 +124,9 @@ def follow_cycle(
     """Return slip velocity after a cycle, its derivative by `u` at the start, and log rows in use.
 
     `rows` hold the `count` segments normal to the floor (columns of `SEGMENT`): contacts by
-    `contact`, flights by `fly`; a landing with the impulse I takes mu_k I off the slip, or all of
-    it if |u| <= mu_k I (theory 13.4). `sums` are filled with distance and times in the modes, `log`
-    with the motion pieces. The last value is -1 if a limit came first.
+    `contact`, flights by `fly`; a landing with the impulse I takes mu_k I off the slip `u`, or all
+    of it if |u| <= mu_k I (theory 13.4). `sums` are filled with distance and times in the modes,
+    `log` with the motion pieces. The last value is -1 if a limit came first.
     """
     mu_k = drive.mu_k
     sums[:] = 0.0

@@ -25,7 +25,10 @@ RESOLVED = 1e-13
 
 
 class Pull(NamedTuple):
-    """What drives a velocity, u' = C sin(tau) - k; sine and cosine of the phase at the start."""
+    """The acceleration that drives a velocity, u' = C sin(tau) - k, from a phase on.
+
+    `sine` and `cosine` are those of the phase at the start.
+    """
 
     C: float
     k: float

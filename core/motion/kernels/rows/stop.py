@@ -1,4 +1,4 @@
-"""How hard a row presses on its stop, between two events (theory 17.6)."""
+"""The force of a row on its stop, between two events (theory 17.6)."""
 
 from __future__ import annotations
 

@@ -227,7 +227,7 @@ class Part:
 
         `axis` and `speed` are the indices of the distance and of its velocity in the state. If the
         part starts at the contact, the distance is divided by its root at the start, a double one
-        if it has no speed there: so small hops and grazes are told from none.
+        if it has no speed there: that distinguishes small hops and grazes from none.
         """
         if self.state[axis] > TOUCHING:
             return first_fall(stretch.states[axis])
