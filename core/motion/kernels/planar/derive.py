@@ -250,6 +250,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     Derivatives by restitution are NaN where the smallest restitution is a jump, those of landing
     speed and hop height where two are the largest. `groups` has a row of numbers for each cell;
     `energy` asks for derivatives of powers; `stop` is a flag that ends the work (theory 13.16).
+    `status` gets one value a cell.
     """
     rows = np.empty((MAX_SEGMENTS, len(SEGMENT)))
     sums, nearest = np.empty(SUMS), np.empty(5)

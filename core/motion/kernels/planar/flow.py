@@ -90,7 +90,8 @@ def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) 
     """Return the sine drive with amplitudes c, s along and normal, gravity gs, gn, and friction.
 
     All accelerations in g, s >= 0. It adds the phase of lift-off, asin(gn/s), NaN if s <= gn, and
-    the range in which friction holds, by `stick_range`.
+    the range in which friction holds, by `stick_range`. `mu_s` and `mu_k` are the static and
+    kinetic coefficient.
     """
     least, largest, way = stick_range(c, s, gs, gn, mu_s)
     up_at = math.asin(gn / s) if s > gn else math.nan

@@ -128,6 +128,7 @@ def settle_followed(
     of the m slopes of the cycles. `rows` hold the `count` segments of the cycle, `u` is the slip at
     the start, `tolerance` is relative to the drive, `sums` and `log` are work arrays. The result is
     velocity, error, cycles after which it repeats (0: not found) and status (theory 13.8).
+    `max_periods` bounds the number of cycles.
     """
     scale = sizes(drive)[0] + abs(drive.gs)
     states = np.empty(LONGEST_MULTIPLE + 1)

@@ -425,7 +425,8 @@ def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
     """Fill the derivatives of the largest landing speed, if this landing has it.
 
     `speed` is its speed in g/w (w = 2 pi f), `nearest[1]` the largest so far; `nearest[2]` notes
-    the relative distance of the two fastest, since the largest of equals has no derivative.
+    the relative distance of the two fastest, since the largest of equals has no derivative. `d`
+    holds the derivatives.
     """
     if speed > nearest[1]:
         nearest[2] = (speed - nearest[1]) / speed
@@ -478,7 +479,8 @@ def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) 
     (eps w). = eps. w + eps w.; the slip loses (mu_k I). = mu_k. I + mu_k I., or all of it if it
     stops; then it gains what hops leave, (mu_k eps w)., which has no derivative by restitution `e`
     where it begins with a jump. The energy (u^2 - u1^2 + w^2 - w1^2)/2 changes by u u. - u1 u1. + w
-    w. - w1 w1. `d` holds the derivatives, in `size` directions (theory 13.16).
+    w. - w1 w1. `d` holds the derivatives, in `size` directions (theory 13.16). `landing` is the
+    impact.
     """
     speed, up = landing.speed, 0.0 if landing.rests else e * landing.speed
     factor, sign = 1.0 if landing.rests else 1.0 + e, 1.0 if landing.after > 0 else -1.0
@@ -511,7 +513,8 @@ def leave_out_hops(
     Their time T = 2 w/(n (1 - eps)), with rebound w, changes by T. = 2 (w. - w n./n + w eps./(1 -
     eps))/(n (1 - eps)). It goes from the contact's mode to the flight, and its friction mu_k n |u|
     to the impacts. A slip that no skid follows stops on the floor after `slides` w. `e` is the
-    restitution, `d` holds the derivatives, in `size` directions (theory 13.5, 13.16).
+    restitution, `d` holds the derivatives, in `size` directions (theory 13.5, 13.16). `landing` is
+    the impact before them.
     """
     at, speed = landing.at, landing.speed
     n1, slips = load(drive, at), landing.slips

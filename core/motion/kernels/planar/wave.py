@@ -315,7 +315,8 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
     """Return velocity and distance by the push alone over a short phase, without loss of digits.
 
     From phase `tau` over D = `d` rad. A term of order k, value p and derivative over k p', turns by
-    K = k D and gives (p sin K + p' (1 - cos K))/k and (p (1 - cos K) + p' (K - sin K))/k^2.
+    K = k D and gives (p sin K + p' (1 - cos K))/k and (p (1 - cos K) + p' (K - sin K))/k^2. `kind`
+    is its place in the wave's table.
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -337,7 +338,8 @@ def stepped_flow(
     """Return velocity and distance at the phase `d` under an acceleration constant in each step.
 
     From velocity `v` at phase `tau`: over a step of D rad with acceleration a, x -> x + (v + a D/2)
-    D and v -> v + a D. In g/w (w = 2 pi f) and g/w^2 (theory 13.14).
+    D and v -> v + a D. In g/w (w = 2 pi f) and g/w^2 (theory 13.14). `kind` is its place in the
+    wave's table.
     """
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0

@@ -143,7 +143,7 @@ def _released(
 
     `pull` is gravity along less the level of the drive's step, `tau` the phase now. In flight a
     stop of the track lets go where the push turns back; on the floor one in space where -mode mu n
-    falls to gs.
+    falls to gs. `flying` is True in flight.
     """
     first = held_from(row)
     if first == row.mass.size:

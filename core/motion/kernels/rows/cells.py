@@ -168,7 +168,8 @@ def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: f
     """True if the state after period number `period` equals the one `multiple` periods before.
 
     `scale` is the drive in g, by which states are compared. A gap may have grown if its parts did
-    not touch in between: each side of it then moves as it did, and the gap grows for ever.
+    not touch in between: each side of it then moves as it did, and the gap grows for ever. `air` is
+    the flight now, `past` holds the earlier states.
     """
     at = (period - multiple) % (MULTIPLES + 1)
     here, before = air.landing, past.landing[at]
@@ -194,7 +195,8 @@ def platoons(
     """Return the number of platoons: groups of parts that separate for ever, or seem to.
 
     Over the last `multiple` periods up to number `period`; `scale` is the drive in g. The number of
-    the platoon of each part, 1 at the rear, is written to `numbers`.
+    the platoon of each part, 1 at the rear, is written to `numbers`. `past` holds the states at the
+    starts of the last periods.
     """
     at = (period - multiple) % (MULTIPLES + 1)
     count = 1
@@ -248,7 +250,8 @@ def finish(
     A motion that does not repeat (`multiple` 0) has the means over the second half of its
     `periods`, and spread and error by batches of them. `means` holds a row a period: columns of
     `Tally`, distances of the parts, integrals of the gaps. `scale` is the drive in g; `result` has
-    the columns of `COLUMN`, then velocity and platoon of each part.
+    the columns of `COLUMN`, then velocity and platoon of each part. `past` holds the states at the
+    starts of the last periods.
     """
     parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
     numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]

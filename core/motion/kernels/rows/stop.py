@@ -25,7 +25,7 @@ def stop_pressed(
     that touch it; in the air, the sum of m times what the push exceeds the stop's acceleration by.
     On a stop of the track, at rest, it is the least force, the sum over the blocks of a row pushed
     forward, m max(0, D - mu_s n); friction may hold more. `pull` is gravity along less the level of
-    the drive's step; from phase `tau` over `span` (theory 17.6).
+    the drive's step; from phase `tau` over `span` (theory 17.6). `flying` is True in the air.
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:

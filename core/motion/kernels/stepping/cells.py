@@ -137,7 +137,8 @@ def drive_of(scene: int, cell: Cell, waves: Floats, row: int, buffer: Floats) ->
 
     A row for each of `DRIVE`, a column a step: (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the
     speed of the track. `waves` holds a drive for each cell, of which `row` is the cell's, or sine
-    and cosine at the middles of the steps for all cells (theory 13.1).
+    and cosine at the middles of the steps for all cells (theory 13.1). For motion in the plane the
+    rows across and speed stay 0.
     """
     if waves.shape[1] == len(DRIVE):
         return waves[row]

@@ -200,7 +200,8 @@ def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> St
 
     As `planar_step`, with a slip (u_x, u_y + spin) whose friction is the impulse (f_x, f_y) of
     `friction_impulse`: it changes the slip by (f_x, r f_y), r = 1 + m r^2/I, and the spin by (r -
-    1) f_y. A step is cut as in `slip_along`: where the slip is least if it turns.
+    1) f_y. A step is cut as in `slip_along`: where the slip is least if it turns. `body` is the
+    state before, `touch` the contact before, `push` the acceleration and length of the step.
     """
     h, rolling = push.h, laws.rolling
     vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
@@ -259,6 +260,7 @@ def held_state(
 
     `vy`, `vz`, `spin` are the velocities without friction, `normal` the normal impulse in g/w (w =
     2 pi f); a cylinder (`rolling` = m r^2/I > 0) rolls on with v_y - (v_y + spin)/(1 + m r^2/I).
+    `spare` is what static friction could still take.
     """
     if rolling == 0.0:
         return Stepped(0.0, 0.0, vz, 0.0, normal, spare)
@@ -277,7 +279,8 @@ def rubbing(
     spin being negative. Friction at each presses on the other or lifts it: n = n0 + mu_w S e_s and
     S = S0 - mu n e_s, with the share e_s of friction that turns the cylinder, solved by turns.
     `floor_load` and `wall_load` are the impulses n0, S0 without friction, `static` and `kinetic`
-    the floor's coefficients. Normal impulses of -1 tell that there is no solution.
+    the floor's coefficients. Normal impulses of -1 tell that there is no solution. `vx` and `spin`
+    are the velocities without friction, `wall_friction` is mu_w, `rolling` m r^2/I.
     """
     normal, side = floor_load, wall_load
     fx, turn, held = 0.0, 0.0, False
@@ -303,7 +306,8 @@ def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: Flo
 
     A contact takes part if its gap is closed in the middle of the step, z + h u_z/2 <= 0 and y + h
     u_y/2 <= 0 (theory 13.9). A part that keeps to floor and wall without spin slips along one axis
-    only, where friction holds up to mu_s n + mu_w S (theory 4.4).
+    only, where friction holds up to mu_s n + mu_w S (theory 4.4). `body` is the state before,
+    `touch` the contact with the floor, `push` the acceleration and length of the step.
     """
     h, spare, spin, rolling = push.h, touch.spare, body.spin, laws.rolling
     if not wall.y + 0.5 * h * body.uy <= 0.0:
@@ -351,7 +355,8 @@ def sweep_corner(
     solved exactly in its turn: n = max(0, n - v_z - eps u_z), S = max(0, S - v_y - eps_w u_y), then
     the frictions. Both normals come first: among the forces that may hold a part those without a
     wedging of floor against wall are then taken, so that it holds up to mu_s n + mu_w S. `spare` is
-    what static friction of the floor could still take (theory 4.4).
+    what static friction of the floor could still take (theory 4.4). `body` is the state before,
+    `push` the acceleration and length of the step.
     """
     h, rolling, spin = push.h, laws.rolling, body.spin
     response = 1.0 + rolling

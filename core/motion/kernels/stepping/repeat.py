@@ -34,7 +34,7 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
     The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and |dy| (`wall_gap`), of rows `later` and
     `earlier` of `states`, in units of g and w. A height below 0 counts as 0: a part in contact
     sinks in by up to a step of its fall. |dy| does not matter to a part that did not touch the wall
-    and moves away.
+    and moves away. `tallies` tell if the wall was touched between.
     """
     new, old = states[later], states[earlier]
     most = max(abs(new[STATE.ux] - old[STATE.ux]), abs(new[STATE.uz] - old[STATE.uz]))
@@ -172,7 +172,8 @@ def distinct_from(states: Floats, tallies: Floats, done: int, cycle: int, allowe
 
     A cycle of `cycle` periods may be a shorter one that varies only by where in steps its slips and
     landings fall: the smallest part is taken whose states differ by at most 3 `allowed`, the change
-    by one step. A truly doubled period differs by more, whatever the step.
+    by one step. A truly doubled period differs by more, whatever the step. `states` and `tallies`
+    hold `done` periods.
     """
     for multiple in range(1, cycle):
         if cycle % multiple:
@@ -196,7 +197,7 @@ def unsettled(
 
     `scene` is `PLANAR`, `FLOOR` or `WALL`; `states` and `tallies` hold `done` periods of the
     duration `period` in rad. Without a wall it also runs away if its velocity across keeps growing,
-    by more than half as much as before over each quarter.
+    by more than half as much as before over each quarter. The spread is written into `result`.
     """
     pull, quarter = abs(cell.gravity_number_along), done // 4
     if scene == FLOOR:

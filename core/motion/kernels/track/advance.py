@@ -161,7 +161,8 @@ def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, 
     """Return span in rad and event of a step after too many events at one phase.
 
     A slip is then so small that its series reach nowhere: it stops. Otherwise a step of 1e-9 is
-    taken, at most `rest`, the phase to the end of the period or to a jump.
+    taken, at most `rest`, the phase to the end of the period or to a jump. `slips` is True if the
+    contacts slip, `span` the step without this rule.
     """
     if slips and contacts != FREE:
         return span, EVENT.stop
@@ -177,6 +178,8 @@ def move(
 
     Position and velocity normal to a contact that carries the part are set to 0, and at a landing
     or bump the position is; the spin of a cylinder on the floor is its slip less u_y (theory 7.3).
+    `event` is what ended the step, `slips` is True if the contacts slip, `order` is the highest
+    power of the series.
     """
     slip = 0.0
     if step.rolling > 0.0 and contacts == FLOOR and slips:
@@ -202,7 +205,8 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
     """Add the phase of a step to the time in its mode in `tally`, and note the largest height.
 
     The height is largest where the normal velocity falls through 0; `span` is the step's phase in
-    rad, `order` the highest power of its series in `work`.
+    rad, `order` the highest power of its series in `work`. `contacts` is what carries the part,
+    `slips` is True if it slips.
     """
     if not contacts & FLOOR:
         tally[TALLY.flight] += span

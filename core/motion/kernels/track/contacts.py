@@ -118,7 +118,7 @@ def impulse(
     """Return the friction impulse on a slip (two components), and True if it stops the slip.
 
     Per mass, in g/w (w = 2 pi f); `limit` is the largest impulse, `response` that of the second
-    component of the slip to friction.
+    component of the slip to friction. `slip_1` and `slip_2` are the components of the slip.
     """
     if slip_1 == 0.0 and slip_2 == 0.0:
         return 0.0, 0.0, limit > 0.0
@@ -246,7 +246,7 @@ def closing(
     the load, `need` the force |(D_1, D_2/r)| against it, in g, `speed` the drive's velocity. It
     ends so if r^2 <= 3 tol s, with what friction has left, s = rub - need, and if forces do not
     outgrow s meanwhile, r (1 + rub) speed <= s^2. Otherwise it may turn along the push first
-    (theory 13.13).
+    (theory 13.13). `tolerance` is tol, in g/w (w = 2 pi f).
     """
     if not (rate > 0.0 and need <= rub):
         return False, tolerance

@@ -110,6 +110,7 @@ def apart(wall: bool, rolling: float, history: History, later: int, earlier: int
     along does not matter, nor does that across without a wall; |dy| is left out for a part that did
     not touch the wall between and does not come nearer (`wall_gap`). `wall` is True if there is a
     wall; `rolling` is not 0 for a cylinder, whose slip matters but not the speed at which it rolls.
+    `history` holds the periods.
     """
     new, old = history.ends[later], history.starts[earlier]
     most = max(
@@ -137,7 +138,8 @@ def repeats(
     The first m <= 32 with distance (`apart`) at most `close` between the end of period `last` and
     the start m - 1 periods earlier, not before period `since`, the last jump of the iteration. If a
     part of such a cycle nearly repeats, by less than `parted`, it may be a shorter one that has not
-    settled: 0.
+    settled: 0. `history` holds the periods; `wall` is True if there is a wall, `rolling` is m r^2/I
+    of a cylinder or 0.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
     for multiple in range(1, min(MAX_MULTIPLE, last - since + 1) + 1):
@@ -161,7 +163,8 @@ def remaining(
 
     d/(1 - q), q = d/d0 at most 0.999, with the change d over the last cycle of `multiple` periods,
     up to period `last`, and d0 over the one before; d alone if that began before period `since`,
-    the last jump of the iteration (theory 13.13). Here w = 2 pi f.
+    the last jump of the iteration (theory 13.13). Here w = 2 pi f. `history` holds the periods;
+    `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
     """
     change = apart(wall, rolling, history, last, last - multiple + 1)
     if last - 2 * multiple + 1 < since or change == 0.0:
@@ -180,7 +183,7 @@ def follow_period(
 
     It fails if the period has too many events. `state` and `hold` (columns of `STATE` and `HOLD`)
     change to those at the end; the position along starts from 0. `wall` is True if there is a wall,
-    `rolling` is m r^2/I of a cylinder or 0.
+    `rolling` is m r^2/I of a cylinder or 0. `series` sets order and tolerance.
     """
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
@@ -202,7 +205,8 @@ def settle(
     If it does not repeat with jumps of the iteration, it is followed again from its start without
     any, and the history holds that motion; if that nears a cycle it is followed on. `state` and
     `hold` are those at the start, and change. In one loop, so that the compiler keeps one copy of
-    what it calls.
+    what it calls. `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0,
+    `series` sets order and tolerance.
     """
     start, start_hold = state.copy(), hold.copy()
     near = APART_AT_MOST * drive.size(work)
@@ -231,7 +235,9 @@ def to_cycle(
 
     The first value is the way in which it came to repeat (`Settled`). If it does not repeat, state
     (columns of `STATE`) and contacts (columns of `HOLD`) are those at the end. `row` holds the
-    cell's numbers, `work` is set for its drive and its step series.
+    cell's numbers, `work` is set for its drive and its step series. `wall` is True if there is a
+    wall, `rolling` is m r^2/I of a cylinder or 0, `series` sets order and tolerance; `history` is
+    filled.
     """
     cell = cell_of(row)
     drive.set_drive(cell, row, work)
@@ -251,7 +257,7 @@ def neared(wall: bool, rolling: float, history: History, done: int, near: float)
     Of `done` periods in `history`. The change over a cycle fell from d0 to d, less than a tenth,
     within the last L cycles (a quarter of all periods): with the ratio q = (d/d0)^(1/L) of one
     cycle the state is still off by d q/(1 - q), which must be less than `near`. `multiple` is 0 if
-    there is none.
+    there is none. `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
     """
     for multiple in range(1, min(MAX_MULTIPLE, done // 8) + 1):
         cycles = done // 4 // multiple
@@ -279,7 +285,8 @@ def approach(
     The period is a map y -> f(y) of the state: the motion repeats by `repeats`, and is sped up by
     `jump` where |f(y) - y| of two periods with the same events shrinks slowly. `most` and
     `most_jumps` are the largest numbers of periods and jumps; `state` and `hold` are those at the
-    start, and change (theory 13.13).
+    start, and change (theory 13.13). `wall` is True if there is a wall, `rolling` is m r^2/I of a
+    cylinder or 0, `series` sets order and tolerance; `history` is filled.
     """
     speed = drive.size(work)
     close = cell.tolerance * speed
@@ -332,6 +339,7 @@ def first_coordinate(wall: bool, history: History, period: int) -> int:
     """Return the first column of the state that takes part in Anderson's mixing.
 
     y if the part touched a wall in the period, else z: x and an unbounded y do not matter.
+    `history` holds the periods.
     """
     touched = wall and history.tallies[period, TALLY.at_wall] > 0.0
     return STATE.y if touched else STATE.z
@@ -342,7 +350,7 @@ def step_size(wall: bool, history: History, period: int) -> float:
     """Return the largest change of a state over a period, max |end - start|, in g/w and g/w^2.
 
     Over the columns of the state that take part in Anderson's mixing (`first_coordinate`). Here w =
-    2 pi f.
+    2 pi f. `history` holds the periods; `wall` is True if there is a wall.
     """
     most = 0.0
     for i in range(first_coordinate(wall, history, period), len(STATE)):
@@ -357,7 +365,7 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
     With residuals f = end - start of the last periods of equal events up to `last`, after the
     period `since`: weights minimise |f_last - sum of weights times differences of f|, and the new
     state is the same combination of the ends. False, too, if it would lie below the floor or behind
-    the wall.
+    the wall. `history` holds the periods; `wall` is True if there is a wall.
     """
     depth = 0
     while depth < min(DEPTH, last - since) and same_events(history, last - depth - 1, last):
@@ -383,7 +391,7 @@ def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple
 
     The least squares of |f_last - sum of w_j df_j| over `depth` differences of residuals f = end -
     start before period `last`, latest first, over the columns from `first` on, by modified Gram and
-    Schmidt: Q R w = f_last.
+    Schmidt: Q R w = f_last. `history` holds the periods.
     """
     columns = len(STATE)
     basis, triangle, weights = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH)), np.zeros(DEPTH)

@@ -123,7 +123,7 @@ def sooner(
     """Return the span to where a series first falls through 0 and event `name`, or what is known.
 
     If the series in row `row` does not fall within `span` rad, the result is `span` and the event
-    `known`, which ends the step so far.
+    `known`, which ends the step so far. `order` is the highest power of the series.
     """
     fall = first_fall(work, row, order, span, ROW.scratch)
     return (fall, name) if fall >= 0.0 else (span, known)
@@ -137,7 +137,7 @@ def to_zero(
 
     The force is `sign` times the series in row `row`. `began` is True if the step began with this
     force at 0, whatever its rounded value. If it does not fall within `span` rad, the result is
-    `span` and the event `known`.
+    `span` and the event `known`. `order` is the highest power of the series.
     """
     fill_multiple(work, ROW.event, sign, row, order)
     if began or work[ROW.event, 0] < 0.0:
@@ -284,7 +284,7 @@ def slide_in_corner(
 
     u_x' = D_x -+ (mu_k N + mu_w S), with the acceleration D without contacts and the loads N = -D_z
     and S = -D_y. The step ends at lift-off, where the wall carries no more, or where the slip
-    stops. `state` has the columns of `STATE` (theory 4.4, 13.13).
+    stops. `state` has the columns of `STATE` (theory 4.4, 13.13). `begin` is the slip at the start.
     """
     order, way, event = step.order, begin.cosine, ROW.event
     along, across = ROW.velocity, ROW.free + 1
@@ -324,7 +324,7 @@ def slide(
     ends, else by `slide_series`. The step ends at lift-off or where the load falls through 0, where
     the part meets the other contact, where the slip stops, or where its component along its first
     direction has fallen to a share of itself. `contacts` is `FLOOR` or `WALL`, `state` has the
-    columns of `STATE` (theory 13.13).
+    columns of `STATE` (theory 13.13). `begin` is the slip at the start.
     """
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event
     contact = contact_of(cell, step.rolling, on_floor)
@@ -384,7 +384,7 @@ def contact_of(cell: Cell, rolling: float, on_floor: bool) -> Contact:
     """Return the record of the contact that slips: axes, friction, response, curvature.
 
     The response to friction across is r = 1 + m r^2/I at the floor (`rolling` is m r^2/I, 0 for a
-    block) and 1 at the wall.
+    block) and 1 at the wall. `on_floor` is True for the floor, False for the wall.
     """
     if on_floor:
         return Contact(1, 2, cell.friction_kinetic, 1.0 + rolling, cell.curvature_number)

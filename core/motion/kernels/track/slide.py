@@ -151,7 +151,8 @@ def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
     """True if a slip keeps its direction: the acceleration is parallel to it, s_1 D_2 = s_2 D_1.
 
     s is the slip at the start and D the acceleration without friction, for all its coefficients up
-    to power `order`. Never in a curve, nor for a cylinder that slips aslant.
+    to power `order`. Never in a curve, nor for a cylinder that slips aslant. `contact` is the one
+    that slips.
     """
     first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
     if contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0):
@@ -199,7 +200,8 @@ def onset_series(
         r theta' = D_2 cos - D_1 sin - q L (response - 1) sin cos
 
     `start` is r' at the start in g: 0 if static friction is no larger than kinetic. As theta' has a
-    factor 1/r, the series of theta is a formal one then: good within its smallest term.
+    factor 1/r, the series of theta is a formal one then: good within its smallest term. `contact`
+    is the one that slips, `order` the highest power.
     """
     first, second = ROW.slip, ROW.slip + 1
     push, across, load = ROW.free, ROW.free + contact.second, ROW.load
@@ -257,7 +259,7 @@ def last_of_slip(
     """Fill the last piece of a slip as a straight line to its end, (size - rate D) e, D the phase.
 
     `size` is the slip's speed in g/w (w = 2 pi f), `rate` its rate of fall in g, e = (cosine, sine)
-    its direction.
+    its direction. `contact` is the one that slips.
     """
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
@@ -272,7 +274,7 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 
     Friction acts on the slip of a cylinder r times as much as on its velocity: u_2' = (slip_2' + (r
     - 1) D_2)/r, with the acceleration D without friction. `velocity_2` is u_2 at the start in g/w
-    (w = 2 pi f).
+    (w = 2 pi f). `contact` is the one that slips, `order` the highest power.
     """
     response = contact.response
     along, other = ROW.velocity, ROW.velocity + contact.second

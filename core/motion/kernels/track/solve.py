@@ -79,7 +79,7 @@ def without_repeating(
 
     The mean and its error are those of batches of its `done` periods in `history`; a mean that
     drifts is none, `limit_reached`. `speed` is the velocity amplitude of the drive in g/w (w = 2 pi
-    f), `result` has the columns of `COLUMN` (theory 13.13).
+    f), `result` has the columns of `COLUMN` (theory 13.13). `wall` is True if there is a wall.
     """
     travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
     status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
@@ -120,7 +120,8 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     The mean over the cycle. Its error is twice the difference to the velocity of other runs, what
     the transient has left, and 2e-10 of the drive's speed; if digits decide the motion is
     `sensitive`. `row` holds the cell's numbers, `rolling` is m r^2/I of a cylinder or 0, `history`
-    receives its last periods, `result` has the columns of `COLUMN` (theory 13.13).
+    receives its last periods, `result` has the columns of `COLUMN` (theory 13.13). `wall` is True
+    if there is a wall.
     """
     cell = cell_of(row)
     result[:] = math.nan
@@ -179,7 +180,8 @@ def followed_on(
 
     The run follows the cycle of `multiple` periods twice from its start (`state`, `hold`); the
     error is the difference of its mean velocity in the second time from `velocity`, plus the
-    distance that its state still has to go (`remaining`). Here w = 2 pi f.
+    distance that its state still has to go (`remaining`). Here w = 2 pi f. `wall` is True if there
+    is a wall, `rolling` is m r^2/I of a cylinder or 0; `history` is overwritten.
     """
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
@@ -212,7 +214,9 @@ def settled_anew(
     In g/w (w = 2 pi f). The runs start from rest, with shorter series and a restitution that is a
     hair smaller (`changed`): in which of several motions a part with rebounds ends may depend on
     its last digits. It does (False) if the first run strays from the other by |du_x| > 0.1 of the
-    drive's speed on the way; three more then tell how far the means are apart.
+    drive's speed on the way; three more then tell how far the means are apart. `settled` is the way
+    in which the first run, in `history`, came to repeat, with the mean `velocity`; `wall` is True
+    if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
     """
     speeds = history.ends[: settled.done, STATE.ux].copy()
     state, hold = at_rest()
@@ -243,7 +247,8 @@ def settled_velocity(
     """Return the mean velocity in g/w of a run with other series (NaN if none), and its periods.
 
     The run starts from `state` and `hold` and may take four times as long as the `done` periods of
-    the first run, and 32 more. Here w = 2 pi f.
+    the first run, and 32 more. Here w = 2 pi f. `wall` is True if there is a wall, `rolling` is m
+    r^2/I of a cylinder or 0; `history` is overwritten.
     """
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)

@@ -20,7 +20,8 @@ def rates(
     x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho under the forces n and t per mass of the
     support (a corner's number or `FLAT`), with the free acceleration a, corner angle s, half
     diagonal rho and inertia ratio kappa; |t slip| per mass. `sigma` is the direction of slip, 0 if
-    held; `slip` the slip velocity in m/s; `time` in s (theory 2.2).
+    held; `slip` the slip velocity in m/s; `time` in s (theory 2.2). `pitch` and `pitch_rate` are in
+    rad and rad/s.
     """
     along, _ = free_acceleration(cell, time)
     if support == FLAT:

@@ -17,7 +17,7 @@ def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) ->
     """Fill result table and statuses of cells by event-driven simulation.
 
     `cells` have the columns of `Cell` (SI), `table` those of `COLUMN`; `stop` is a flag that ends
-    the work.
+    the work. `status` gets one value a cell.
     """
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
@@ -34,7 +34,7 @@ def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> 
     """Fill result table and statuses of cells by time stepping.
 
     `cells` have the columns of `Cell` (SI), `table` those of `COLUMN`; `stop` is a flag that ends
-    the work.
+    the work. `status` gets one value a cell.
     """
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):

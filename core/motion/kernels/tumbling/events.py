@@ -44,7 +44,8 @@ def top_of(
     """Return the largest height in m of the lowest corner within a step.
 
     From `state` at `time` to `after`, `step` seconds later; in free flight where the velocity of
-    the lowest corner falls through 0, by halving. `trial` is a work array.
+    the lowest corner falls through 0, by halving. `trial` is a work array. `support` is what
+    carries the part.
     """
     top = max(lowest_gap(cell, state), lowest_gap(cell, after))
     if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:

@@ -29,7 +29,7 @@ def free_corner(
 
     chi = a_y + rho xi'^2 sin s and a_t = a_x - rho xi'^2 cos s, with the acceleration a of a free
     part, half diagonal rho and pitch rate xi'; `s` and `c` are sin s and cos s of the corner's
-    angle (theory 2.2).
+    angle (theory 2.2). `time` is in s, `pitch_rate` in rad/s.
     """
     along, upward = free_acceleration(cell, time)
     turning = cell.turning * cell.half_diagonal * pitch_rate * pitch_rate
@@ -69,7 +69,7 @@ def corner_force(
 
     n = -chi/(m tau), t = -sigma mu_k n in slip in direction `sigma` (theory 2.3), with the normal
     acceleration chi of the corner without force and its response m tau; `holding_force` for `sigma`
-    0.
+    0. `time` is in s, `pitch` and `pitch_rate` are in rad and rad/s.
     """
     s, c = corner_at(cell, corner, pitch)
     chi, along = free_corner(cell, time, s, c, pitch_rate)
@@ -86,7 +86,7 @@ def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
     """Return normal and friction force per mass on a side that lies flat, in m/s^2.
 
     n = -a_y, and t = -sigma mu_k n in slip in direction `sigma`, -a_x if held (0), with the
-    acceleration a of a free part.
+    acceleration a of a free part. `time` is in s.
     """
     along, upward = free_acceleration(cell, time)
     if sigma == 0:

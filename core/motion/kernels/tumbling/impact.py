@@ -34,7 +34,7 @@ def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangentia
     """Apply an impulse per mass (i_n, i_t) in m/s at a corner to the state.
 
     x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho; `s` and `c` are sine and cosine
-    of the corner's angle (theory 2.2).
+    of the corner's angle (theory 2.2). i_n = `normal`, i_t = `tangential`.
     """
     state[STATE.along_rate] += tangential
     state[STATE.up_rate] += normal

@@ -71,6 +71,7 @@ def record_until(
     """Write the state into the rows of the wanted times up to `time`; return the number written.
 
     `times` are ascending in s, of which `written` are done; `rows` have the columns of `PATH`.
+    `support` is what carries the part.
     """
     while written < times.size and times[written] <= time:
         record(cell, state, times[written], support, rows[written])

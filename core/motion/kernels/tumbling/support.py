@@ -103,7 +103,7 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
 
     Held (0) if n_0 >= 0 and |t_0| <= mu_s n_0 for the force (n_0, t_0) that keeps it at rest; else
     free if its normal acceleration without force, chi, is above 0, or it slips against t_0;
-    `PARADOX` if m tau <= 0 (theory 2.3, 2.4).
+    `PARADOX` if m tau <= 0 (theory 2.3, 2.4). `time` is in s.
     """
     slow = SLOW * speed_scale(cell)
     stop_corner(cell, state, corner, False)
@@ -137,7 +137,7 @@ def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
     The support is a corner's number, `FLAT`, `FREE` or `PARADOX`; the direction 1, -1, or 0 if
     held. From the touching corners that neither approach nor leave: the contact laws of
     accelerations decide, for two by `flat_force` and `side_forces`, for one by `choose_corner`
-    (theory 2.3, 2.4).
+    (theory 2.3, 2.4). `time` is in s.
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     first = second = -1
@@ -184,7 +184,8 @@ def rests_for_ever(cell: Cell, support: int, sigma: int, state: Floats) -> bool:
 
     g_y >= |P_y| and, with m = min(mu_s, half/height), m (g_y - P_y sin) >= |g_x - P_x sin| at both
     ends of the swing: neither slip nor tipping to either side. g is the pull, P the drive, half and
-    height are those of the side that lies flat.
+    height are those of the side that lies flat. `support` is a corner's number, `FLAT` or `FREE`;
+    `sigma` the direction of slip, 0 if held.
     """
     if sigma != 0:
         return False
