@@ -312,6 +312,7 @@ class AlongTrack:
         """Return the passage along the track for cells whose inputs have the shape (cells, 1).
 
         The motion is followed at `nodes` points; between two the mean velocity is taken as linear.
+        `known` holds these inputs by name.
         """
         stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)

@@ -135,7 +135,7 @@ class PlanarRules:
         """Return the kernel's rows of the cells, without derivatives.
 
         Restitution is set to 0 where the part never lifts off, so that equal cells are computed
-        once.
+        once. `tolerance` and `max_periods` are settings of the method.
         """
         plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
@@ -146,7 +146,11 @@ class PlanarRules:
     def _followed(
         self, groups: Groups, tolerance: Any, max_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-        """Return result table and statuses of the cells, computed by the kernel `derive_cells`."""
+        """Return result table and statuses of the cells, computed by the kernel `derive_cells`.
+
+        `tolerance` and `max_periods` are settings of the method; the last result is kept and used
+        again for equal cells.
+        """
         cells = self._cells(groups, tolerance, max_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):
 
@@ -292,7 +296,7 @@ def _by_differences(
     least error stands. Steps across which regime, period multiple or impacts a period change are
     left out. NaN if nothing is left, if the motion is aperiodic or has no value, or if the error
     estimate exceeds a thousandth: next to a jump, or where the motion depends on its parameters too
-    roughly.
+    roughly. `values` are the parameters of the cell, SI units.
     """
     gives = plan.scene.outputs(plan.variant)
     counts = tuple(name for name in COUNTS if name in gives)

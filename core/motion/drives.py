@@ -169,7 +169,7 @@ class Steps:
         """Return the push of the drive on a part in every step along an axis, in g.
 
         Minus the acceleration of the track; `last` are the shares of the period that the steps
-        last, shape (steps, ...).
+        last, shape (steps, ...). `inputs` are the quantities of the drive by name.
         """
         levels = np.zeros_like(last)
         closing = self.closing.get(axis, 0)
@@ -196,7 +196,8 @@ def _aligned(inputs: dict[str, Array]) -> dict[str, Array]:
 def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     """Return the problem if no combination of the given values makes a valid drive; else empty.
 
-    A drive in steps must have some duration, and a mean acceleration of 0 on each axis.
+    A drive in steps must have some duration, and a mean acceleration of 0 on each axis. `shape` is
+    the drive that the study's names define, `values` are its parameters in SI units.
     """
     given = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
     wave = shape.wave(**{name: np.asarray(value) for name, value in given.items()})

@@ -187,9 +187,9 @@ class PartLoad:
     def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
         """Return effective mass and damping of parts at amplitudes, and if their motions repeat.
 
-        The mass m (1 + 2 <u.b'>/p^2) and the damper 2 m w drive/p^2, with the mass m of the parts,
-        the drive number p, and the mean `swing` <u.b'> and power `drive` of a part's motion (theory
-        13.15).
+        `known` are the quantities of `needs`, `amplitude` is in m. The mass m (1 + 2 <u.b'>/p^2)
+        and the damper 2 m w drive/p^2 (w = 2 pi f), with the mass m of the parts, the drive number
+        p, and the mean `swing` <u.b'> and power `drive` of a part's motion (theory 13.15).
         """
         mass, damping = known["conveyed_mass"], np.zeros_like(known["conveyed_mass"])
         turns = any(one.gives == "vibration_angle" for one in self.respond)
@@ -213,6 +213,7 @@ class PartLoad:
         """Return the load of cells given as one-dimensional arrays.
 
         A table over amplitudes brackets every agreement of drive and parts, which is then refined.
+        `known` are the quantities of `needs` by name.
         """
         most = BEYOND * np.max([self._sticking(known, share) for share in SHARES], axis=0)
         count = int(np.ceil(np.log(WIDTH) / STEP)) + 2
@@ -251,7 +252,7 @@ class PartLoad:
         """True where harmonics of the parts' force move the track by more than 0.1 %.
 
         That is where parts of `mass` and `damping` are thrown beyond a throw number of 2, and weigh
-        more than 1 % of the moving mass.
+        more than 1 % of the moving mass. `known` are the quantities of `needs` by name.
         """
         amplitude, angle = self.amplitude(known, mass, damping)
         placed = {**self._placed(known), "amplitude": amplitude, "beta": angle}
@@ -267,6 +268,7 @@ class PartLoad:
 
         `ends` are logarithm of amplitude, mass and damping of two neighbours of the table. Where
         motions are not `exact`, or the load jumps, the agreement lies on the line between both.
+        `known` are the quantities of `needs` by name.
         """
         (low, mass, damping), (high, next_mass, next_damping) = ends
         columns = tuple(known[name] for name in self.needs)
@@ -292,6 +294,7 @@ class PartLoad:
 
         `logarithm` is that of the amplitude; `low`, `mass`, `damping` and `high`, `next_mass`,
         `next_damping` are the entries. Exact motions are followed anew, others are interpolated.
+        `known` are the quantities of `needs` by name.
         """
         share = (logarithm - low) / (high - low)
         mass = mass + share * (next_mass - mass)
@@ -305,7 +308,7 @@ class PartLoad:
         """Return ln(A_unit(load(A))/A) at logarithms of amplitudes: 0 where drive and parts agree.
 
         `columns` are those of `_load`, then the quantities of `needs`, as scipy's root finder hands
-        them.
+        them. `logarithm` is ln A.
         """
         line: Any = columns[: -len(self.needs)]
         known = dict(zip(self.needs, columns[len(line) :], strict=True))
@@ -316,7 +319,8 @@ class PartLoad:
     ) -> Array:
         """Return ln(A_unit/A) for given mass and damping, at logarithms of amplitudes A.
 
-        A_unit is the amplitude of the unit under that load.
+        A_unit is the amplitude of the unit under that load. `logarithm` is ln A, `known` are the
+        quantities of `needs` by name.
         """
         with np.errstate(invalid="ignore"):
             return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)

@@ -35,7 +35,7 @@ def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, s
     """Fill result table, derivatives and statuses of cells under a sine.
 
     `spent` asks for derivatives of energies, too; a row of `groups` holds the fields of `Cell`;
-    `stop` is a flag that ends the work.
+    `stop` is a flag that ends the work. `status` gets one value a cell.
     """
     compiled.derive.derive_cells(spent, groups, table, status, stop)
     _average(groups, table, status, stop)

@@ -184,7 +184,7 @@ def _with_worst(
     """Return the comparison, with the output that differs most relative to its size.
 
     `got` are the outputs to verify, `theirs` those of the other method; only cells of the mask
-    `exact` count.
+    `exact` count. `agreement` is the comparison so far.
     """
     for name in outputs:
         right = np.where(exact, theirs[name], 0.0)
@@ -249,7 +249,7 @@ def _velocity_difference(
     """Return the difference of two mean velocities, and the difference that their errors allow.
 
     In m/s: the sum of both stated errors and what is resolved of the drive's speed; 0 and infinity
-    where a method states no error.
+    where a method states no error. `ours` and `theirs` hold the outputs of both methods by name.
     """
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
@@ -300,7 +300,7 @@ def verified_at(
     """Return the verification result of sampled cells as attributes of the dataset.
 
     `arrays` holds the computed outputs, SI units; if None, the cells are simulated again. `watch`
-    may stop it.
+    may stop it. `prepared` is the simulation, `sample` holds the positions of the cells.
     """
     plan = prepared.plan
     other = other_method(plan, prepared.grid)

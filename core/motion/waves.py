@@ -200,7 +200,7 @@ def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
     `of` names the quantity: a key of `COURSES`, such as ``"push"`` or ``"speed"``. Every extreme is
     looked at, so the value is exact to rounding: of sines those where the derivative, a polynomial
     in exp(i tau), is 0; of steps their ends, and where the track turns between them. A wave of both
-    sines and steps has extremes that are not looked at.
+    sines and steps has extremes that are not looked at. `axis` is `ALONG`, `ACROSS` or `NORMAL`.
     """
     function, _ = COURSES[of]
     best = np.full(wave.cells, -np.inf)
@@ -259,7 +259,8 @@ def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
 def _turns(wave: Wave, axis: int, integrals: int) -> Array:
     """Return the phases of all extremes of the harmonics, integrated `integrals` times.
 
-    Shape (2 orders, cells); cells with fewer extremes have zeros.
+    Shape (2 orders, cells); cells with fewer extremes have zeros. `axis` is `ALONG`, `ACROSS` or
+    `NORMAL`.
     """
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))

@@ -37,6 +37,7 @@ def block_groups(contact: RollingContact) -> Groups:
     Its friction is the rolling resistance c; its load is the part's, and w/c for the friction w of
     the wall. Without rolling resistance its friction is the wall's alone, on a floor under the
     part's load. A block at rest stands for parts whose motion is known without it (theory 18.2).
+    `contact` holds the dimensionless numbers of the rolling part.
     """
     known = contact.free | contact.lifts | contact.runs_away
     rubs = contact.resistance > 0
@@ -85,7 +86,7 @@ def most_traction(contact: RollingContact, pieces: Array) -> float:
     |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, (|D| - w)/n at rest, with the push
     D along less gravity, the wall's friction w, the inertia factor kap, the rolling resistance c
     and the load n. `pieces` are the motion pieces of the cycle of its block (columns of `PIECE`).
-    Infinite if the drive lifts the part.
+    Infinite if the drive lifts the part. `contact` holds the numbers of one part.
     """
     # The pieces are those of a drive that points up and forwards: the mirror image, else.
     normal = abs(float(contact.normal))
@@ -114,7 +115,7 @@ def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> M
     """Return a round part's motion, converted from `block`, that of its equivalent block.
 
     Velocities are the share kap/(1 + kap) of the block's. No means where the part runs away or
-    slips at times (`rolls_and_slips`).
+    slips at times (`rolls_and_slips`). `contact` holds the dimensionless numbers of the part.
     """
     rolls = always_rolls(contact, watch)
     status = np.where(

@@ -214,6 +214,7 @@ def _by_events(
     """Fill results and statuses of rows from event to event, by the kernel that suits each drive.
 
     `cells` are rows of the kernel, `table_` a row of results for each, `stop` a flag that ends it.
+    `status` gets one value a row.
     """
     waved = _waved(cells)
     for some, kernel in ((~waved, "row_cells"), (waved, "waved_row_cells")):
@@ -325,6 +326,7 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
     """Return the kernel's rows for these groups and parts, and the shape of the cells.
 
     A row has the fields of `Head`, frictions, masses and gaps of the parts, and the wave's columns.
+    `max_periods` is a setting of the method.
     """
     room = len(parts.friction)
     own = [np.isnan(one) for one in parts.friction]

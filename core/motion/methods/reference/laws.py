@@ -128,9 +128,10 @@ class ReferenceLaws:
         return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
 
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
-        """Return the two components of the slip in g/w, at one contact or at floor and wall.
+        """Return the two components of the slip at one contact, or at floor and wall.
 
-        `state` holds position (3), velocity (3) and spin. Here w = 2 pi f.
+        In g/w (w = 2 pi f). `mode` holds the contacts that carry the part, `state` position (3),
+        velocity (3) and spin.
         """
         if mode.floor and mode.wall:  # the floor has (u_x, spin), the wall (u_x, -spin)
             return float(state[UX]), float(state[SPIN])
@@ -154,7 +155,8 @@ class ReferenceLaws:
     def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
         """Return the push on a part at rest (two components), and sliding and static friction.
 
-        In g, in the two directions in which the contacts of the mode may slip.
+        In g, in the two directions in which the contacts of the mode may slip. At the `phase` in
+        rad.
         """
         p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
@@ -172,7 +174,8 @@ class ReferenceLaws:
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
         """Return the direction (two components) in which slip begins at `phase`.
 
-        By the secular equation of theory 7.3: the slip follows the push less friction.
+        By the secular equation of theory 7.3: the slip follows the push less friction. At the
+        contacts of the `mode`.
         """
         first, second, slide, _ = self.impending(phase, mode)
         if first == 0.0 == second:  # without friction slip begins before there is a push

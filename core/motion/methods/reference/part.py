@@ -192,7 +192,7 @@ class Part:
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
         """Return the first event of a stretch: a point from 0 to 1, and its name; 1, "" if none.
 
-        `begins` is True if a slip starts from rest there.
+        `begins` is True if a slip starts from rest there. `mode` holds the contacts of the stretch.
         """
         events = [(1.0, "")]
 
@@ -227,7 +227,8 @@ class Part:
 
         `axis` and `speed` are the indices of the distance and of its velocity in the state. If the
         part starts at the contact, the distance is divided by its root at the start, a double one
-        if it has no speed there: that distinguishes small hops and grazes from none.
+        if it has no speed there: that distinguishes small hops and grazes from none. The `stretch`
+        is the one that is followed.
         """
         if self.state[axis] > TOUCHING:
             return first_fall(stretch.states[axis])
@@ -335,7 +336,8 @@ class Part:
         """Return a solved stretch of motion, up to phase `end`, that the nodes resolve.
 
         `begins` is True if a slip starts from rest. A slip turns the faster the smaller it is: the
-        length of the next stretch goes with its size.
+        length of the next stretch goes with its size. `mode` holds the contacts that carry the
+        part.
         """
         length = min(self.care.longest / max(1, self.laws.drive.order), end - self.phase)
         slips = mode.slips and (mode.floor or mode.wall)
@@ -360,7 +362,8 @@ class Part:
         """Follow a turning, nearly zero slip along a straight line to its stop; True if it did.
 
         The stop must lie before phase `end`. Only if friction takes more than the push: between
-        what a slip takes and what friction holds, a slip may turn away from zero.
+        what a slip takes and what friction holds, a slip may turn away from zero. `mode` holds the
+        contacts that carry the part.
         """
         if not mode.slips or not (mode.floor or mode.wall):
             return False
@@ -470,7 +473,7 @@ class Part:
         """Add a stretch, up to a point `at` from 0 to 1, to the tally, by its direction.
 
         The direction is that along the track; heights and the distance from the wall are noted,
-        too.
+        too. `mode` holds the contacts of the stretch.
         """
         tally, duration = self.tally, at * stretch.length
         if self.laws.contacts.wall:
@@ -494,7 +497,10 @@ class Part:
                 )
 
     def count(self, mode: Mode, ux: float, duration: float) -> None:
-        """Add a duration in rad to the tally: flight, or by the sign of the velocity along `ux`."""
+        """Add a duration in rad to the tally: flight, or by the sign of the velocity along `ux`.
+
+        `mode` holds the contacts meanwhile.
+        """
         if not mode.floor:
             self.tally.flight += duration
         elif ux > STOPPED:

@@ -143,7 +143,7 @@ def _slip(
 
     `phases` are those of the nodes, `state` is that at the start, `length` in rad. The slip keeps
     its direction if nothing turns it by more than `STRAIGHT`. If the part `begins` to slip here,
-    its direction is that of the push less friction.
+    its direction is that of the push less friction. `mode` holds the contacts, which slip.
     """
     first, second = laws.slip(mode, state)
     size = math.hypot(first, second)
@@ -177,7 +177,8 @@ def _straight(
     """Return a slip with constant direction at the nodes; None if the iteration fails.
 
     `start` is its size in g/w (w = 2 pi f) and angle in rad at the start, `rate` a guess of the
-    rate of its size at the nodes, `phases` are those of the nodes, `length` in rad.
+    rate of its size at the nodes, `phases` are those of the nodes, `length` in rad. `mode` holds
+    the contacts, which slip.
     """
     size0, angle = start
     reach = length * NODES_INTEGRAL
@@ -212,7 +213,7 @@ def _turning(
 
     `start` is its size in g/w (w = 2 pi f) and angle in rad at the start, `rate` and `angular` are
     guesses of the rates of both at the nodes, `phases` those of the nodes, `length` in rad. By
-    Newton's iteration.
+    Newton's iteration. `mode` holds the contacts, which slip.
     """
     size0, angle0 = start
     reach = length * NODES_INTEGRAL

@@ -87,7 +87,8 @@ def _cells(
 
     `slip` is the slip speed in g/(2 pi f), `stiffness` that of the floor over mass times (2 pi
     f)^2; coarser cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the
-    indices of the axes: (0, 2) in the plane, (0, 1, 2) in space.
+    indices of the axes: (0, 2) in the plane, (0, 1, 2) in space. `part` holds the dimensionless
+    numbers of one cell.
     """
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
     drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
@@ -279,7 +280,7 @@ def sprung(solver: str, softer: float = SOFTER) -> Follow:
     """Return the function of the motion equation for a sprung floor, by one of the integrators.
 
     `softer` is the factor by which the stiffness is reduced to estimate the error; 1 if the
-    stiffness is that of a lining, and no error.
+    stiffness is that of a lining, and no error. `solver` is one of `SOLVERS`.
     """
 
     def motion(
@@ -311,7 +312,10 @@ def sprung(solver: str, softer: float = SOFTER) -> Follow:
 
 
 def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
-    """Return the method of this name that uses one of the integrators of scipy."""
+    """Return the method of this name that uses one of the integrators of scipy.
+
+    `solver` is one of `SOLVERS`, `seconds_a_cell` estimates its time.
+    """
 
     def follow(contacts: Contacts) -> Follow:
         """Return the motion equation's function; all contacts are treated alike."""

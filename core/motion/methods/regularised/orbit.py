@@ -174,7 +174,7 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
     """Return the motion once it repeats, or its end if all periods or evaluations are used.
 
     `state` is that at the start; `closeness` is the distance in g/w (w = 2 pi f) at which states
-    count as equal.
+    count as equal. `run` integrates period by period, `max_periods` at most.
     """
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
@@ -253,7 +253,7 @@ def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
     """Return shares of the four modes, impacts a period, landing speed and hop height of a cycle.
 
     The cycle of the orbit is followed once more; speeds in g/w (w = 2 pi f), heights in g/w^2.
-    Raises `SpentError` if the evaluations are used up.
+    Raises `SpentError` if the evaluations are used up. `run` integrates it.
     """
     n = run.cell.coordinates
     law = run.cell.laws
