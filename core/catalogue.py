@@ -101,7 +101,7 @@ def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:
 
 
 def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
-    """Return the parameters that one output needs, without those of its regime."""
+    """Return the parameters that one output of a variant needs, without those of its regime."""
     met = behind((output,), scene.producers(variant).get)
     needed = {name for name, equation in met.items() if equation is None}
     return tuple(name for name in QUANTITIES if name in needed)

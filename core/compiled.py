@@ -105,6 +105,7 @@ def _binade(context: Any, value: Any) -> Any:
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Generate a mask of the exponent's bits."""
         return builder.bitcast(_exponent_bits(builder, arguments[0]), arguments[0].type)
 
     return types.float64(types.float64), generate
@@ -120,6 +121,7 @@ def _exponent(context: Any, value: Any) -> Any:
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Generate the bit operations and the subtraction."""
         field = _exponent_bits(builder, arguments[0])
         whole = field.type
         field = builder.or_(builder.lshr(field, whole(52)), whole(0x433 << 52))

@@ -180,7 +180,10 @@ class _CacheFolder(caching._CacheLocator):
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
-        """Return the cache folder of a kernel; None for other functions, or without a folder."""
+        """Return the cache folder of a kernel; None for other functions, or without a folder.
+
+        `file` is the path of the function's source file, or the name of a generated function.
+        """
         package = LOOPS
         if not file.startswith(LOOPS):
             path = Path(file).resolve()

@@ -39,6 +39,7 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     errors: list[BaseException] = []
 
     def work() -> None:
+        """Run tasks until none is left; on an error keep it and drop the remaining tasks."""
         try:
             while True:
                 try:

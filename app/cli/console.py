@@ -22,7 +22,7 @@ stderr = Console(stderr=True, highlight=False)
 
 @contextmanager
 def muted(asked: bool) -> Iterator[None]:
-    """Suppress printed lines, tables and progress bars inside the block, if `asked` is true."""
+    """Suppress printed lines, tables and progress bars inside the block, if `asked` is True."""
     before, stdout.quiet = stdout.quiet, asked
     try:
         yield
@@ -64,9 +64,9 @@ def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) ->
     columns : sequence of str
         Headings.
     rows : sequence of sequence of str
-        One cell a column.
+        The cells of each row, one for each column.
     right : collection of str
-        Headings of the columns that are set to the right.
+        Headings of the columns that are aligned to the right.
     """
     if not stdout.is_terminal:
         for line in plain_lines(columns, rows):

@@ -48,7 +48,10 @@ def _read_values(result: Table, names: list[str], units: ShownUnits) -> tuple[st
 
 
 def _show_runs(result: Table, units: ShownUnits) -> None:
-    """Print measured and predicted value of each run, with the prediction's 95 % interval."""
+    """Print measured and predicted value of each run, with the prediction's 95 % interval.
+
+    `result` is the table of a calibration, `units` those for printing; at most 20 runs are printed.
+    """
     output = str(result.attributes["output"])
     measured, predicted, low, high, over = (
         np.asarray(result.variables[name].values, dtype=np.float64)

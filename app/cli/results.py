@@ -267,7 +267,10 @@ def _result_document(
 
 
 def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -> None:
-    """Print a table of outputs: one value each for a single design, else their ranges."""
+    """Print a table of outputs: one value each for a single design, else their ranges.
+
+    `outputs` are those of the result's JSON document, `units` those for printing.
+    """
     if all("value" in column for column in outputs.values()):
         rows = []
         for name, column in outputs.items():
@@ -326,7 +329,10 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
 
 
 def _in_words(shares: Mapping[str, float], cells: int) -> str:
-    """Return the name of the only cell's value, or each name with its share of the cells."""
+    """Return the only name for a single cell, else each name with its share of the cells.
+
+    `shares` holds the share of the cells with each name, 0 to 1.
+    """
     if cells == 1:
         return ", ".join(shares)
     return ", ".join(f"{name} {_percent(share)}" for name, share in shares.items())

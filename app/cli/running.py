@@ -219,7 +219,10 @@ def _keep_or_remove(pieces: Pieces) -> None:
 
 
 def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
-    """Print the command that completes a result of which some cells are not computed."""
+    """Print the command that completes a result of which some cells are not computed.
+
+    `pieces` are those of its study, which are removed if none is stored; `target` is its path.
+    """
     options = "--resume" if target.endswith(".nc") else "--resume --force"
     if pieces.kept:
         how = f"{options} goes on with the {pieces.kept:,} of {len(pieces):,} pieces that are kept."

@@ -237,7 +237,7 @@ def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
-    """Return the bounds of outputs as an array of TOML tables."""
+    """Return limits of outputs as an array of TOML tables; `rows` holds the keys of each limit."""
     array = tomlkit.aot()
     for row in rows:
         array.append(_table("Limits that outputs must keep.", row))

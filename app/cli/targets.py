@@ -124,7 +124,10 @@ def _is_folder(output: str) -> bool:
 
 
 def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
-    """Exit before computing if the format of a target cannot hold the result of its study."""
+    """Exit before computing if the format of a target cannot hold the result of its study.
+
+    `targets` holds the path or URL of each study's result.
+    """
     invalid = {}
     for path, prepared in studies.items():
         kept = {dim for dims in prepared.dims.values() for dim in dims}

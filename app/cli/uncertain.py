@@ -45,7 +45,10 @@ def is_short(name: str) -> bool:
 
 
 def show_design(result: Table, units: ShownUnits) -> None:
-    """Print a design with uncertain parameters: probabilities, and each output by parameter."""
+    """Print a design with uncertain parameters: probabilities, and each output by parameter.
+
+    `result` is a sensitivity study with a single cell, `units` those for printing.
+    """
     for name, one in result.variables.items():
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()

@@ -25,7 +25,11 @@ PLAIN = (1e-4, 1e7)  # sizes that are written without an exponent
 
 
 def units_asked(text: str | None, otherwise: str = "") -> ShownUnits:
-    """Return the units named by `--units`, else those of the study; exit if a unit is unknown."""
+    """Return the units for printing; exit if a unit is unknown.
+
+    `text` is the option `--units`; without it `otherwise`, the units of the study, count. Both are
+    names such as `m/min`, separated by commas.
+    """
     words = [word for word in (otherwise if text is None else text).split(",") if word.strip()]
     try:
         return read_shown(words)

@@ -193,7 +193,7 @@ class Admission:
         return cells, blocks, needed
 
     def _check_jobs(self, who: Key) -> None:
-        """Raise `TooManyJobsError` if a key has as many running or waiting jobs as it may."""
+        """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may."""
         if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
             raise TooManyJobsError(
                 f"Your key may have {who.jobs:,} jobs that run or wait; dismiss one, or wait "

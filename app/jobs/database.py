@@ -179,7 +179,10 @@ class Database:
 
         @event.listens_for(engine, "connect")
         def _(connection: Any, record: object) -> None:
-            """Set the options of a new connection."""
+            """Set the options of a new connection.
+
+            SQLAlchemy calls it with the connection and its record.
+            """
             cursor = connection.cursor()
             for statement in SET[self.kind]:
                 cursor.execute(statement)

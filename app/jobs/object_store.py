@@ -184,7 +184,7 @@ def _plain_errors() -> Iterator[None]:
 
 
 def _get(store: ObjectStore, name: str) -> bytes | None:
-    """Return the bytes of a stored file; None if there is none."""
+    """Return the bytes of a file in the object store; None if there is none of this name."""
     try:
         return bytes(store.get(name).bytes())
     except FileNotFoundError:

@@ -124,7 +124,7 @@ class Ownership:
         return bool(self._database.read(select(OWNED_STUDIES.c.key).where(is_meant).limit(1)))
 
     def of_owner(self, owner: str) -> list[OwnedStudy]:
-        """Return all studies of an owner, least recently used first."""
+        """Return the records of all studies of an owner, least recently used first."""
         found = select(OWNED_STUDIES).where(OWNED_STUDIES.c.owner == owner)
         rows = self._database.read(found.order_by(OWNED_STUDIES.c.used, OWNED_STUDIES.c.key))
         return [_holding(row) for row in rows]

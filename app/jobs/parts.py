@@ -84,7 +84,11 @@ def parts_of_job(store: Store, key: str, prepared: Prepared) -> Parts:
 
 
 def count_of(prepared: Prepared) -> int:
-    """Return the number of parts of a job: tiles, or pieces of a second or two of reducing."""
+    """Return the number of parts of a job.
+
+    A sweep that is written as a Zarr group has one per tile; a reduction has parts of a second or
+    two.
+    """
     most = min(prepared.boxes, MAX_PARTS)
     if prepared.part_of == SHARDS:
         return most

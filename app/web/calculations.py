@@ -97,7 +97,7 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
 
 
 def _is_short(prepared: Prepared, settings: Settings) -> bool:
-    """True if a study is short enough, and its result small enough, for an immediate reply."""
+    """True if a study's expected time, and its result, are small enough for an immediate reply."""
     return (
         prepared.seconds <= settings.max_synchronous_seconds
         and prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES

@@ -93,7 +93,7 @@ class ThriftyParser(h11.Connection):
         return event
 
     def _check_head(self) -> None:
-        """Raise if the head of the request exceeds the limits of length or lines."""
+        """Raise `h11.RemoteProtocolError` if a request's head is too long or has too many lines."""
         waiting, _ = self.trailing_data
         end = _END_OF_HEAD.search(waiting, 0, MAX_HEAD)
         head = waiting[: end.start() if end else MAX_HEAD]

@@ -203,7 +203,7 @@ class _FileResponse(StreamingResponse):
 
 
 async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
-    """Yield the bytes of a file from `start` to `stop`, in pieces."""
+    """Yield the bytes of a file from position `start` to `stop`, in pieces of 1 MiB."""
     while start < stop:
         # By its place: a read that outlives its cancelled reply moves nobody's position.
         piece = await asyncio.to_thread(os.pread, file.fileno(), min(PIECE, stop - start), start)
@@ -215,7 +215,7 @@ async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
 
 @contextmanager
 def _there() -> Iterator[None]:
-    """Turn the error of a file that was just removed into the one of an unknown file."""
+    """Turn the error of a file that was just removed, raised in the block, into `NotFoundError`."""
     try:
         yield
     except FileNotFoundError:

@@ -48,7 +48,10 @@ class MadeOnce:
         return await asyncio.shield(making)  # another may wait for it when this client has left
 
     async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
-        """Make a document in a thread, one at a time, and cache it with its ETag."""
+        """Make a document in a thread, one at a time, cache it, and return it with its ETag.
+
+        `name` is its key in the cache; `make` returns its bytes.
+        """
         try:
             async with self._lock:
                 content = await asyncio.to_thread(make)

@@ -18,7 +18,7 @@ from app.web.replies import json_reply, problem_document
 
 
 def find_job(admission: Admission, number: str) -> Job:
-    """Return a job; raise `NoSuchJobError` if there is none."""
+    """Return the job with an identifier; raise `NoSuchJobError` if there is none."""
     job = admission.ledger.job(number)
     if job is None:
         raise no_such_job(number)

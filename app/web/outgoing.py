@@ -27,7 +27,7 @@ class Tide:
         self._highest = max(self._highest, now)
 
     def has_fallen(self, now: int, by: int) -> bool:
-        """True if the value is `by` or more below its largest since this was last true."""
+        """True if the value `now` is `by` or more below its largest since this was last true."""
         self.rise(now)
         if self._highest - now < by:
             return False
@@ -82,7 +82,10 @@ class _Share:
         self._unsent, self.size = unsent, 0
 
     def enlarge(self, size: int) -> None:
-        """Reserve more of the output buffer for this request, if `size` exceeds its share."""
+        """Reserve more unsent bytes for this request, if `size` exceeds what it has reserved.
+
+        Raises `BusyError` if all requests together would exceed the bound.
+        """
         if size > max(self.size, SMALL):
             self._unsent.take(size - self.size)
             self.size = size

@@ -166,9 +166,9 @@ def _methods(request: Request) -> list[str]:
 
 
 def unforeseen(request_id: str) -> Response:
-    """Return the reply to an unexpected error of the service.
+    """Return the reply 500 to an unexpected error of the service; `request_id` names the request.
 
-    The text of the error stays in the log, under the identifier: it may speak of files and memory.
+    The text of the error stays in the log, under this identifier: it may speak of files and memory.
     """
     detail = "The error is in the service's log, under the request's identifier."
     instance = f"urn:vibrafeed:request:{request_id}"

@@ -94,7 +94,7 @@ async def table_reply(
 
 
 async def _written(pieces: Iterator[bytes], lane: CapacityLimiter | None) -> AsyncIterator[bytes]:
-    """Yield the pieces of a table, each made in a thread."""
+    """Yield the pieces of a table, each made in a thread; `lane` limits the number of threads."""
     while (piece := await to_thread.run_sync(next, pieces, None, limiter=lane)) is not None:
         if piece:  # none comes while rows are added to a workbook
             yield piece

@@ -153,7 +153,7 @@ class ChunkFile:
         return self._buffers[name][: shape[0]]
 
     def _encoder(self, name: str) -> Encode:
-        """Return the encoder of an array, by the filters in the file."""
+        """Return the function that encodes chunks of the array `name`, by its filters."""
         if name not in self._encoders:
             settings = self._file[name].id.get_create_plist()
             filters = [settings.get_filter(k)[0] for k in range(settings.get_nfilters())]
@@ -223,7 +223,7 @@ class _Disk:
         self._trouble: OSError | None = None
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Set the position in the file."""
+        """Set the position in the file and return it; `whence` is as for Python's files."""
         start = {os.SEEK_SET: 0, os.SEEK_CUR: self._at}.get(whence)
         self._at = offset + (os.fstat(self.descriptor).st_size if start is None else start)
         return self._at
@@ -268,7 +268,7 @@ class _Disk:
             raise self._trouble
 
     def _is_passed(self, data: memoryview) -> bool:
-        """True if these bytes are the passed-over chunk."""
+        """True if these bytes are the array `passing`, which stands for a chunk on the disk."""
         if self.passing is None:
             return False
         return np.frombuffer(data, np.uint8).ctypes.data == self.passing.ctypes.data

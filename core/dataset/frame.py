@@ -134,7 +134,10 @@ class Frame:
 
 
 def check_rows(sizes: Mapping[str, int], most: int | None) -> None:
-    """Raise `LimitError` if a table with dimensions of these sizes has more than `most` rows."""
+    """Raise `LimitError` if a table has more than `most` rows; None allows any number.
+
+    `sizes` are the lengths of its dimensions, whose product is the number of rows.
+    """
     rows = math.prod(sizes.values())
     if most is not None and rows > most:
         fix = "Take the NetCDF file, or Zarr, or slices over fewer axes"
@@ -275,7 +278,7 @@ def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
 
 
 def _type(arrow: Any, column: FrameColumn) -> Any:
-    """Return the Arrow type of a column."""
+    """Return the type of a column in Arrow: texts for flags; `arrow` is the package pyarrow."""
     if column.words:
         return arrow.dictionary(arrow.int8(), arrow.string())
     dtype = column.variable.values.dtype

@@ -88,7 +88,10 @@ def check_size(size: int, most: int | None) -> None:
 
 
 def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariable:
-    """Return a variable of an HDF5 file with its dimensions and attributes."""
+    """Return a variable of an HDF5 file with its dimensions and attributes.
+
+    `name` and `dataset` are the variable's name and array in the file.
+    """
     dims = tuple(file[ref[0]].name[1:] for ref in dataset.attrs.get("DIMENSION_LIST", ()))
     if dataset.is_scale:
         dims = (name,)

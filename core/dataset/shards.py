@@ -271,7 +271,10 @@ class GrowingZarr:
         return bytes(self._store.get(key).bytes())
 
     def _put(self, key: str, data: bytes) -> None:
-        """Store bytes under a key."""
+        """Store bytes under a key, the path in the group.
+
+        A thread waits until the disk has them.
+        """
         with plain_errors():
             self._store.put(key, data)
         if self._folder is not None:

@@ -157,7 +157,7 @@ def _sheet(book: Any, title: str, widths: list[int]) -> Any:
 
 
 def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
-    """Return the cells of an array's values."""
+    """Return the cells of a sheet for an array's values: texts, numbers with all digits, None."""
     if values.dtype == object:
         return [_text(sheet, str(value)) for value in values.tolist()]
     if values.dtype.kind == "f":

@@ -26,7 +26,7 @@ HEADING = (
 
 
 def beside(observations: Any, folder: Path) -> Any:
-    """Return observations whose file is looked for in the study's folder."""
+    """Return the section `observations`, a file's name in it joined to the study's folder."""
     return str(folder / observations) if isinstance(observations, str) else observations
 
 
@@ -49,12 +49,12 @@ def with_rows(content: Content, files: bool) -> Resolved:
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a file of observations, numbers with the units of their columns.
+    """Return the rows of a file of observations, by column, numbers with their columns' units.
 
     Raises
     ------
     StudyError
-        If it cannot be read.
+        If the file cannot be read.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:

@@ -18,7 +18,7 @@ DENSITY = "density_"
 
 
 def beside(uncertain: Any, folder: Path) -> Any:
-    """Return uncertain parameters whose calibration files are looked for in the study's folder."""
+    """Return the section `uncertain` with names of calibration files joined to the study's folder."""
     if not isinstance(uncertain, dict):
         return uncertain
     return {

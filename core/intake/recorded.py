@@ -27,7 +27,7 @@ SENT = "data"  # the name of a recording without a file
 
 
 def beside(drive: Any, folder: Path) -> Any:
-    """Return a drive whose recording is looked for in the study's folder."""
+    """Return the section `drive` with the name of its recording joined to the study's folder."""
     if isinstance(drive, dict) and isinstance(drive.get("file"), str):
         return {**drive, "file": str(folder / drive["file"])}
     return drive
@@ -178,7 +178,7 @@ def _digest(source: str | Path) -> str:
 
 
 def _placed(problem: Problem, path: str) -> Problem:
-    """Return a problem of a recording, with its path in the study."""
+    """Return a problem of a recording with the path of its key in the study, as `drive.file`."""
     if problem.place == "recording":
         return Problem(path, problem.message, problem.fix)
     return problem if problem.place.startswith("drive.") else problem.below("drive")

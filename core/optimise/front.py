@@ -132,7 +132,10 @@ def knee(output: Array, other: Array) -> NDArray[np.int8]:
     """
 
     def over_range(values: Array) -> Array:
-        """Return values scaled to 0 to 1 over their range."""
+        """Return values scaled to 0 to 1 over their range along the last axis.
+
+        0 without a range.
+        """
         low, high = values.min(axis=1, keepdims=True), values.max(axis=1, keepdims=True)
         # A range of rounding is none.
         span = np.where(high - low > FLAT * np.maximum(np.abs(high), np.abs(low)), high - low, 0.0)

@@ -144,7 +144,10 @@ def by_closed_form(problem: OptimisationProblem, design: Mapping[str, Array]) ->
 def by_closed_front(
     problem: OptimisationProblem, design: Mapping[str, Array], points: int
 ) -> Optima:
-    """Return the closed-form front of every design, shape (cells * points,)."""
+    """Return the closed-form front of every design, shape (cells * points,).
+
+    `points` is the number of points of a front, which follow one another.
+    """
     front = _closed(problem, design, points)
     x = _ordered(problem, front.alpha.ravel(), front.beta.ravel())
     return Optima(x, np.repeat(front.status, points), front.acceleration_x.ravel())

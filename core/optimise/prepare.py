@@ -151,7 +151,7 @@ def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -
 
 
 def _variable(name: str, between: Between) -> Variable:
-    """Return a variable with bounds in SI units, whole numbers for counts."""
+    """Return a variable with its bounds in SI units, which are whole numbers for counts."""
     ends = (between.lower, between.upper)
     if QUANTITIES[name].count:
         ends = (math.ceil(between.lower), math.floor(between.upper))
@@ -197,7 +197,7 @@ def choose_problem_scene(
 
 
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
-    """Yield every constraint: contacts, the criterion's limit, limits of the study."""
+    """Yield every bound that outputs have to keep: contacts, the criterion's limit, constraints."""
     if isinstance(study.criterion, Limited):
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}

@@ -162,7 +162,10 @@ class OptimisationProblem:
         return run_equations(plan, {**given, **chosen}, watch)
 
     def whole(self, x: Array) -> Array:
-        """Return candidates with counted variables rounded to whole numbers."""
+        """Return candidates with counted variables rounded to whole numbers.
+
+        `x` has the shape (variables, ...).
+        """
         counted = np.array([QUANTITIES[name].count for name in self.names])
         if not counted.any():
             return x

@@ -99,7 +99,7 @@ def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
 
 
 def _is_beyond(value: float, named_bound: Bound) -> bool:
-    """True where a value violates a bound."""
+    """True if a value, in the unit of the quantity, violates a bound."""
     limit, end = named_bound
     bound = float(getattr(limit, end))
     return value > bound if end == "upper" else value < bound

@@ -116,7 +116,7 @@ def uncertain_of(
 
 
 def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
-    """Return nodes over the box of the tolerances, with its middle."""
+    """Return nodes over the box of the tolerances, with its middle, by parameter in SI units."""
     count = len(distributions)
     shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
     nodes = np.array(list(product(shares, repeat=count)))

@@ -167,7 +167,10 @@ class _Search:
         return values
 
     def points_in_box(self, unit: Array) -> Array:
-        """Return the points in the box (n, d) of unit-box points (n, free); ends are exact."""
+        """Return the points in the box, shape (n, d), of points of the unit box, shape (n, free).
+
+        Free variables are those whose ends differ; both ends are met exactly.
+        """
         points = np.tile(self.lower, (len(unit), 1))
         low, high = self.lower[self.free], self.upper[self.free]
         points[:, self.free] = np.where(unit == 1, high, low + unit * (high - low))
@@ -228,7 +231,10 @@ def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> Search
     """
 
     def lost(wide: Array) -> Array:
-        """Return the negated values of a population; raise when the budget is used up."""
+        """Return the negated values of a population, shape (free, n), for scipy to minimise.
+
+        Raises `_SpentError` when the budget is used up.
+        """
         if search.used + wide.shape[1] > budget:
             raise _SpentError
         return -search.values(np.clip(wide.T, 0.0, 1.0))

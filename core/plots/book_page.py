@@ -247,7 +247,7 @@ def name_bands(axes: Axes) -> None:
 
 
 def _legends(figure: Figure, chart: Chart) -> None:
-    """Add the legends of curves and lines, and the conditions for motion."""
+    """Add the legends of curves and lines, and the table of facts on each curve."""
     curves: list[Artist] = [
         Line2D([], [], color=colour, marker=marker, markersize=5, label=f"{number(beta)}°",
                markeredgecolor=LIGHT.ground, markeredgewidth=0.5, linewidth=1.2)

@@ -163,7 +163,7 @@ def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
 
 
 def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
-    """Return the 95 % interval of an unknown in words."""
+    """Return name and 95 % interval of an unknown in words, in units for reading."""
     ends = [dataset[f"{end}_95_{name}"] for end in ("lower", "upper")]
     shown = shown_in(xarray.concat(ends, "end", combine_attrs="override"), units)
     low, high = (number(float(end) * shown.factor, 3) for end in ends)

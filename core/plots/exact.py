@@ -8,7 +8,7 @@ from core.scenes import EXACT, SCENES
 
 
 def is_exact(dataset: xarray.Dataset, output: str) -> bool:
-    """True if no condition of a scene restricts the validity of an output."""
+    """True if an output is valid in every regime: no condition of its scene restricts it."""
     if output in EXACT:
         return True
     name, variant = str(dataset.attrs.get("scene")), str(dataset.attrs.get("variant"))

@@ -315,7 +315,7 @@ def nice(value: float) -> float:
 
 
 def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
-    """Return the explanation of the drawn shape of the part."""
+    """Return a note on the drawn part: its length, or that the model has no size."""
     if "length" not in dataset or dataset["length"].ndim:
         return "no size in the model"
     shown: Shown = shown_in(dataset["length"], units)

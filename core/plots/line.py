@@ -146,7 +146,7 @@ def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> 
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
-    """Draw a threshold value with its meaning, if it is in the visible range."""
+    """Draw a threshold of the output, such as throw number 1, if it is in the visible range."""
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
@@ -230,7 +230,7 @@ def _draw_style(dashes: tuple[float, ...]) -> Dashes:
 
 
 def _handle(look: Look, looks: Sequence[Look], style: Style) -> Line2D:
-    """Return the legend entry of a regime."""
+    """Return the legend entry of a regime `look` among those that occur, with its stroke."""
     width, dashes = _style(look, looks, alike=False)
     return Line2D(
         [], [], color=style.ink, linewidth=width, linestyle=_draw_style(dashes), label=look.label

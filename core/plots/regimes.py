@@ -249,7 +249,7 @@ def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _ink(look: Look, face: RGB) -> RGB:
-    """Return the hatching colour of a regime that is visible on a face colour."""
+    """Return the hatching colour of a regime that is visible on the colour `face`."""
     if not look.valid:
         return look.hatch_ink if look.style.dark else to_rgb(look.colour)
     return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")

@@ -256,7 +256,7 @@ def thin(size: int, most: int) -> NDArray[np.int64]:
 
 
 def _name(dataset: xarray.Dataset, variable: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the name of the drawn output, with bounds of demands in shown units."""
+    """Return the name of the drawn output, with the bounds of a demand in units for reading."""
     if variable.name == "objective" and "criterion" in dataset.attrs:
         return f"Objective: {words(str(dataset.attrs['criterion']))}"
     return demand_in_words(variable, units) or long_name(variable)
@@ -319,7 +319,7 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
 
 
 def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
-    """Return an axis in shown units."""
+    """Return an axis of the picture from a coordinate, in the unit for reading."""
     shown = shown_in(coordinate, units)
     label = axis_label(coordinate, shown.unit)
     return PlotAxis(str(coordinate.name), label, shown.unit, scaled(coordinate, shown.factor))

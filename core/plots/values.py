@@ -98,7 +98,7 @@ def rows_of(design: xarray.Dataset, units: ShownUnits, variable: str | None = No
 
 
 def _row(array: xarray.DataArray, units: ShownUnits) -> Row:
-    """Return name and value of an output in shown units."""
+    """Return name and value of an output in the unit for reading; "no value" if not finite."""
     categories = categories_of(array)
     label = axis_label(array, "")
     if categories:

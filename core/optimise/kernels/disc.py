@@ -257,7 +257,10 @@ def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
 
 @compiled
 def best_across(beta: float, block: Block) -> BestAcross:
-    """Return the best a_x of the block at one beta, and the D_x that gives it."""
+    """Return the best a_x of the block at one beta [rad], its slope, and the D_x that gives it.
+
+    D_x is the drive along x less gravity, in units of P.
+    """
     k, e = block.k, block.e
     at = _level(beta, block)
     q, nowhere = at.q, BestAcross(False, 0.0, 0.0, 0.0, FREE)
@@ -441,7 +444,7 @@ def _azimuth(beta: float, at: BestAcross, block: Block) -> float:
 
 @compiled
 def _is_held(beta: float, at: BestAcross, block: Block) -> bool:
-    """True if static friction just holds the block at its best."""
+    """True if static friction just holds the block at the best drive `at` of one beta."""
     q, X, k, g = math.cos(beta), at.drive, block.k, block.g
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
     return block.mu_s > block.mu and R - block.mu_s * (g - math.sin(beta)) < TIGHT * (1 + g)
@@ -502,7 +505,10 @@ def _slides_straight(beta: float, lift_off: float, block: Block) -> bool:
 
 @compiled
 def _fill(count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Block) -> None:
-    """Fill the largest a_x at each sample of beta, and its slope; -inf where nothing slides."""
+    """Fill the largest a_x at each of `count` angles `betas`, and its slope over beta.
+
+    a_x is -inf where nothing slides.
+    """
     for i in range(count):
         at = best_across(betas[i], block)
         values[i], rises[i] = (at.value, at.slope) if at.slides else (-math.inf, 0.0)

@@ -47,10 +47,12 @@ def best(kept: PlanePhysical, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: PlanePhysical, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill a_x and a_y with their gradients over alpha and beta, and the margins.
+    """Fill a_x and a_y with their gradients over alpha and beta, and the margins, in `work`.
 
-    a = (X, Y) (1 - m/R), m = mu n; X = q ca - k, Y = q sa, q = cb; dR/dalpha = k Y/R, dR/dbeta =
-    -sb (q - k ca)/R. Static friction just holds where R = mu_s n.
+    In units of P: a = (X, Y) (1 - m/R) with m = mu n, n the normal force per mass; X = q ca - k, Y
+    = q sa, q = cb, R = |(X, Y)|; ca, sa, cb, sb are cosines and sines of the angles, k gravity
+    along -x. dR/dalpha = k Y/R, dR/dbeta = -sb (q - k ca)/R. Static friction just holds where R =
+    mu_s n.
     """
     F, slopes, margins = work.values, work.slopes, work.margins
     k, mu, mu_s = p[ALONG] / p[P_], p[MU_K], p[MU_S]

@@ -50,7 +50,10 @@ def best(kept: PlaneThesis, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: PlaneThesis, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill a_x and a_y with their gradients over alpha and beta, and the margins."""
+    """Fill a_x and a_y with their gradients over alpha and beta, and the margins, in `work`.
+
+    `p` are the groups of the design; all in units of the drive acceleration P.
+    """
     F, slopes, k, mu = work.values, work.slopes, p[ALONG] / p[P_], p[MU_K]
     bounds(p, alpha, beta, math.nan, F, slopes, work.margins)
     ca, sa, q, dz = math.cos(alpha), math.sin(alpha), math.cos(beta), math.sin(beta)

@@ -47,7 +47,11 @@ def best(kept: TrackPrinted, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: TrackPrinted, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill K = d_x - k - mu (y - d_y) with its gradient over alpha and beta, and the margins."""
+    """Fill K = d_x - k - mu (y - d_y), its gradient over alpha and beta, and the margins.
+
+    They are in `work`, in units of the drive acceleration P: d is the drive direction, k gravity
+    along -x, y the room at the wall without drive.
+    """
     F, slopes, mu = work.values, work.slopes, p[MU_K]
     bounds(p, alpha, beta, kept.side * (p[ACROSS] / p[P_]), F, slopes, work.margins)
     q, dz = math.cos(beta), math.sin(beta)
