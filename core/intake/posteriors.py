@@ -18,7 +18,7 @@ DENSITY = "density_"
 
 
 def beside(uncertain: Any, folder: Path) -> Any:
-    """Return the section `uncertain` with names of calibration files joined to the study's folder."""
+    """Return the section `uncertain`, names of calibration files joined to the study's folder."""
     if not isinstance(uncertain, dict):
         return uncertain
     return {

@@ -51,11 +51,11 @@ OPTIMAL, FLAT, NO_MOTION = STATUS["optimal"], STATUS["flat"], STATUS["no_motion"
 NOT_ATTAINED, INFEASIBLE = STATUS["not_attained"], STATUS["infeasible"]
 INVALID, LIMIT_REACHED = STATUS["invalid"], STATUS["limit_reached"]
 
-# Groups: what a design gives.
+# Groups: the columns of a design's inputs, SI units and radians.
 P_, ALONG, ACROSS, NORMAL, MU_K, MU_S, LIMIT, ALPHA_LO, ALPHA_HI, BETA_LO, BETA_HI = range(11)
 GROUPS = 11
 
-# The table of results.
+# The columns of the table of results.
 (
     ALPHA, BETA, VALUE, CROSS, MARGIN_ACROSS, MARGIN_FLOOR, MARGIN_WALL,
     PRICE_ACROSS, PRICE_FLOOR, PRICE_WALL, RESIDUAL,

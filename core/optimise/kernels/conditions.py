@@ -49,7 +49,7 @@ def bounds(
     Parameters
     ----------
     p : ndarray, shape (GROUPS,)
-        The groups of a design.
+        The inputs of a design: drive, gravity, friction, limit, bounds (`P_` to `BETA_HI`).
     alpha, beta : float
         Angles of the drive [rad].
     wall_margin : float

@@ -518,8 +518,9 @@ def _fill(count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Bl
 def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best: Numbers) -> int:
     """Return the status, and fill `best` with the best alpha and beta under the friction disc.
 
-    `p` are the groups of a design; `betas`, `values` and `rises`, of shape (SAMPLES,), are working
-    arrays for the samples.
+    `p` are the inputs of a design: drive, gravity, friction, limit and bounds, in the columns `P_`
+    to `BETA_HI`. `betas`, `values` and `rises`, of shape (SAMPLES,), are working arrays for the
+    samples.
     """
     k, g = p[ALONG] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s = p[MU_K], p[MU_S]

@@ -75,7 +75,8 @@ from core.optimise.kernels.sphere import ROWS
 def idle(kept: Kept, p: Numbers) -> tuple[float, float, float]:
     """Return objective, a_y and wall margin without drive; NaN for what does not exist.
 
-    `kept` is the family with the contacts to keep, `p` the groups of a design.
+    `kept` is the family with the contacts to keep; `p` are the inputs of a design: drive, gravity,
+    friction, limit and bounds, in the columns `P_` to `BETA_HI`.
     """
     raise NotImplementedError
 
@@ -92,8 +93,9 @@ def idle(kept: Kept, p: Numbers) -> tuple[float, float, float]:
 def best(kept: Kept, p: Numbers, work: Work) -> Best:
     """Return status and best angles of a design.
 
-    `kept` is the family with the contacts to keep, `p` the groups of the design, and `work` holds
-    working arrays.
+    `kept` is the family with the contacts to keep; `p` are the inputs of the design: drive,
+    gravity, friction, limit and bounds, in the columns `P_` to `BETA_HI`. `work` holds working
+    arrays.
     """
     raise NotImplementedError
 
@@ -114,7 +116,7 @@ def gradients(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work) -> 
 
 @compiled
 def _is_valid(p: Numbers) -> bool:
-    """True if all groups are finite and within their range; only the limit may be infinite."""
+    """True if all inputs of a design are finite and in range; only the limit may be infinite."""
     for i in range(GROUPS):
         if not math.isfinite(p[i]) and not (i == LIMIT and p[i] == math.inf):
             return False

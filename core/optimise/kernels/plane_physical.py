@@ -38,7 +38,10 @@ def idle(kept: PlanePhysical, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: PlanePhysical, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest a_x = D_x (1 - mu n/R) of a design."""
+    """Return status, alpha and beta of the largest a_x = D_x (1 - mu n/R) of a design.
+
+    D is the drive in the plane less gravity, R its length, and n the normal force per mass.
+    """
     status = best_along(p, work.betas, work.heights, work.rises, work.direction)
     if status in (INFEASIBLE, NO_MOTION):
         return Best(status, False, math.nan, math.nan)

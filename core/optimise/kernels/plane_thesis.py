@@ -52,7 +52,8 @@ def best(kept: PlaneThesis, p: Numbers, work: Work) -> Best:
 def gradients(kept: PlaneThesis, p: Numbers, alpha: float, beta: float, work: Work) -> None:
     """Fill a_x and a_y with their gradients over alpha and beta, and the margins, in `work`.
 
-    `p` are the groups of the design; all in units of the drive acceleration P.
+    `p` are the inputs of the design, in the columns `P_` to `BETA_HI`; all in units of the drive
+    acceleration P.
     """
     F, slopes, k, mu = work.values, work.slopes, p[ALONG] / p[P_], p[MU_K]
     bounds(p, alpha, beta, math.nan, F, slopes, work.margins)

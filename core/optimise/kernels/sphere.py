@@ -123,8 +123,8 @@ def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit:
 def angles_within(p: Numbers, floor: bool, A: Numbers, b: Numbers) -> int:
     """Write the bounds of the angles, and of floor contact, into the first rows of A and b.
 
-    Return their number. `p` are the groups of a design; with `floor` the drive may not lift the
-    part.
+    Return their number. `p` are the inputs of a design, in the columns `P_` to `BETA_HI`; with
+    `floor` the drive may not lift the part.
     """
     a0, a1, b0, b1 = p[ALPHA_LO], p[ALPHA_HI], p[BETA_LO], p[BETA_HI]
     rows = plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)

@@ -43,8 +43,9 @@ def idle(kept: TrackPhysical, p: Numbers) -> tuple[float, float, float]:
 def best(kept: TrackPhysical, p: Numbers, work: Work) -> Best:
     """Return status, alpha and beta of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= g.
 
-    The part starts if d_x + mu_s (d_y + d_z) > k + mu_s (y + g) somewhere; what starts it is one
-    more plane.
+    d is the drive direction; y and g are gravity towards the wall and onto the floor, k that along
+    -x, in units of the drive acceleration P. The part starts if d_x + mu_s (d_y + d_z) > k + mu_s
+    (y + g) somewhere; what starts it is one more plane.
     """
     k, y, g = p[ALONG] / p[P_], p[ACROSS] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s = p[MU_K], p[MU_S]
@@ -71,8 +72,9 @@ def best(kept: TrackPhysical, p: Numbers, work: Work) -> Best:
 def gradients(kept: TrackPhysical, p: Numbers, alpha: float, beta: float, work: Work) -> None:
     """Fill K_0 = d_x - k - mu (n + w) with its gradient over alpha and beta, and the margins.
 
-    n = g - d_z and w = y - d_y are the loads of floor and wall. Static friction just holds where
-    d_x - k = mu_s (n + w).
+    They are in `work`, in units of the drive acceleration P: d is the drive direction, k gravity
+    along -x; n = g - d_z and w = y - d_y are the loads of floor and wall, with gravity g onto the
+    floor and y towards the wall. Static friction just holds where d_x - k = mu_s (n + w).
     """
     F, slopes, margins = work.values, work.slopes, work.margins
     k, mu, mu_s = p[ALONG] / p[P_], p[MU_K], p[MU_S]
