@@ -91,7 +91,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
 
 
 def _names_by_synonym() -> dict[str, tuple[str, ...]]:
-    """Return the names that each synonym stands for."""
+    """Return the names that each synonym stands for, the first of them the most likely."""
     spoken: dict[str, tuple[str, ...]] = {}
     for name, others in _SYNONYMS.items():
         for other in others.split():

@@ -183,7 +183,10 @@ def _ask(question: Question) -> str:
 
 
 def _problem_of_unused(name: str, answers: dict[str, str]) -> Problem:
-    """Return the problem of an option that was given although its question does not apply."""
+    """Return the problem of an option that was given although its question does not apply.
+
+    `name` is that of the question; `answers` are those to the questions that apply.
+    """
     question = _BY_NAME[name]
     if question.unless in answers:
         message = f"{_flag(question.unless)} says it already"

@@ -22,7 +22,7 @@ def join_texts(*texts: str) -> str:
 
 
 def exit_if_empty(rows: Collection[Any], asked: str) -> None:
-    """Exit with a message if no rows match the words that were asked for."""
+    """Exit with a message if there are no rows, as none contains the words `asked`."""
     if not rows:
         console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
         raise typer.Exit(FAILED)

@@ -15,7 +15,7 @@ MAX_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 
 @dataclass(frozen=True)
 class Making:
-    """Making of a result: process, cells and blocks, and computing time [s]."""
+    """The making of a result: process, cells of the study, blocks, and computing time [s]."""
 
     process: str
     cells: int

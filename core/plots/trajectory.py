@@ -332,7 +332,7 @@ def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
 
 
 def _flag(array: xarray.DataArray, value: int) -> str:
-    """Return the name of a flag's value; raise `PlotError` for an unknown one."""
+    """Return the name of a flag's value; raise `PlotError` if the array does not name it."""
     try:
         return flags_of(array.attrs)[value]
     except KeyError:

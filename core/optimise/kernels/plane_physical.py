@@ -30,7 +30,11 @@ from core.optimise.kernels.disc import best_along
 
 @compiled
 def idle(kept: PlanePhysical, p: Numbers) -> tuple[float, float, float]:
-    """Return the accelerations without drive: a_x = -c + sign(c) mu G (0 if held), and a_y = 0."""
+    """Return a_x = -c + sign(c) mu G without drive, or 0 where static friction holds, and a_y = 0.
+
+    c and G are gravity along -x and onto the floor [m s-2]; the third result, the wall margin, is
+    NaN.
+    """
     c, G = p[ALONG], p[NORMAL]
     slides = abs(c) > p[MU_S] * G
     return -c + math.copysign(p[MU_K] * G, c) if slides else 0.0, 0.0, math.nan

@@ -27,7 +27,10 @@ from core.optimise.kernels.sphere import angles_within, highest, plane
 
 @compiled
 def idle(kept: PlaneThesis, p: Numbers) -> tuple[float, float, float]:
-    """Return the accelerations without drive, a_x = -mu G - c and a_y = -mu G; there is no wall."""
+    """Return a_x = -mu G - c and a_y = -mu G without drive; the wall margin is NaN.
+
+    G and c are gravity onto the floor and along -x [m s-2].
+    """
     friction = -p[MU_K] * p[NORMAL]
     return friction - p[ALONG], friction, math.nan
 

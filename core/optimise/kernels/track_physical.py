@@ -34,7 +34,10 @@ from core.optimise.kernels.sphere import angles_of, angles_within, plane, top_of
 
 @compiled
 def idle(kept: TrackPhysical, p: Numbers) -> tuple[float, float, float]:
-    """Return the values without drive: K_0 = -c - mu (g_y + g_z), a_y = 0, wall margin."""
+    """Return K_0 = -c - mu (g_y + g_z) without drive, a_y = 0, and the room at the wall.
+
+    c, g_y and g_z are gravity along -x, towards the wall and onto the floor [m s-2].
+    """
     wall_margin = p[ACROSS]
     return -p[ALONG] - p[MU_K] * (wall_margin + p[NORMAL]), 0.0, wall_margin
 

@@ -26,7 +26,10 @@ from core.optimise.kernels.sphere import angles_within, highest, plane
 
 @compiled
 def idle(kept: TrackPrinted, p: Numbers) -> tuple[float, float, float]:
-    """Return the values without drive: K = -c - mu g_y, a_y = 0, and the margin at the wall."""
+    """Return K = -c - mu g_y without drive, a_y = 0, and the room at the wall.
+
+    c is gravity along -x, g_y that towards the wall, with the sign of the printed balance [m s-2].
+    """
     wall_margin = kept.side * p[ACROSS]
     return -p[ALONG] - p[MU_K] * wall_margin, 0.0, wall_margin
 
