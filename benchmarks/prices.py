@@ -1,8 +1,10 @@
 """Do prices tell what studies take? Random studies of all kinds and methods; `python -m benchmarks.prices`.
 
 For each kind and method: how many studies were run, the median and the ends of stated over measured
-time, and in which share of them the two are within a factor of 3. What takes less than `NOTHING` is
-the same for whoever decides between a reply and a job.
+time, and in which share of them the two are within a factor of 3. What is stated is what
+`vibrafeed run --dry-run` says, after a trial; the last line is for prices by formula alone, and what
+a trial takes. What takes less than `NOTHING` is the same for whoever decides between a reply and a
+job.
 """  # noqa: E501
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -174,12 +176,25 @@ def studies(seed: int) -> Iterator[Content]:
         yield content
 
 
-def measured(content: Content) -> tuple[float, float, float]:
-    """Return predicted, largest and measured time of a study on one core [s]."""
+class Measured(NamedTuple):
+    """What a study is said to take, by formula and at most; what it and the trial take [s]."""
+
+    said: float
+    by_formula: float
+    most: float
+    took: float
+    trial: float
+
+
+def measured(content: Content) -> Measured:
+    """Return what a study is said to take, and what it takes, on one core."""
     prepared = prepare_content(content)
+    started = time.process_time()
+    said = prepared.tried_seconds
+    trial = time.process_time() - started
     watch = Watch(threads=1, deadline=time.monotonic() + MOST)
     took = least(1, partial(tabulate, prepared, watch=watch), time.process_time)
-    return prepared.seconds, prepared.most_seconds, took
+    return Measured(said, prepared.seconds, prepared.most_seconds, took, trial)
 
 
 def name_of(content: Content) -> str:
@@ -191,23 +206,37 @@ def name_of(content: Content) -> str:
 def main() -> None:
     """Print how well predicted times agree with measured ones."""
     asked = options(__doc__, studies=200, seed=0)
-    ratios: dict[str, list[float]] = defaultdict(list)
+    found: dict[str, list[Measured]] = defaultdict(list)
     for number, content in enumerate(studies(asked.seed)):
         if number == asked.studies:
             break
         name = name_of(content)
-        if name not in ratios:
+        if name not in found:
             measured(content)  # what is compiled or loaded is no price of a study
-        said, _, took = measured(content)
-        ratios[name].append(max(min(said, MOST), NOTHING) / max(took, NOTHING))
-    everything = np.concatenate([*map(np.array, ratios.values())])
-    for name, some in [*sorted(ratios.items()), ("all", everything.tolist())]:
-        values = np.array(some)
-        near = np.mean((values <= WITHIN) & (values >= 1 / WITHIN))
-        print(
-            f"{name:40} {values.size:5} studies  stated/measured: median {np.median(values):6.2f}, "
-            f"from {values.min():8.3g} to {values.max():8.3g}; within 3: {near:6.1%}"
-        )
+        found[name].append(measured(content))
+    everything = [one for some in found.values() for one in some]
+    for name, some in [*sorted(found.items()), ("all", everything)]:
+        print(line(name, [_ratio(one.said, one.took) for one in some]))
+    print(line("all, by formula", [_ratio(one.by_formula, one.took) for one in everything]))
+    trials = np.array([one.trial for one in everything])
+    print(
+        f"a trial takes {1e3 * np.median(trials):.0f} ms, in 95 % at most "
+        f"{1e3 * np.quantile(trials, 0.95):.0f} ms, once {1e3 * trials.max():.0f} ms"
+    )
+
+
+def line(name: str, ratios: list[float]) -> str:
+    """Return the line for some ratios of stated and measured times."""
+    values = np.array(ratios)
+    near = np.mean((values <= WITHIN) & (values >= 1 / WITHIN))
+    return (
+        f"{name:40} {values.size:5} studies  stated/measured: median {np.median(values):6.2f}, "
+        f"from {values.min():8.3g} to {values.max():8.3g}; within 3: {near:6.1%}"
+    )
+
+
+def _ratio(said: float, took: float) -> float:
+    return max(min(said, MOST), NOTHING) / max(took, NOTHING)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import hashlib
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -157,6 +157,21 @@ def is_on_disk(source: str) -> bool:
     """True if the code of a source text is in the cache."""
     path = folder(LOOPS)
     return path is not None and any(path.glob(f"{loop_name(source)}.*"))
+
+
+def mark_of(package: str) -> Path | None:
+    """Return the file that says that all of a package is compiled for this processor.
+
+    It goes with the code that it speaks of. None if no folder can be written.
+    """
+    place = folder(package)
+    return None if place is None else place / f"warm-{processor()}"
+
+
+def are_kept(names: Iterable[str]) -> bool:
+    """True if all of some packages has been compiled for this processor, and kept."""
+    marks = [mark_of(name) for name in names]
+    return all(mark is not None and mark.exists() for mark in marks)
 
 
 def _forget_old(package: str, current: Path) -> None:

@@ -39,9 +39,8 @@ def compile_kernels(processes: int) -> Path | None:
     Path or None
         Folder of the compiled code; None if no folder can be written.
     """
-    from core.kernel_cache import root
-
-    marks = {package: _mark(package) for package in STUDIES}
+    cache = _cache()
+    marks: dict[str, Path | None] = {package: cache.mark_of(package) for package in STUDIES}
     left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
     for mark in left.values():
         if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
@@ -54,13 +53,12 @@ def compile_kernels(processes: int) -> Path | None:
         for mark in left.values():
             assert mark is not None
             mark.touch()
-    return root()
+    return Path(cache.root())
 
 
 def is_warm() -> bool:
-    """True if all kernels are in the cache for this processor."""
-    marks = [_mark(package) for package in STUDIES]
-    return all(mark is not None and mark.exists() for mark in marks)
+    """True if every kernel has been compiled for this processor, and kept."""
+    return bool(_cache().are_kept(STUDIES))
 
 
 def carry_out(package: str, part: slice = slice(None)) -> None:
@@ -72,9 +70,8 @@ def carry_out(package: str, part: slice = slice(None)) -> None:
         tabulate(prepare_content(study))
 
 
-def _mark(package: str) -> Path | None:
-    """Return the marker file of a compiled package, stored with its code."""
-    from core.kernel_cache import folder, processor
+def _cache() -> Any:
+    """Return the module of the cache; numba is loaded with it."""
+    from core import kernel_cache
 
-    place = folder(package)
-    return None if place is None else place / f"warm-{processor()}"
+    return kernel_cache

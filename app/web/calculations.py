@@ -6,8 +6,11 @@ They take and return bytes, texts and numbers: a prepared study cannot be sent.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any, cast
 
+import numpy as np
 import orjson
 
 from app.jobs.manifest import MAX_JSON_VALUES
@@ -20,7 +23,15 @@ from core.intake import prepare_content, read_json
 from core.intake.forms import FORMS, to_curl
 from core.kinds import is_whole, tabulate
 from core.plan.prepared import Prepared
+from core.sweep.slice import SliceCut, compute_slice, prepare_cut
 from core.watch import Watch
+
+KEPT = 4
+"""Number of prepared sweeps that a process keeps."""
+
+DOUBTFUL = 10.0
+"""Factor within which the price by formula may be wrong: nearer to the limit of an immediate reply
+than this, a trial decides."""
 
 
 def convert_study(body: bytes, to: str, base: str) -> str:
@@ -74,6 +85,57 @@ def execute_at_once(
     return orjson.dumps(content, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
+@lru_cache(maxsize=KEPT)
+def _sweep(text: str) -> Prepared:
+    """Return the prepared sweep of a canonical study; a process keeps the last ones."""
+    return prepare_content(orjson.loads(text))
+
+
+def encode_slice_of(
+    text: str, output: str, axes: Sequence[str], at: Mapping[str, str], most: int, form: str
+) -> bytes:
+    """Compute a slice of a sweep and return it encoded as `form`, ``json`` or ``binary``.
+
+    `text` is the canonical study; `output`, `axes`, `at` and `most` choose the slice as in
+    `core.sweep.slice.prepare_cut`, whose errors it raises.
+    """
+    return encode_slice(prepare_cut(_sweep(text), output=output, axes=axes, at=at, most=most), form)
+
+
+def encode_slice(cut: SliceCut, form: str) -> bytes:
+    """Compute a slice and return it encoded as `form`, ``json`` or ``binary``."""
+    piece = compute_slice(cut)
+    if form == "binary":
+        return _binary(piece)
+    return orjson.dumps(piece, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def _binary(piece: dict[str, Any]) -> bytes:
+    """Return a slice in binary form: length of the header, JSON header, raw little-endian values.
+
+    `piece` is the slice as `compute_slice` returns it; docs/api-reference.md describes the form.
+    """
+    values: list[bytes] = []
+    offset = 0
+
+    def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
+        """Append an array's bytes to the values; return its type, offset and shape."""
+        nonlocal offset
+        place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
+        raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
+        values.append(raw)
+        offset += len(raw)
+        return {**place, "shape": list(array.shape)}
+
+    header = {**piece}
+    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
+    for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
+        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
+    text = orjson.dumps(header)
+    text += b" " * (-len(text) % 8)
+    return b"".join((len(text).to_bytes(8, "little"), text, *values))
+
+
 def check_study(name: str, body: bytes, settings: Settings) -> None:
     """Raise `StudyError` or `LimitError` if the study in a request body cannot be carried out."""
     read_study(name, body, settings)
@@ -97,8 +159,13 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
 
 
 def _is_short(prepared: Prepared, settings: Settings) -> bool:
-    """True if a study's expected time, and its result, are small enough for an immediate reply."""
-    return (
-        prepared.seconds <= settings.max_synchronous_seconds
-        and prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
-    )
+    """True if a study's expected time, and its result, are small enough for an immediate reply.
+
+    A trial decides where the price by formula is within `DOUBTFUL` times the limit.
+    """
+    if prepared.stored * len(prepared.dims) > MAX_JSON_VALUES:
+        return False
+    most, seconds = settings.max_synchronous_seconds, prepared.seconds
+    if most / DOUBTFUL < seconds < most * DOUBTFUL:
+        seconds = prepared.tried_seconds
+    return seconds <= most

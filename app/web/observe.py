@@ -25,6 +25,7 @@ logger = logging.getLogger("vibrafeed.requests")
 REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 CLIENT_LEFT = 499  # the status that proxies log for a client that left before the reply
 MAX_LEFT_LINES = 20  # log lines a second on clients that left
+MAX_READ_LINES = 250  # log lines a second on requests that only read: 6 GB a day at 300 bytes each
 NO_ROUTE = "(none)"
 
 
@@ -39,6 +40,7 @@ class Observe:
             MAX_LEFT_LINES,
             "requests of clients that left before they were answered are not counted",
         )
+        self._read = logs.Sparing(MAX_READ_LINES, "requests that read have no lines of their own")
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request; write its log line, metrics and span when the reply has ended.
@@ -96,8 +98,14 @@ class Observe:
                 }
                 if not ended:
                     line["cut_short"] = True
-                if status != CLIENT_LEFT or self._left.has_room():
+                if self._has_room(scope["method"], status):
                     logger.info("request", extra={**line, **fields})
+
+    def _has_room(self, method: str, status: int) -> bool:
+        """True if a request has a line: all that change something, or went wrong here, have one."""
+        if status == CLIENT_LEFT:
+            return self._left.has_room()
+        return method not in ("GET", "HEAD") or status >= 500 or self._read.has_room()
 
 
 def route_of(scope: Scope) -> str:

@@ -11,7 +11,7 @@ from core.calibrate.model import Model
 from core.calibrate.posterior import AXIS, MAX_MODES
 from core.calibrate.scatter import Likelihood
 from core.motion.method import Method
-from core.motion.prepare import price_of
+from core.motion.prepare import price_of, tried_price
 from core.motion.systems import methods_of
 from core.plan.grid import Grid
 from core.plan.prepared import Prepared
@@ -171,6 +171,12 @@ class Calibration(Prepared):
     def seconds_a_cell(self) -> float:
         """The likely time of a motion on one core [s]."""
         return self._price[0] + POINT_SECONDS + FEW_SECONDS / self.cells
+
+    @cached_property
+    def tried_seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        each = tried_price(self.method, self.plan, self.grid, cells=self.cells)
+        return each + POINT_SECONDS + FEW_SECONDS / self.cells
 
     @property
     def most_seconds_a_cell(self) -> float:

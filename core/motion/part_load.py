@@ -49,8 +49,8 @@ SCATTERED = 4
 """Steps of the table within which several agreements may come from means that scatter."""
 
 
-def price_of_load(motion: float) -> float:
-    """Return the time to compute a cell's part load on one core, from that of one motion [s].
+def price_of_load(motion: Array) -> Array:
+    """Return the time for the load of a cell on one core, of the price of one of its motions [s].
 
     Some 200 motions by events, most of which repeat; only a few take long where one motion does.
     """

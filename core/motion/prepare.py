@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
+
+import numpy as np
 
 from core.errors import Problem, StudyError
+from core.mechanics.arrays import Array
 from core.motion.bowl_track import AlongTrack
 from core.motion.drive_units import on_unit, unit_of
 from core.motion.driven import driven
@@ -14,11 +17,12 @@ from core.motion.drives import shape_of, what_is_open
 from core.motion.groups import Contacts
 from core.motion.method import Method
 from core.motion.part_load import price_of_load
-from core.motion.price import seconds_of, some_cells
+from core.motion.price import Priced, prices_of, sampled_parameters, seconds_of, some_cells
 from core.motion.rolling_scene import ROLLING
 from core.motion.row_scene import ROW, choose_row, of_unit
 from core.motion.soft_floor import LINING, on_soft_floor
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from core.motion.trial import TRIED_CELLS, Trial
 from core.plan.derived import Asked, asked_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
@@ -74,6 +78,18 @@ class Simulation(Prepared):
         """The largest time of a cell on one core [s]."""
         return self._price[1]
 
+    @cached_property
+    def tried_seconds_a_cell(self) -> float:
+        """The likely time of a cell on one core, after a trial of some [s]."""
+        if self.study.trajectory is not None:
+            return self.seconds_a_cell
+        # An axis that no motion depends on makes no more of them.
+        depends = self.plan.depends_on(self.grid.axes)
+        long = [depends[one.gives] for one in self.plan.equations if one.takes_long]
+        cells = self.grid.size(self.grid.dims(frozenset().union(*long)))
+        each = tried_price(self.method, self.plan, self.grid, cells=cells)
+        return each * cells / self.cells
+
     @property
     def verified_by(self) -> str:
         """The name of the method that verifies random cells; empty if none can."""
@@ -111,9 +127,52 @@ def price_of(
     """
     settings = method.defaults if method.name != plan.variant else {}
     contacts = CONTACTS.get(plan.scene.name, Contacts())
-    likely, most = seconds_of(
-        method.seconds_a_cell, lambda: some_cells(plan, grid, settings, contacts, free or {})
-    )
+
+    def cells() -> Priced:
+        return some_cells(plan, sampled_parameters(plan, grid, free or {})[0], settings, contacts)
+
+    likely, most = seconds_of(method.seconds_a_cell, cells)
+    whole = partial(_with_all_motions, plan, method)
+    return float(whole(likely)) * pace(), float(whole(most)) * pace()
+
+
+def tried_price(
+    method: Method,
+    plan: Plan,
+    grid: Grid,
+    free: Mapping[str, tuple[float, float]] | None = None,
+    *,
+    cells: float,
+) -> float:
+    """Return the likely time of a cell on one core [s], after some cells have been followed.
+
+    Where no compiled code is kept, it is the price by formula of `price_of`: nobody waits for a
+    compiler. `method` is that of the plan; `grid` and `free` are as in `price_of`; `cells` is the
+    number of cells of the study, which limits the time of the trial.
+    """
+    from core.kernel_cache import are_kept, packages
+
+    if not are_kept(name for name in packages() if name.startswith("motion-")):
+        return price_of(method, plan, grid, free)[0]
+    chosen, count = sampled_parameters(plan, grid, free or {}, TRIED_CELLS)
+    contacts = CONTACTS.get(plan.scene.name, Contacts())
+    priced = some_cells(plan, chosen, {}, contacts)
+
+    def price(periods: float | None) -> Array:
+        asked = priced
+        if periods is not None and "max_periods" in priced.known:
+            asked = Priced({**priced.known, "max_periods": np.asarray(periods)}, contacts)
+        likely = prices_of(method.seconds_a_cell, lambda: asked).likely
+        told = _with_all_motions(plan, method, np.broadcast_to(likely, (count,)))
+        return np.asarray(told * pace())
+
+    kinds = np.broadcast_to(priced.across if "groups" in priced.known else False, (count,))
+    return Trial(plan, chosen, kinds, price, method.fewest_periods).seconds_a_cell(cells)
+
+
+def _with_all_motions(plan: Plan, method: Method, seconds: Array | float) -> Array:
+    """Return the time of all motions that cells follow [s], from the time of one motion [s]."""
+    seconds = np.asarray(seconds)
     rounds = (
         sum(equation.takes_long for equation in plan.equations)
         if method.name == plan.variant
@@ -125,11 +184,8 @@ def price_of(
         if isinstance(equation.function, AlongTrack)
     ]
     loaded = any(equation.gives == "part_load" for equation in plan.equations)
-    likely, most = (
-        (rounds + sum(along)) * seconds + (price_of_load(seconds) if loaded else 0.0)
-        for seconds in (likely, most)
-    )
-    return likely * pace(), most * pace()
+    load = price_of_load(seconds) if loaded else 0.0
+    return np.asarray((rounds + sum(along)) * seconds + load)
 
 
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:

@@ -106,47 +106,62 @@ Pricing = Callable[[Priced], Price]
 """Tells the price of cells."""
 
 
-def seconds_of(price: float | Pricing, cells: Callable[[], Priced]) -> tuple[float, float]:
-    """Return the likely and the largest time per cell, averaged over some cells [s].
+def prices_of(price: float | Pricing, cells: Callable[[], Priced]) -> Price:
+    """Return the likely and the largest time of each of some cells [s], or one of all.
 
     `price` is a method's time of a cell, or the function that estimates it from `cells()`.
     """
     if not callable(price):
-        return price, price
+        return Price(np.asarray(price), np.asarray(price))
     with np.errstate(all="ignore"):
-        told = price(cells())
-        means = [np.mean(np.clip(np.nan_to_num(part), LEAST, MOST)) for part in told]
-    return float(means[0]), float(max(means))
+        return Price._make(np.clip(np.nan_to_num(part), LEAST, MOST) for part in price(cells()))
+
+
+def seconds_of(price: float | Pricing, cells: Callable[[], Priced]) -> tuple[float, float]:
+    """Return the mean price of some cells [s]: as is likely, and at most."""
+    means = [float(np.mean(part)) for part in prices_of(price, cells)]
+    return means[0], max(means)
+
+
+def sampled_parameters(
+    plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]], most: int = CELLS
+) -> tuple[dict[str, Array], int]:
+    """Return the parameters of some cells of a grid, evenly chosen, SI units; and their number.
+
+    The same for equal grids.
+
+    Parameters
+    ----------
+    free : mapping of str to (float, float)
+        Parameters that are not on the grid, and between which values they lie, SI units.
+    most : int
+        Most cells.
+    """
+    count = most if free else min(most, grid.cells)
+    on_grid = grid.at(random_positions(grid, count, 0), min(count, grid.cells), plan.parameters)
+    chosen = {name: np.resize(values, count) for name, values in on_grid.items()}
+    random = np.random.default_rng(0)
+    for name, (low, high) in free.items():
+        chosen[name] = random.uniform(low, high, count)
+    return chosen, count
 
 
 def some_cells(
-    plan: Plan,
-    grid: Grid,
-    settings: Mapping[str, float],
-    contacts: Contacts,
-    free: Mapping[str, tuple[float, float]],
+    plan: Plan, chosen: Mapping[str, Any], settings: Mapping[str, float], contacts: Contacts
 ) -> Priced:
-    """Return a few evenly chosen cells of a grid, the same for equal grids, to estimate times.
+    """Return cells with chosen parameters, to estimate their times.
 
     Parameters
     ----------
     plan
         Plan of a method; those of other methods have the same numbers of a part.
+    chosen
+        Parameters by name, arrays (cells,), SI units.
     settings
         Settings of the method in force, by name.
     contacts
         What the parts can touch.
-    free
-        Parameters that are not on the grid, and the ends of their values, SI units.
     """
-    count = CELLS if free else min(CELLS, grid.cells)
-    places = random_positions(grid, count, 0)
-    found = min(count, grid.cells)
-    on_grid = grid.at(places, found, plan.parameters)
-    sampled = {name: np.resize(values, count) for name, values in on_grid.items()}
-    random = np.random.default_rng(0)
-    for name, (low, high) in free.items():
-        sampled[name] = random.uniform(low, high, count)
     by_name = {equation.gives: equation for equation in plan.equations}
     long = next(equation for equation in plan.equations if equation.takes_long)
     needed = behind([n for n in long.inputs if n in by_name], by_name.get)
@@ -154,4 +169,4 @@ def some_cells(
     known |= {name: np.asarray(value) for name, value in settings.items()}
     equations = [equation for equation in plan.equations if equation.gives in needed]
     with np.errstate(all="ignore"):
-        return Priced(run(equations, known | sampled), contacts)
+        return Priced(run(equations, known | dict(chosen)), contacts)

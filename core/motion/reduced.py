@@ -22,8 +22,8 @@ class ReducedSimulation(Reduced, Simulation):
 
     @property
     def seconds_here(self) -> float:
-        """The time here [s]: the price of the cells, distributed over all cores."""
-        return self.seconds / self.cores
+        """As in `Prepared`: the price of its cells, among all cores."""
+        return self.tried_seconds / self.cores
 
     def seconds_in_parts(self) -> float:
         """Return the time of all parts on one core [s]."""

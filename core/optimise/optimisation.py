@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from core.motion.method import Method
-from core.motion.prepare import other_method, price_of
+from core.motion.prepare import other_method, price_of, tried_price
 from core.motion.systems import methods_of
 from core.optimise.problem import OptimisationProblem
 from core.optimise.robust import NODES
@@ -103,10 +103,17 @@ class Optimisation(Prepared):
             return seconds, seconds
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         likely, most = self._priced_by(method)
-        # One interval of nine nodes is in the price of a search; more nodes cost as much more.
-        more = max(1.0, self.problem.nodes / NODES)
-        motions = more * search_budget(len(self.problem.names))
+        motions = self._motions
         return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
+
+    @property
+    def _motions(self) -> float:
+        """The number of motions that the search for one design follows.
+
+        One interval of nine nodes is in the price of a search; more nodes cost as much more.
+        """
+        more = max(1.0, self.problem.nodes / NODES)
+        return more * search_budget(len(self.problem.names))
 
     def _priced_by(self, method: Method) -> tuple[float, float]:
         """Return the likely and the largest time of one motion by a method on one core [s]."""
@@ -122,6 +129,18 @@ class Optimisation(Prepared):
     def most_seconds_a_cell(self) -> float:
         """The largest time of a design on one core [s]."""
         return self._price[1]
+
+    @cached_property
+    def tried_seconds_a_cell(self) -> float:
+        """The likely time of a design on one core, after a trial of some motions [s]."""
+        if not self.problem.is_motion:
+            return self.seconds_a_cell
+        free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
+        method = methods_of(self.plan.scene.name)[self.plan.variant]
+        motions = self._motions
+        cells = self.cells * motions
+        each = tried_price(method, self.plan, self.designs, free, cells=cells)
+        return MOTION_SECONDS + motions * each
 
     @property
     def other_motion(self) -> Method | None:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
-from core.motion.prepare import choose_system, price_of
+from core.motion.method import Method
+from core.motion.prepare import choose_system, price_of, tried_price
 from core.motion.systems import CONTACTS, methods_of
 from core.optimise.prepare import choose_problem_scene
 from core.plan.grid import Grid, to_si
@@ -125,12 +126,29 @@ class Sensitivity(Prepared):
         if not any(equation.takes_long for equation in self.plan.equations):
             seconds = self.plan.scene.seconds_a_cell * pace()
             return seconds, seconds
-        ends = {
-            name: tuple(to_si(name, np.array(tolerance(name, uncertain))).tolist())
-            for name, uncertain in self.uncertain.items()
-        }
-        method = methods_of(self.plan.scene.name)[self.plan.variant]
-        return price_of(method, self.plan, self.grid, ends)
+        return price_of(self._method, self.plan, self.grid, self._ends)
+
+    @property
+    def _method(self) -> Method:
+        return methods_of(self.plan.scene.name)[self.plan.variant]
+
+    @property
+    def _ends(self) -> dict[str, tuple[float, float]]:
+        """The ends of the uncertain parameters, SI units."""
+        ends = {}
+        for name, uncertain in self.uncertain.items():
+            low, high = to_si(name, np.array(tolerance(name, uncertain))).tolist()
+            ends[name] = low, high
+        return ends
+
+    @cached_property
+    def tried_seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        if not any(equation.takes_long for equation in self.plan.equations):
+            return self.seconds_a_cell
+        cells = self.cells * self.evaluations
+        each = tried_price(self._method, self.plan, self.grid, self._ends, cells=cells)
+        return self.evaluations * (each + self._counting)
 
     @property
     def _counting(self) -> float:

@@ -204,6 +204,23 @@ def test_a_crowd_that_goes_does_not_fill_the_log(client, lines, monkeypatch):
     assert line["status"] == 499
 
 
+def test_a_crowd_that_reads_does_not_fill_the_log(client, lines, monkeypatch):
+    """What changes something has its line all the same."""
+    now = 0.0
+    monkeypatch.setattr(logs, "time", SimpleNamespace(monotonic=lambda: now))
+    for _ in range(observe.MAX_READ_LINES + 5):
+        client.get("/healthz")
+    client.post("/sweeps", content=b"{}")
+    *read, posted = lines()
+    assert len(read) == observe.MAX_READ_LINES
+    assert posted["method"] == "POST"
+    now = 1.5
+    client.get("/healthz")
+    *_, told, line = lines()
+    assert (told["level"], told["requests"]) == ("warning", 5)
+    assert line["route"] == "/healthz"
+
+
 def test_what_is_no_http_does_not_fill_the_log(lines, monkeypatch):
     now = 1e6
     monkeypatch.setattr(logs, "time", SimpleNamespace(monotonic=lambda: now))

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-import orjson
 from anyio import to_thread
 from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
@@ -20,6 +19,7 @@ from app.jobs.keys import Key
 from app.jobs.manifest import NETCDF
 from app.settings import Settings
 from app.web.accept import form_for
+from app.web.calculations import encode_slice, encode_slice_of
 from app.web.dependencies import (
     AdmissionOf,
     Body,
@@ -35,7 +35,7 @@ from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modi
 from app.web.execution import PROCESSES
 from app.web.outgoing import reserve_bytes
 from app.web.replies import BINARY, cached_replies, component, json_reply, problems, without_length
-from app.web.shares import hold_slot, look_at, slot_of
+from app.web.shares import calculate_in_process, hold_slot, look_at, slot_of
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import (
@@ -59,9 +59,8 @@ router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
 BINARY_TYPE = "application/octet-stream"
 FORMS = {"json": "application/json", "binary": BINARY_TYPE}
-LARGE = 100_000  # values of a slice; a larger one waits for a slot and a thread of its own
+LARGE = 100_000  # values of a slice; a larger one waits for a slot and a process of its own
 BYTES_A_VALUE = 24  # bytes of a slice's value in JSON, with its regime; fewer in binary
-NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
         "required": True,
@@ -251,7 +250,14 @@ async def get_slice(
             if made is None:
                 reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
                 async with turn:
-                    made = await to_thread.run_sync(wish.encoded, sweep, chosen, limiter=lane)
+                    if lane is None:
+                        made = await to_thread.run_sync(wish.encoded, sweep, chosen)
+                    else:  # in a thread it would hold up everybody's small ones
+                        text = await run_in_threadpool(sweep.study.canonical)
+                        made = await calculate_in_process(
+                            request, encode_slice_of, text, output, wish.axes, fixed, wish.most,
+                            chosen, seconds=settings.max_execution_seconds,
+                        )  # fmt: skip
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
@@ -281,8 +287,7 @@ class _Wish:
 
     def encoded(self, sweep: Prepared, form: str) -> bytes:
         """Compute the slice and return it as the body of a reply, in JSON or binary."""
-        piece = self.computed(sweep)
-        return binary(piece) if form == "binary" else orjson.dumps(piece, option=NUMPY)
+        return encode_slice(self.prepared(sweep), form)
 
 
 @router.get(
@@ -349,35 +354,6 @@ def _not_made(key: str) -> Response:
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
     return without_length(NETCDF_TYPE, headers)
-
-
-def binary(piece: dict[str, Any]) -> bytes:
-    """Return a slice in binary form: length of the header, JSON header, raw little-endian values.
-
-    `piece` is the slice as `carried_out` returns it; docs/api-reference.md describes the form.
-    """
-    values: list[bytes] = []
-    offset = 0
-
-    def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
-        """Append an array's bytes to the values.
-
-        Return its type, offset and shape for the header.
-        """
-        nonlocal offset
-        place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
-        raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
-        values.append(raw)
-        offset += len(raw)
-        return {**place, "shape": list(array.shape)}
-
-    header = {**piece}
-    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
-    for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
-        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
-    text = orjson.dumps(header)
-    text += b" " * (-len(text) % 8)
-    return b"".join((len(text).to_bytes(8, "little"), text, *values))
 
 
 def _check_size(sweep: Prepared, settings: Settings) -> None:

@@ -34,6 +34,7 @@ from core.motion.waves import TURN, of_columns
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
+FEWEST = 8  # steps of a period, and periods
 MAX_STEPS = 100_000_000
 """Most steps of a path, and most steps of a period times periods of a cell. More is refused: it is
 probably a mistyped number, and would keep a processor busy for minutes."""
@@ -233,8 +234,8 @@ def stepped_path(
 
 def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:
     """Raise ValueError if a count or a setting of time stepping is out of its range."""
-    if steps_per_period < 8 or max_periods < 8:
-        raise ValueError("steps_per_period and max_periods must be at least 8")
+    if steps_per_period < FEWEST or max_periods < FEWEST:
+        raise ValueError(f"steps_per_period and max_periods must be at least {FEWEST}")
     if 4 * steps_per_period * max_periods > MAX_STEPS:
         raise ValueError(f"a cell may take {MAX_STEPS:,} steps at most")
     rolling = contacts.rolling
@@ -329,5 +330,6 @@ TIME_STEPPING = Method(
     defaults={"steps_per_period": 1000.0, "max_periods": 200.0},
     course=_trajectory,
     most_steps=MAX_STEPS,
+    fewest_periods=FEWEST,
     checked_by=("events", "reference"),
 )

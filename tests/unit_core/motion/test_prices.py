@@ -112,9 +112,9 @@ def test_the_work_grows_as_the_price_does():
     measured(study("reference", max_periods=8))  # loads what it needs
     for periods in (20, 2000):
         content = study("reference", max_periods=periods)
-        likely, _, seconds = measured(content)
-        said.append(likely)
-        took.append(seconds)
+        found = measured(content)
+        said.append(found.said)
+        took.append(found.took)
     assert took[1] > took[0]
     assert said[1] > said[0]
     grew = (said[1] / said[0]) / (took[1] / took[0])

@@ -29,6 +29,9 @@ from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
 from core.watch import Watch
 
+FINDING = 10.0
+"""Periods that are followed as a rule until the cycle is found and measured."""
+
 LARGEST = 1e140
 """Largest number of a part: it is squared, and multiplied by phases."""
 
@@ -260,15 +263,15 @@ def _slides_away(part: Groups, contacts: Contacts) -> bool:
 def _price(cells: Priced) -> Price:
     """Return the seconds to simulate a cell: until it repeats, or for all periods if it does not.
 
-    `cells` tells settings and drive of the cells; the result holds likely and largest times.
+    To find a cycle takes `FINDING` periods, and to measure it some more. `cells` tells settings and
+    drive of the cells; the result holds likely and largest times.
     """
     allowed = cells.setting("max_periods")
-    wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
-    waves = 1.0 + 2.0 * cells.orders
-    finding = 0.008 * wide * waves * np.where(cells.hops, 3.0, 1.0)
-    finding = finding * (np.minimum(allowed, 100.0) / 100.0) ** 0.25
-    likely = finding + cells.restless * allowed * 4e-4 * wide**2 * waves
-    return Price(likely, np.maximum(likely, 8.0 * finding + allowed * 1e-2 * wide**2 * waves))
+    plain = 3e-3 + 1e-3 * cells.steps / 3.0 + (0.0 if cells.steps else 2.5e-3 * cells.orders)
+    period = plain * np.where(cells.across, 2.2, 1.0)
+    repeats = np.minimum(allowed, FINDING)
+    likely = period * (cells.restless * allowed + (1.0 - cells.restless) * repeats)
+    return Price(likely, np.maximum(likely, 4.0 * period * (FINDING + 2.0 * allowed)))
 
 
 REFERENCE = Method(

@@ -252,6 +252,10 @@ def regularised_motion(
     return with_whole_shares(Motion(**fields, status=status))
 
 
+HOPPING, SLIDING = 40.0, 15.0
+"""Periods that are followed as a rule where a motion repeats, of parts that hop and others."""
+
+
 def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
     """Return the function that estimates the time of a cell in s for one of the integrators.
 
@@ -265,13 +269,11 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
         allowed = cells.setting("max_periods")
         finer = (cells.setting("tolerance") / TOLERANCE) ** -tolerance
         finer = finer * (cells.setting("slip_speed") / SLIP_SPEED) ** -slip
-        each = seconds / 100.0 * finer * np.maximum(1.0, cells.orders) ** waves
-        each = each * np.where(cells.hops, hops, 1.0)
-        periods = (
-            cells.restless * allowed
-            + (1.0 - cells.restless) * 100.0 * np.minimum(1.0, allowed / 100.0) ** 0.44
-        )
-        return Price(np.minimum(each * periods, SPENT), np.minimum(40.0 * each * allowed, SPENT))
+        each = finer * np.maximum(1.0, cells.orders) ** waves * seconds
+        each = each * np.where(cells.hops, hops / HOPPING, 1.0 / SLIDING)
+        repeats = np.minimum(allowed, np.where(cells.hops, HOPPING, SLIDING))
+        periods = repeats + 0.5 * cells.restless * (allowed - repeats)
+        return Price(np.minimum(each * periods, SPENT), np.minimum(6.0 * each * allowed, SPENT))
 
     return price
 

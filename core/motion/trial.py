@@ -1,0 +1,202 @@
+"""The time of a cell of motion, by a trial: some cells are followed before all are.
+
+Whether a motion repeats, and how much happens in a period, nobody knows before. So some of the
+cells are followed for a moment, and of those that take longer than the moment some periods; the
+price by formula tells what the other periods take.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core.errors import StoppedError
+from core.mechanics.arrays import Array
+from core.motion.result import STATUS
+from core.plan.equations import run_equations
+from core.plan.plan import Plan
+from core.watch import Watch
+
+TRIED_CELLS = 256
+"""Most cells that a trial follows."""
+
+LEAST, MOST, SHARE = 0.04, 0.1, 0.1
+"""Seconds of a trial: never too many, at most, and as a share of what the study takes."""
+
+PATIENCE = 10.0
+"""Times its seconds of a core that a trial lasts at most, while others use the core, too."""
+
+ENOUGH = 8
+"""Cells whose mean is trusted; what fewer take is compared with their prices by formula."""
+
+GROWTH = 4
+"""Cells of a batch over those of the one before."""
+
+UNFINISHED = 1.7
+"""What a motion takes that has not repeated by now, over what was likely at its start."""
+
+BROKEN_OFF = 4.0
+"""What a cell takes that is not through its first periods, over what it has taken by then."""
+
+TRUST = 0.8
+"""Power of what some periods tell, beside the price by formula."""
+
+SURPRISE = 3.0
+"""Times its price from which on a cell is followed again."""
+
+REPEATS = [STATUS[name] for name in ("periodic", "at_rest", "neutral")]
+
+_loaded: set[tuple[str, str, int]] = set()
+"""The code that this process has used: what has not been is loaded, and that is not timed."""
+
+
+class _Followed(NamedTuple):
+    """The time of following some cells [s], whether all came to an end, and whether all repeat."""
+
+    seconds: float
+    ended: bool
+    repeats: bool
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Some cells of a study of motion that can be followed.
+
+    Attributes
+    ----------
+    plan : Plan
+        Of the study.
+    parameters : mapping of str to array
+        Parameters of each cell, SI units, shape (count,); what is the same for all has no shape.
+    kinds : ndarray of int, shape (count,)
+        Cells of different kinds are followed by different code.
+    price : callable
+        Takes a number of periods, or None for those that are allowed; returns the price by formula
+        of each cell that is followed for so many [s], shape (count,).
+    fewest_periods : int
+        Fewest periods that the method follows.
+    """
+
+    plan: Plan
+    parameters: Mapping[str, Any]
+    kinds: Array
+    price: Callable[[float | None], Array]
+    fewest_periods: int = 1
+
+    @property
+    def count(self) -> int:
+        """Number of cells."""
+        return int(self.kinds.size)
+
+    def seconds_a_cell(self, cells: float) -> float:
+        """Return the mean time of a cell of a study that has so many, on one core [s]."""
+        self._load()
+        prices = self.price(None)
+        each, spent, done = float(prices.mean()), 0.0, 0
+        batches: list[tuple[int, float]] = []
+        if prices[0] > _budget(cells * each):
+            outcome, each = self._some_periods(cells)
+            if not outcome.repeats:
+                return each
+            spent, done = outcome.seconds, 1
+            batches.append((1, outcome.seconds))
+        while done < self.count:
+            left = _budget(cells * each) - spent
+            size = min(GROWTH * batches[-1][0] if batches else 1, self.count - done)
+            # Of the first batches most is the call, which more cells do not lengthen.
+            size = min(size, int((GROWTH if batches else 1.0) * left / each))
+            if batches and batches[-1][1] > left:
+                break
+            if size < 1:
+                break
+            outcome = self._follow(done, done + size, None, left)
+            if not done and outcome.seconds > SURPRISE * prices[0]:  # it may have loaded code
+                outcome = self._follow(0, 1, None, left)
+            spent += outcome.seconds
+            done += size
+            if not outcome.ended:
+                return max(each, UNFINISHED * spent / done)
+            batches.append((size, outcome.seconds))
+            each = _slope(batches)
+            if done < ENOUGH:
+                each *= float(prices.mean() / prices[:done].mean())
+        return each
+
+    def _some_periods(self, cells: float) -> tuple[_Followed, float]:
+        """Return the outcome of some periods of the first cell, and the time of a cell."""
+        prices = self.price(None)
+        each = mean = float(prices.mean())
+        allowed = float(np.max(self._settings.get("max_periods", 0.0)))
+        periods, spent = float(self.fewest_periods), 0.0
+        outcome = _Followed(0.0, ended=False, repeats=False)
+        while periods < allowed and (left := _budget(cells * each) - spent) > outcome.seconds:
+            part = float(self.price(periods)[0])
+            outcome = self._follow(0, 1, periods, left)
+            spent += outcome.seconds
+            more = float(prices[0]) / part
+            if not outcome.ended:
+                return outcome, max(each, BROKEN_OFF * outcome.seconds * mean / float(prices[0]))
+            if outcome.repeats:
+                return outcome, outcome.seconds * mean / float(prices[0])
+            told = outcome.seconds * min(UNFINISHED * more, allowed / periods)
+            each = told**TRUST * mean ** (1.0 - TRUST)
+            periods *= 2.0
+        return outcome, each
+
+    @property
+    def _settings(self) -> Mapping[str, Any]:
+        return {**self.plan.defaults, **self.parameters}
+
+    def _load(self) -> None:
+        """Load the code for cells of each kind."""
+        for kind in np.unique(self.kinds).tolist():
+            name = (self.plan.scene.name, self.plan.variant, int(kind))
+            if name not in _loaded:
+                place = int(np.argmax(self.kinds == kind))
+                self._follow(place, place + 1, float(self.fewest_periods), MOST)
+                _loaded.add(name)
+
+    def _follow(self, start: int, stop: int, periods: float | None, left: float) -> _Followed:
+        """Follow some cells for so many periods, None for those that are allowed, and so long."""
+        known = {
+            name: value[start:stop] if np.ndim(value) else value
+            for name, value in self.parameters.items()
+        }
+        if periods is not None and "max_periods" in self._settings:
+            known["max_periods"] = np.asarray(periods)
+        since, busy = time.thread_time(), time.process_time()
+        watch = Watch(
+            threads=1,
+            stop=lambda: time.process_time() - busy > left,
+            deadline=time.monotonic() + PATIENCE * left,
+        )
+        try:
+            outcome = run_equations(self.plan, known, watch)
+        except StoppedError:
+            return _Followed(time.thread_time() - since, ended=False, repeats=False)
+        seconds = time.thread_time() - since
+        long = (outcome[one.gives] for one in self.plan.equations if one.takes_long)
+        statuses = [one.status for one in long if hasattr(one, "status")]
+        if not statuses:
+            return _Followed(seconds, not watch.stopped(), repeats=False)
+        ended = not any((one == STATUS["not_computed"]).any() for one in statuses)
+        return _Followed(seconds, ended, all(np.isin(one, REPEATS).all() for one in statuses))
+
+
+def _budget(price: float) -> float:
+    """Return the time that a trial may take of a study that takes so long [s]."""
+    return float(np.clip(SHARE * price, LEAST, MOST))
+
+
+def _slope(batches: list[tuple[int, float]]) -> float:
+    """Return the time of a cell without that of the call, of sizes and times of batches [s]."""
+    sizes, seconds = (np.array(column, dtype=float) for column in zip(*batches, strict=True))
+    call = 0.0
+    if sizes[-1] >= GROWTH:
+        slope = (seconds[-1] - seconds[0]) / (sizes[-1] - sizes[0])
+        call = float(np.clip(seconds[0] - slope, 0.0, 0.9 * seconds.min()))
+    return float((seconds - call).sum() / sizes.sum())

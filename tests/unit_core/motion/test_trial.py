@@ -1,0 +1,122 @@
+"""A trial follows few cells, for a bounded time, and tells what all of them take."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+import core.kernel_cache
+from core.intake import prepare_content
+from core.motion.trial import LEAST, MOST, UNFINISHED, Trial, _Followed
+
+CALL = 2e-3  # s of a call, besides its cells
+
+
+@dataclass(frozen=True)
+class Told(Trial):
+    """A trial whose cells take what they are told to, of a clock of its own."""
+
+    a_period: float = 1e-6  # s
+    repeat_after: float = 100.0
+    asked: list = field(default_factory=list)
+
+    def _load(self):
+        pass
+
+    @property
+    def _settings(self):
+        return self.parameters
+
+    def _follow(self, start, stop, periods, left):
+        each = min(100.0 if periods is None else periods, self.repeat_after) * self.a_period
+        seconds = CALL + each * (stop - start)
+        self.asked.append((start, stop, periods, min(seconds, left)))
+        repeats = self.repeat_after <= (periods or 100.0)
+        return _Followed(min(seconds, left), seconds <= left, seconds <= left and repeats)
+
+
+def trial(formula, count=256, **told):
+    def price(periods):
+        return np.full(count, formula * (100.0 if periods is None else periods) / 100.0)
+
+    return Told(None, {"max_periods": 100.0}, np.zeros(count), price, **told)
+
+
+@pytest.mark.parametrize("formula", [1e-6, 1e-4, 1e-3])
+def test_the_price_by_formula_does_not_matter_where_cells_are_short(formula):
+    """What a call takes is not what a cell takes."""
+    told = trial(formula)
+    assert told.seconds_a_cell(1e6) == pytest.approx(1e-4, rel=0.05)
+
+
+@pytest.mark.parametrize("formula", [1e-7, 1e-3, 1.0])
+@pytest.mark.parametrize("a_period", [1e-7, 1e-5, 1e-3, 1.0])
+@pytest.mark.parametrize("cells", [1, 1000, 10**9])
+def test_a_trial_is_bounded(formula, a_period, cells):
+    told = trial(formula, count=min(cells, 256), a_period=a_period)
+    each = told.seconds_a_cell(cells)
+    assert 0 < each < np.inf
+    assert sum(seconds for *_, seconds in told.asked) <= 2 * MOST
+    assert len(told.asked) < 12
+
+
+def test_a_trial_takes_a_tenth_of_what_the_study_takes():
+    told = trial(2e-3, a_period=2e-5)  # 2 ms a cell
+    told.seconds_a_cell(300)
+    assert sum(seconds for *_, seconds in told.asked) < 2 * 0.1 * 300 * 2e-3
+    told = trial(1e-7)
+    told.seconds_a_cell(10)
+    assert sum(seconds for *_, seconds in told.asked) <= 2 * LEAST
+
+
+def test_of_a_long_cell_some_periods_are_followed():
+    told = trial(1.0, count=1, a_period=1e-3, repeat_after=8.0)
+    assert told.seconds_a_cell(1) == pytest.approx(CALL + 8e-3)
+    followed = [periods for _, _, periods, _ in told.asked]
+    assert followed[0] == 1
+    assert np.all(np.diff(followed) > 0)
+
+
+def test_what_has_not_repeated_is_told_by_formula():
+    told = trial(10.0, count=1, a_period=0.02)
+    each = told.seconds_a_cell(1)
+    assert 2.0 / UNFINISHED < each < 10.0  # in truth 2 s; by formula 10 s
+
+
+def test_cells_that_take_too_long_are_not_waited_for():
+    told = trial(1e-3, a_period=1.0)  # a cell takes 100 s
+    assert told.seconds_a_cell(1) > LEAST
+    assert len(told.asked) < 4
+
+
+HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
+
+
+def study(**more):
+    return {
+        "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
+        "parameters": HOPS | more,
+    }  # fmt: skip
+
+
+def test_without_compiled_code_the_price_is_that_by_formula(monkeypatch):
+    monkeypatch.setattr(core.kernel_cache, "are_kept", lambda names: not [*names])
+    prepared = prepare_content(study())
+    assert prepared.tried_seconds == prepared.seconds
+
+
+def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
+    asked = []
+    monkeypatch.setattr(core.kernel_cache, "are_kept", lambda names: True)
+
+    def seconds(self, cells):
+        asked.append(cells)
+        return 1.0
+
+    monkeypatch.setattr(Trial, "seconds_a_cell", seconds)
+    axes = {"friction": {"start": 0.3, "stop": 0.5, "num": 5}, "length": [0.01, 0.02, 0.03]}
+    content = study(**axes, part_gap=0.001) | {"outputs": ["feed_rate"]}
+    prepared = prepare_content(content)
+    assert prepared.cells == 15
+    assert prepared.tried_seconds == pytest.approx(5.0)
+    assert asked == [5]
