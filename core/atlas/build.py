@@ -27,16 +27,17 @@ from core.motion.result import SHARES
 from core.watch import Watch
 
 ATLAS_VERSION: Final = 1
-"""Of what stands in the file; raised when numbers, variables or the error model change."""
+"""Version of the content of an atlas; raised when numbers, variables or the error model change."""
 
 RESOLUTIONS: Final = {"coarse": (60_000, 128), "full": (6_000_000, 256)}
-"""Most nodes of an atlas, and lines on which it is measured where they are to lie."""
+"""Most nodes of an atlas, and the lines along each axis on which interpolation is tested to place
+nodes."""
 
 VELOCITY_DIGITS: Final = 6  # decimals of a velocity number
-SHARE_DIGITS: Final = 5
-ERROR_DIGITS: Final = 6  # errors are rounded up
+SHARE_DIGITS: Final = 5  # decimals of a share of the period
+ERROR_DIGITS: Final = 6  # decimals of an error, which is rounded up
 SAFETY: Final = 2.0
-"""What errors are multiplied by when they are stated: curvature is known at nodes only."""
+"""Factor of stated errors over computed ones, since curvature is known at nodes only."""
 
 SHARE_SAFETY: Final = 3.0
 """The same for shares of the period, which begin like a square root."""

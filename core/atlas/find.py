@@ -21,7 +21,7 @@ from core.mechanics.arrays import Array
 from core.motion.result import SHARES
 from core.quantities import Flag
 
-PIECE: Final = 8192  # cells at a time: their corners stay in the cache
+PIECE: Final = 8192  # cells that are looked up at a time: their corners stay in the cache
 
 LOOKUP_STATUSES: Mapping[str, Flag] = {
     "answered": Flag(0, "interpolated inside a regime, with a stated error"),

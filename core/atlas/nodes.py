@@ -15,10 +15,10 @@ from core.atlas.numbers import AXES, HOP, HOP_AFTER_HOP, Numbers
 from core.atlas.practice import practical_numbers, spread_points
 from core.watch import Watch
 
-POPULATION = 20_000  # points that tell how often an interval is asked for
+POPULATION = 20_000  # typical look-ups, which show how often an interval is asked for
 NODE_OFFSET = 1e-6  # of a throw number at which the normal motion changes: a node on either side
-BORDER = 0.02  # what an interval that crosses a border costs, as an error
-DIGITS = 10  # of a score: what is beyond differs from one processor to the next
+BORDER = 0.02  # error that stands for an interval which crosses a border of patterns
+DIGITS = 10  # decimals of a score: further ones differ between processors
 
 Axes = tuple[NDArray[np.float64], ...]
 

@@ -16,7 +16,7 @@ PRACTICAL: Mapping[str, tuple[float, float]] = {
     "friction_ratio": (1.0, 1.6),
     "throw_number": (0.1, 3.7),
 }
-"""Ends of what is found in practice."""
+"""Least and largest value that are found in practice."""
 
 LEVEL = 0.25
 """Share of the cells whose track is level: most are."""

@@ -18,10 +18,10 @@ from core.errors import VibrafeedError
 from core.motion.result import SHARES
 
 VALUES = ("velocity_number", *(f"{name}_fraction" for name in SHARES))
-"""What is interpolated."""
+"""The variables that are interpolated."""
 
 ERRORS = (*(f"error_{name}" for name in AXES), "share_error")
-"""What of the corners counts by the largest."""
+"""The variables of which the largest at the corners of a cell counts."""
 
 MAKE = "Make one with: vibrafeed atlas -o atlas.nc"
 

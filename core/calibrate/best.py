@@ -11,9 +11,9 @@ from core.calibrate.model import Model
 from core.mechanics.arrays import Array
 from core.watch import Watch
 
-STEP = 1e-5  # of the bounds' distance, of differences
+STEP = 1e-5  # step of differences, as a share of the distance of the bounds
 MAX_STEPS = 40
-FAR = 1e3  # a residual, in errors, where a motion has no speed
+FAR = 1e3  # residual over error where a motion has no speed
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,14 @@ from core.calibrate.scatter import Likelihood, log_sum
 from core.mechanics.arrays import Array
 from core.watch import Watch
 
-FIRST_SHARE = 4  # of all points, one in so many may be of the first boxes
-FINEST_FIRST = 8  # halvings of a bound to bound that the first boxes have at most
-MAX_BITS = 60  # of the number of a box: halvings times unknowns
-ROUND = 0.8  # of the whole score, the share that is refined at a time
-ENOUGH = 0.01  # of the score: predictions change by a tenth of their errors
-BENT = 0.25  # of the square of what a box foretold wrongly: its halves bend less
-FAR = 3.0  # errors: a residual beyond them is no chance
-UNIFORM = 1.0 / 12.0  # the variance of what is anywhere in a box, over its width squared
+FIRST_SHARE = 4  # the first boxes take at most this fraction (1/4) of all points
+FINEST_FIRST = 8  # halvings of the range of an unknown for the first boxes, at most
+MAX_BITS = 60  # bits of a box's number: halvings times unknowns
+ROUND = 0.8  # share of the whole score that is refined in one round
+ENOUGH = 0.01  # score at which refining ends: predictions change by a tenth of their errors
+BENT = 0.25  # share of the squared error of a box's forecast that is left in its halves
+FAR = 3.0  # errors: a residual beyond them is not by chance
+UNIFORM = 1.0 / 12.0  # variance of a uniform distribution, over its squared width
 
 
 @dataclass(frozen=True)

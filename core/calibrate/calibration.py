@@ -20,11 +20,11 @@ from core.study.calibrate_study import CalibrateStudy
 
 RUN, MODE, ESTIMATE = "run", "mode", "mean median deviation lower_68 upper_68 lower_95 upper_95"
 ESTIMATES = ("best", *ESTIMATE.split())
-"""What is told of each unknown; the names of variables begin with these words."""
+"""Estimates of each unknown; the names of variables begin with these words."""
 BANDS = ("lower_68", "upper_68", "lower_95", "upper_95")
 CANDIDATE = "candidate_"
 LEFT = "deviation_after_"
-POINT_SECONDS = 4e-6  # of a point besides what following its motions takes, a run
+POINT_SECONDS = 4e-6  # of a point and a run, beside following the motion
 FEW_SECONDS = 1.5  # for densities, modes and the last digits
 
 

@@ -10,12 +10,13 @@ from core.mechanics.arrays import Array
 from core.plan.grid import Grid
 from core.watch import Watch
 
-ENSEMBLE = 300  # points of the posterior
+ENSEMBLE = 300  # points of the posterior at which candidates are predicted
 MAX_CANDIDATES = 2_000
-SPEED_NODES = 240  # of a speed, at which densities are summed
-AROUND = 4.0  # deviations beyond the least and the largest speed
+SPEED_NODES = 240  # speeds at which a predicted density is summed
+AROUND = 4.0
+"""Standard deviations by which the speeds reach beyond the least and the largest."""
 CANDIDATES_AT_A_TIME = 50
-BIT = np.log(2.0)
+BIT = np.log(2.0)  # nats in a bit
 
 
 def columns_of(grid: Grid) -> dict[str, Array]:

@@ -17,12 +17,14 @@ from core.quantities import QUANTITIES
 from core.study.distributions import Normal
 from core.study.shown import SI, ShownUnits
 
-HARDLY = 0.7  # of the deviation before: what is known better has been told
-AT_BOUND = 0.1  # of the density's top, which it has at a bound
-ALIKE = 0.2  # of the deviations of two: that of their product or ratio, if that alone is told
-TOGETHER = 0.9  # a correlation from which on it is told
-FAR = 3.5  # errors, from which on a run is named
-LITTLE = 0.1  # bit
+HARDLY = 0.7
+"""Share of the prior deviation: above it, the runs say next to nothing about an unknown."""
+AT_BOUND = 0.1  # of the top of the density: with more at a bound, values beyond it are likely
+ALIKE = 0.2
+"""Share of both deviations: below it, only the product or ratio of two unknowns is known."""
+TOGETHER = 0.9  # size of a correlation from which a sentence is said about it
+FAR = 3.5  # errors: a run with a larger residual is named
+LITTLE = 0.1  # bit: a candidate run that adds less is not proposed
 
 
 def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
@@ -195,7 +197,7 @@ class Findings:
                     yield f"{unknown.name} may lie beyond {beyond}"
 
     def _scatter(self) -> Iterator[str]:
-        """Yield sentences on the scatter of the runs and the discrepancy of the model."""
+        """Yield a sentence on the residuals: explained by the errors, or by a likely discrepancy."""
         runs = self.model.runs
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:

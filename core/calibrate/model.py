@@ -25,7 +25,7 @@ from core.study.calibrate_study import Prior, quantity_of
 from core.study.distributions import Normal
 from core.watch import Watch
 
-CELLS_AT_A_TIME = 200_000  # bounds the memory
+CELLS_AT_A_TIME = 200_000  # motions that are predicted at a time: a bound on memory
 OUTPUTS = (
     "conveying_velocity",
     "conveying_velocity_spread",
@@ -38,9 +38,9 @@ OUTPUTS = (
 
 
 MAX_DEVIATIONS = 5.0
-"""From the mean of a normal distribution to either end of what is looked at."""
+"""Standard deviations from the mean of a normal prior to either bound of its unknown."""
 NEXT_TO = 1e-3
-"""Of a deviation: from a bound that is no value itself, such as a friction of 0."""
+"""Distance from a bound that is no value, such as a friction of 0, in standard deviations."""
 
 
 @dataclass(frozen=True)

@@ -14,19 +14,19 @@ from core.calibrate.boxes import Explored, PosteriorBoxes, points_of
 from core.calibrate.scatter import Likelihood, log_sum
 from core.mechanics.arrays import Array
 
-POINTS = 60_000  # within the boxes, about
-MAX_NUMBERS = 4_000_000  # points times runs
-NEGLIGIBLE = 1e-7  # of the mass, in boxes that are left out
+POINTS = 60_000  # points within the boxes, about
+MAX_NUMBERS = 4_000_000  # points times runs that are held at a time: a bound on memory
+NEGLIGIBLE = 1e-7  # share of the mass in boxes that are left out
 AXIS = {1: 201, 2: 81, 3: 41, 4: 21}
-"""Values of each unknown at which densities are told, by their number."""
+"""Values of each unknown at which densities are given, by the number of unknowns."""
 SMOOTH = np.array([1.0, 8.0, 28.0, 56.0, 70.0, 56.0, 28.0, 8.0, 1.0]) / 256.0
-"""Shares over neighbouring values, of whose 201 the density of one unknown is smooth over a few."""
-TAIL = 1e-4  # of the mass, on either side of these values
-BEYOND = 0.08  # of what they span, which they go further
-LEAST_LOG = -700.0  # whose exponential is a number yet
-HIGHEST = (0.9, 0.99)  # of the mass, within which separate modes are modes
-LEAST_MODE = 0.02
-DEEPEST = 50.0  # below the top of the logarithm of the density, where modes are parted
+"""Weights by which the density of one unknown, at 201 values, is smoothed over nine neighbours."""
+TAIL = 1e-4  # share of the mass beyond either end of the values at which densities are given
+BEYOND = 0.08  # of the distance of these ends, by which the values reach further
+LEAST_LOG = -700.0  # least logarithm of a density, whose exponential is still above 0
+HIGHEST = (0.9, 0.99)  # shares of the mass whose regions of highest density are looked at for modes
+LEAST_MODE = 0.02  # share of the mass that a mode has at least
+DEEPEST = 50.0  # depth below the top of the log density to which modes are parted
 MAX_MODES = 6
 
 
@@ -157,7 +157,10 @@ def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -
 
 
 def axes_of(posterior: Posterior) -> list[Array]:
-    """Return evenly spaced values of each unknown that cover all but the tails of the mass."""
+    """Return evenly spaced values of each unknown, in the units of studies.
+
+    They cover all but the tails of the posterior mass, and stay within the bounds.
+    """
     model = posterior.likelihood.model
     count = AXIS[len(model.unknowns)]
     ends = posterior.quantiles(posterior.points, (TAIL, 1.0 - TAIL))

@@ -20,11 +20,12 @@ from core.calibrate.model import Model, Predicted
 from core.mechanics.arrays import Array
 
 NONE_BEFORE = 0.9
-"""How likely it is before anything is measured that errors explain all."""
+"""Prior probability that the errors explain all scatter."""
 KNOWN_SIZES, UNKNOWN_SIZES = 14, 28
-FINER = 24  # sizes, once it is known which are likely
-HARDLY = 1e-5  # of the likeliest size
-REACH = 3.0  # deviations of values in a box, which hold all of them
+"""Number of sizes of the discrepancy that are tried, with known errors and without."""
+FINER = 24  # number of sizes, once it is known which are likely
+HARDLY = 1e-5  # of the largest probability of a size: less likely ones are left out
+REACH = 3.0  # standard deviations about the centre of a box within which all its values lie
 HOPELESS = 1e60  # a residual where a motion has no speed
 
 

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from core.errors import Problem
 
-RUN = 3  # equal samples in a row
-CREST = 4.0
-VISITS = 12  # of the extreme value, where it is not held for a run
-STEPS = 4.0  # of the sensor: crests that differ by less may be one
+RUN = 3  # equal samples in a row that a clipped crest holds
+CREST = 4.0  # samples at an extreme value over those at the next: more is no crest
+VISITS = 12  # fewest samples of the extreme value that are compared, if they are no runs
+STEPS = 4.0  # steps of the sensor: crests whose heights differ by less may be equal
 
 
 def clipping_problems(

@@ -16,7 +16,7 @@ from core.measured.read import RecordingTable
 from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
 from core.measured.validity import check_before, check_fit, check_orders
 
-SIZE = 0.1  # by which a constant may miss gravity and still be taken for it
+SIZE = 0.1  # share of gravity by which a constant acceleration may differ from it
 
 
 def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:

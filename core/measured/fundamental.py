@@ -12,15 +12,15 @@ from core.measured.harmonics import Array, Samples, Solution, solve_least_square
 from core.measured.noise import density_near, hurdle
 from core.measured.recording import MAX_ORDERS
 
-LEAST_PERIODS = 10
-MAX_LEFT = 0.5  # rms of what is left over, of that of the harmonics
-SLOWEST = 2.0  # turns over a recording; what is slower is drift
-NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
-GUESS = 0.1  # how far a guessed frequency may be off
+LEAST_PERIODS = 10  # periods that a recording needs
+MAX_LEFT = 0.5  # largest rms of the residual, over that of the harmonics
+SLOWEST = 2.0  # periods in the recording: slower waves are drift
+NYQUIST_SHARE = 0.45  # of the sampling rate, below which the highest order lies
+GUESS = 0.1  # share by which a guessed frequency may be off
 DRIFT = 3  # degree of the drift that is tried
-PADDING = 4  # of the spectrum, to find a peak between bins
-LEAST_SHARE = 1e-4  # of the drive's power: a weaker line is not looked at as its fundamental
-LEAKAGE = 0.03  # bins by which other lines may shift one
+PADDING = 4  # factor by which the spectrum is padded, to find a peak between bins
+LEAST_SHARE = 1e-4  # of the drive's power: weaker lines are not taken for its fundamental
+LEAKAGE = 0.03  # bins by which other lines may shift a line
 
 
 class Line(NamedTuple):

@@ -12,7 +12,7 @@ from core.study.units import UnitError, problem, read_number
 
 Angles = tuple[float | str, float | str, float | str]
 
-ORTHONORMAL = 1e-3  # of a matrix as a user copies it
+ORTHONORMAL = 1e-3  # rounding error of a matrix that a user copies
 ANGLES = {
     name: angle(name, name.capitalize(), f"{name.capitalize()} of the sensor.", 360.0, "90 deg")
     for name in ("yaw", "pitch", "roll")

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from core.measured.harmonics import Array, Samples, Solution, columns
 
-BINS = 20  # whose mean estimates a density, within a fifth: more would reach too far in red noise
+BINS = 20  # bins whose mean estimates a density within a fifth; more reach too far in red noise
 LOWEST_BINS = 12  # about zero, where noise is steep and the drift hears the lowest bins only
-TOUCHED = 1.0  # bins about a fitted wave from which the fit has taken something
-ROUNDING = 1e-10  # of the values' rms: no less is believed of any noise
+TOUCHED = 1.0  # bins beside a fitted wave that the fit has changed
+ROUNDING = 1e-10  # least noise, as a share of the rms of the values
 
 
 class Noise(NamedTuple):

@@ -24,8 +24,8 @@ from core.suggestions import suggestion
 MAX_BYTES = 50_000_000
 MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
 MAX_COLUMNS = 256
-MAX_LETTERS = 20_000  # of a line
-SHOWN = 3  # faults of a column that are told one by one
+MAX_LETTERS = 20_000  # characters of a line
+SHOWN = 3  # faults of a column that are listed one by one
 
 _IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")

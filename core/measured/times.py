@@ -16,8 +16,9 @@ RATE = Quantity(
 )  # fmt: skip
 SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60}
 USUAL_NAMES = ("time", "t")
-UNEVEN = 0.5  # of a step; what is less is fitted at its true times
-ROUNDED = 0.75  # of the unit that times are rounded to: half of it, and a little
+UNEVEN = 0.5  # of a step: smaller deviations are kept, and fitted at their true times
+ROUNDED = 0.75
+"""Deviation from even times that is rounding, over the unit that times are rounded to."""
 
 
 def read_times(

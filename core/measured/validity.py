@@ -20,13 +20,14 @@ from core.measured.noise import Noise
 from core.measured.recording import LEAST_SAMPLES, Signal
 
 STEPS = 1e-9, 1e3
-"""Seconds from one sample to the next: what is outside is a slip of the rate or of a unit."""
+"""Shortest and longest time from one sample to the next [s]: others are a wrong rate or unit."""
 ACCELERATIONS = 1e-9, 1e9
-"""Range of the values of a recording [m s-2]: squares of them are numbers still."""
-MAX_CHANGE = 0.05  # of the drive's rms, from the first third of a recording to the last
+"""Least and largest range of the values of a recording [m s-2]: their squares are floats."""
+MAX_CHANGE = 0.05
+"""Largest change from the first third of a recording to the last, over the drive's rms."""
 CHANGE_ERRORS = 4.0  # standard errors that the change must exceed as well
-MAX_CLOCK = 0.05
-TWICE = 0.1  # a ratio so near a whole number, or a whole part, tells of another drive
+MAX_CLOCK = 0.05  # largest error of a recorder's clock, as a share
+TWICE = 0.1  # a ratio so near to a whole number means another multiple of the frequency
 
 
 def check_before(signal: Signal) -> None:

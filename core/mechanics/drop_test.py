@@ -10,10 +10,10 @@ from core.mechanics.arrays import Array
 from core.mechanics.orienting import PassedShares
 
 PRIOR = 0.5
-"""Counts before the test, of each aspect (Jeffreys)."""
+"""Count that each aspect has before the test, as by Jeffreys' prior."""
 
 DEVIATIONS = 1.959963984540054
-"""Of a normal distribution that 95 % lie within."""
+"""Standard deviations from the mean within which 95 % of a normal distribution lie."""
 
 
 def posterior_shares(counts: Sequence[Array]) -> tuple[Array, ...]:

@@ -32,7 +32,8 @@ TAN_1, TAN_2, TAN_3 = 0.198912367379658, 0.41421356237309503, 0.6681786379192989
 ROOT_2 = math.sqrt(2.0)
 
 LOGARITHMIC = 0.25
-"""Above this square `arc_quotient` is known by its second argument as well as by its first."""
+"""Square above which `arc_quotient` goes by its second argument, the root, as the square loses
+digits."""
 
 
 class Elementwise:

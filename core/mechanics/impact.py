@@ -13,7 +13,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array, Mask
 
-EPSILON = float(np.finfo(np.float64).eps)
+EPSILON = float(np.finfo(np.float64).eps)  # distance of 1 from the next float
 
 
 class Impulse(NamedTuple):

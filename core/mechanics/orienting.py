@@ -18,7 +18,7 @@ from core.mechanics.arrays import Array, Mask, hypot, ratio
 Matrix = Sequence[Sequence[Array]]
 
 CERTAIN = 0.01
-"""Share of the parts that may need more laps than `laps_99`."""
+"""Share of the parts that need more laps than `laps_99`."""
 
 
 class Aspect(NamedTuple):

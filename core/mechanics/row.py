@@ -11,12 +11,12 @@ import numpy as np
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
 
-MINUTE = 60.0
+MINUTE = 60.0  # seconds
 MAX_PARTS = 64
 """Parts of the longest row."""
 HELD_FROM = 1.7048313528
-"""The throw number from which every contact with the floor happens while the track runs forward:
-the root of asin(1/G) + D(G) = 3 pi/2, D the flight of a part that lifts off by itself."""
+"""Throw number G from which every contact with the floor happens while the track runs forward: the
+root of asin(1/G) + D(G) = 3 pi/2, D the phase in which a part that lifts off by itself flies."""
 
 
 # --- flow

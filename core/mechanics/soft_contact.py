@@ -13,11 +13,14 @@ STEPS, OUTER_STEPS = 7, 7
 """Newton's steps for the speed after an impact, and for the damping by a restitution: two more than
 the tests need over twelve orders of magnitude."""
 SMALL, TERMS = 0.5, 16
-LITTLE = 1e-3
+"""Size of x below which exp(x) - 1 - x is a series, and the last power in that series."""
+LITTLE = 1e-3  # impact number below which the slope is that at 0
 HERTZ = 2.9432751843247043
-"""4 sqrt(pi) Gamma(2/5)/(5 Gamma(9/10)): a Hertz contact lasts so long, over depth and speed."""
+"""Duration of a Hertz contact without loss, over depth/speed: 4 sqrt(pi) Gamma(2/5)/(5
+Gamma(9/10))."""
 LEAST_RATIO = 5.0
-"""Natural frequency of a part on its lining over that of the drive, for rigid contacts."""
+"""Natural frequency of a part on its lining over that of the drive, from which contacts count as
+rigid."""
 
 
 def _excess(x: Array) -> Array:

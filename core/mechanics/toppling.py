@@ -17,7 +17,7 @@ MAX_STEPS = 6
 The tests try pulses over twelve orders of magnitude."""
 
 FAR = 10.0
-"""Half bases over an amplitude from which on that counts as small."""
+"""Half base over the amplitude of the track, above which the amplitude counts as small."""
 
 # --- how parts stand: half base along the push, height of the centre, gyration
 

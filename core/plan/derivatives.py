@@ -20,9 +20,9 @@ from core.plan.plan import Plan
 from core.quantities.derivative import DERIVATIVE_STATUSES
 from core.scenes import Equation
 
-SIDE = 1e-6  # step to either side of a switch, relative
-WIDER = 16  # times that step, for comparison
-ROUNDING = 1e-12  # of a value, relative
+SIDE = 1e-6  # step to either side of a switch, as a share of the parameter
+WIDER = 16  # the farther points are so many steps away
+ROUNDING = 1e-12  # rounding error that a value may have, as a share of it
 AGREE = 1e-5  # relative difference of the derivatives of both sides that are still one
 
 Statuses: TypeAlias = NDArray[np.int8]

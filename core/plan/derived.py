@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 SECTION = "sensitivities"
 MAX_DERIVED = 2_000_000
-"""Cells times outputs times parameters of a study that asks for derivatives."""
+"""Most derivatives of a study: cells times outputs times parameters."""
 
 Dims = Mapping[str, tuple[str, ...]]
 """The axes of each variable."""

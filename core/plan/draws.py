@@ -16,7 +16,8 @@ from core.plan.grid import parameter_to_si
 from core.study.distributions import Distribution, quantiles
 
 BITS = 30
-"""Of a coordinate; points lie in the middles of so fine cells, so that none lies on an edge."""
+"""Binary digits of a coordinate; points lie in the middle of cells of that size, so that none lies
+on an edge."""
 
 
 def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array:

@@ -24,9 +24,9 @@ from core.plan.plan import Plan
 from core.watch import Watch
 
 FEW_CELLS = 16_384
-"""What numpy computes in a millisecond needs no loop."""
+"""Number of cells that numpy computes in about a millisecond: no loop is compiled for fewer."""
 LOAD_SECONDS, COMPILE_SECONDS, FIND_SECONDS = 0.5, 1.0, 0.05
-"""What it takes to load the compiler, to compile a loop, and to find it among those on the disk."""
+"""Seconds to load the compiler, to compile a loop, and to find a compiled one on the disk."""
 
 _spent: defaultdict[str, float] = defaultdict(float)
 """Seconds that numpy has worked in place of a loop, by its source."""

@@ -23,8 +23,8 @@ from core.watch import Watch
 Study = TypeVar("Study", bound=Prepared)
 
 FOLLOWED = "motions_followed"
-"""The attribute of a result that tells its cells, where only computing it can."""
-MAX_PIECE_CELLS = 1_000_000
+"""The attribute of a result that has the number of its cells, where only computing can tell it."""
+MAX_PIECE_CELLS = 1_000_000  # points that a piece stores at most: a bound on memory
 MAX_PIECES = 100_000
 
 

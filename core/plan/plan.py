@@ -364,7 +364,7 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return every parameter that outputs or conditions of a variant can use."""
+    """Return the parameters that outputs or conditions of a variant can use, alternatives too."""
     parts: tuple[Equation | Condition, ...] = (*scene.variants[variant], *scene.conditions[variant])
     needed = {name for part in parts for name in part.inputs}
     for alias in ALIASES:

@@ -24,9 +24,9 @@ from core.suggestions import SEARCHED, nearest
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
-MAX_SECONDS_TO_VERIFY = 100.0
+MAX_SECONDS_TO_VERIFY = 100.0  # a study that takes longer to verify is refused
 RARELY = 2.0
-"""Times what is likely from which on the most that a study may take is told, too."""
+"""The largest time of a study is stated, too, if it is more than so many times the likely one."""
 
 
 @dataclass(frozen=True)
@@ -322,7 +322,7 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
-    """Yield problems of parameters that violate a constraint of the scene."""
+    """Yield problems of parameters whose values on the grid violate a constraint of the scene."""
     given = {*grid.axes, *grid.fixed}
     for constraint in scene.constraints:
         concerned = constraint.variant in ("", variant)

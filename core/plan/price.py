@@ -20,10 +20,11 @@ from core.plan.loops.trace import traced
 from core.plan.plan import Plan
 
 STEP_SECONDS, BYTE_SECONDS, CALL_SECONDS = 2.0e-11, 7e-11, 2.8e-9
-"""Of an addition in a loop, of a byte written, and of a function that numpy has and no loop."""
+"""Seconds of an addition in a loop, of a byte written, and of a function that numpy computes
+between loops, on the reference machine."""
 SUM_SECONDS = 2.0e-10
-"""Of an addition in the sums by which a machine is measured, where those rates were found."""
-VALUES = 3  # of each axis, which tell what is the same all over a grid
+"""Seconds of an addition in the sums by which `pace` measures a machine, on the reference."""
+VALUES = 3  # values of each axis that are looked at, to find what is the same all over a grid
 
 
 def evaluation_seconds(plan: Plan, grid: Grid) -> float:

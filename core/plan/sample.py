@@ -14,11 +14,12 @@ from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
 
 LEFT_OUT = "verified_left_out"
-"""The attribute that tells how many cells a stop left without verifying; none if it did not."""
+"""The attribute with the number of cells that a stop left without verifying; absent if it left
+none."""
 
 FAILED = "verified_failed"
-"""The attribute that tells how many verified cells are further off than their error allows; none if
-all are within it, or nothing is known of it."""
+"""The attribute with the number of verified cells that are further off than their known error
+allows; absent if there are none."""
 
 Positions = Mapping[str, NDArray[np.int64]]
 

@@ -30,8 +30,10 @@ from core.study.reduction import Reduction, ShareCondition
 from core.watch import Watch
 
 LONG_TILE_CELLS = 1 << 13
-"""Most cells of a tile where each takes long: no box cuts a tile, and a box can be stopped."""
+"""Most cells of a tile of simulated motion: boxes hold whole tiles, and a computation can be
+stopped between boxes."""
 COMPARED = {"<": 1, "==": 2, "<=": 3, ">": 4, "!=": 5, ">=": 6}
+"""Comparisons as bits: 1 for a value below the level, 2 for an equal one, 4 for one above."""
 Buffers = dict[str, NDArray[Any]]
 
 

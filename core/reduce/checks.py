@@ -123,7 +123,10 @@ def _no_axis(
     values: Mapping[str, Values],
     suggest: Suggestions,
 ) -> Problem | None:
-    """Return the problem of a name that is no axis; None if it is one."""
+    """Return the problem of a name that is no axis of the study; None if it is one.
+
+    `path` is that of the name in the study, `axes` are the ranged parameters among the `values`.
+    """
     if name in axes:
         return None
     if name in values:

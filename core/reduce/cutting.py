@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from core.plan.loops.lanes import even_length
 
 BOX_CELLS = 1 << 22
-"""Most cells of a box: some milliseconds."""
+"""Most cells of a box, which then takes some milliseconds."""
 BLOCK_SLOTS = 1 << 17
-"""Most slots of a block: their sums and ends take some 16 MiB."""
+"""Most slots of a block: their sums and extremes take some 16 MiB."""
 
 Box = tuple[tuple[int, int], ...]
 

@@ -105,7 +105,7 @@ BINNED = "from a histogram whose bins are 1/512 of a value wide at most: the err
 
 
 def _crossing(level: LevelSet) -> str:
-    """Return the description of a level's crossing."""
+    """Return a comment on a level's variable: which crossing it is, and how it is interpolated."""
     unit = QUANTITIES[level.output].unit
     return (
         f"the {level.take} value at which {level.output} is {level.level:g}"

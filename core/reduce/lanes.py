@@ -31,7 +31,7 @@ EMPTY = {
     "least": math.inf,
     "least_at": math.inf,
 }
-"""What a lane holds before it has gathered a cell."""
+"""The kinds of lanes, and what a lane of each holds before it has gathered a cell."""
 
 
 @dataclass(frozen=True)

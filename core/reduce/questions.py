@@ -10,9 +10,9 @@ from core.plan.plan import Plan
 from core.quantities import FLAGS, REGIMES
 from core.study.reduction import LevelSet, Reduction, ShareCondition
 
-EVERY_REGIME = (1 << 63) - 1
+EVERY_REGIME = (1 << 63) - 1  # a bit for each number of a regime
 EXACT_CELLS = 1 << 22
-"""Cells of a slot up to which its quantiles are exact; a histogram tells those of more."""
+"""Most cells of a slot whose quantiles are exact; for more cells they come from a histogram."""
 
 
 @dataclass(frozen=True)

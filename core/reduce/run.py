@@ -22,9 +22,10 @@ from core.study.reduction import Reduction
 from core.watch import Watch
 
 TRIED = 3
-"""Boxes for each thread, from which the time of all is told, and how often they are tried."""
+"""Boxes for each thread that are computed to estimate the time of all, and the fewest trials of
+them."""
 FASTER = 0.7
-"""They are tried again while it takes that share of the least time before, or less."""
+"""They are tried again while the last trial took less than this share of the fastest before."""
 
 
 def cores() -> int:

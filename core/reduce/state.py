@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.reduce.sums import add_sums
 
 STOPPED = "it was stopped before all cells were evaluated, so there is no result"
-"""Of a reduction: what some of its cells tell is no answer."""
+"""Message of a stopped reduction: statistics of some of the cells are no result."""
 
 State = dict[str, NDArray[Any]]
 """By name: what it is of, a full stop, and one of

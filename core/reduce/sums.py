@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 DIGIT = 40
-"""Bits between the units of two levels."""
+"""Bits of a digit of an exact sum: the units of two levels differ by 2^40."""
 LOWEST = -1074
-"""The unit of level 0 is the least float above 0."""
+"""The unit of level 0 is 2^-1074, the least float above 0."""
 LEVELS = 2098 // DIGIT + 4
-"""Levels that any float fits in, and one for what is carried."""
+"""Number of levels that any float fits in, with those for what is carried."""
 
 Integers = NDArray[np.int64]
 

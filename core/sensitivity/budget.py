@@ -21,16 +21,17 @@ from core.plan.grid import parameter_to_si
 from core.study.distributions import Distribution, deviation, nominal, tolerance
 
 NEAR = 0.01
-"""Of half the tolerance, by which a difference steps to either side; and half of that."""
+"""Step of the differences to either side, as a share of half the tolerance; a second one is half
+that."""
 MAX_CORNERS = 10
-"""Parameters up to which all corners of the box are looked at: 1,024."""
+"""Most parameters for which all corners of the box are evaluated, 1,024 of them."""
 INSIDE = 256
-"""Points inside the box that are looked at."""
+"""Number of points inside the box that are evaluated."""
 SMOOTH = 0.7
 """Share of the difference of both slopes that is left at half the step: a half at a smooth point,
 all of it at a kink, twice as much at a jump."""
 EVEN = 1e-6
-"""Difference of both slopes, as a share of the larger one, that is not looked at."""
+"""Difference of the slopes on both sides, as a share of the larger slope, that counts as none."""
 BENT = 0.1
 """Difference of both slopes, over the steepness of the whole tolerance, that no bend explains."""
 
@@ -117,7 +118,7 @@ class Budget:
         return int(self._points.shape[1])
 
     def values(self) -> dict[str, Array]:
-        """Return the parameters at every point, in SI units and radians."""
+        """Return the parameters at every point of the budget, in SI units, shape (points,)."""
         return {
             name: parameter_to_si(name, values)
             for name, values in zip(self.distributions, self._points, strict=True)

@@ -25,7 +25,8 @@ from core.sensitivity.replicates import REPLICATES, jackknife
 
 MAX_INPUTS = 40
 FLAT = 1e-14
-"""Deviation over the size of the values that is rounding: then no input has a share of it."""
+"""Standard deviation, as a share of the size of the values, that is rounding: the function is
+constant."""
 
 
 class Indices(NamedTuple):

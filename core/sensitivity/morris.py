@@ -17,9 +17,10 @@ import numpy as np
 from core.mechanics.arrays import Array
 
 LEVELS = 4
-"""Of each input, in the middles of quarters of its distribution: none at an end, maybe infinite."""
+"""Levels of each input, in the middles of quarters of its distribution: none at an end, which may
+be infinite."""
 STEP = 0.5
-"""From a level to the one two further on: each level is as likely as any."""
+"""Share of the distribution that a step moves through: from a level to the one two further on."""
 
 
 class Effects(NamedTuple):

@@ -38,14 +38,14 @@ from core.study.values import Fixed, Span, Values
 from core.suggestions import suggestion
 
 PATH_SAMPLES = 64
-"""Samples for each of which Morris's screening goes one path."""
+"""Samples of a study for each path of Morris's screening."""
 FEWEST_PATHS = 16
 MAX_VALUES = 10_000_000
-"""Values of one design that are looked at together: they fill a few hundred megabytes."""
+"""Most values of one design: evaluations times outputs, which fill a few hundred megabytes."""
 MAX_EVALUATIONS = 2_000_000_000
-"""Evaluations of a whole study."""
+"""Most evaluations of a whole study."""
 COUNT_SECONDS = 2e-7
-"""What it takes to count a value, beside evaluating it."""
+"""Seconds for the statistics of a value, beside evaluating it."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ import scipy
 from core.mechanics.arrays import Array
 
 REPLICATES = 16
-"""Scramblings of a study: enough to tell an error within a fifth, and sets that are still long."""
+"""Scramblings of a study: enough to estimate an error within a fifth, and few enough that each is
+long."""
 CONFIDENCE = 0.95
 
 

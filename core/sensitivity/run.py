@@ -27,7 +27,7 @@ from core.study.sensitivity_study import Demand
 from core.watch import Watch
 
 BLOCK = 1 << 18
-"""Evaluations at a time: bounds the memory, and tells often enough how far it is."""
+"""Evaluations at a time: a bound on memory, and often enough to report progress."""
 INVALID = [flag.value for flag in REGIMES.values() if not flag.valid]
 
 Arrays = dict[str, NDArray[Any]]

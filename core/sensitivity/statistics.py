@@ -11,7 +11,7 @@ from core.mechanics.arrays import Array, Mask
 from core.sensitivity.replicates import jackknife, student_factor
 
 LEVELS = 129
-"""Quantiles that make up the picture of a distribution, from the least to the largest value."""
+"""Number of quantiles that describe a whole distribution, from the least to the largest value."""
 
 
 class Estimate(NamedTuple):

@@ -26,10 +26,11 @@ from core.study.units import UnitError
 from core.study.values import Between, Values
 
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
-"""The tables that hold unknowns, and what the names of theirs begin with in a result."""
+"""The tables of a study that hold unknowns, and the prefix of their names in results."""
 Prior = Between | Normal
 """What is known of an unknown before: bounds, or a normal distribution that bounds may cut."""
 FEWEST_POINTS, POINTS, MAX_POINTS = 1_000, 20_000, 1_000_000
+"""Grid points of the unknowns: fewest, default and most."""
 
 _SINGLE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
 _PRIOR_SCHEMA = {
@@ -69,7 +70,10 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
 
 
 def _prior_field(table: str, name: str) -> Any:
-    """Return the pydantic field of a parameter's prior."""
+    """Return type and default of the pydantic field for a parameter's prior.
+
+    `table` is that of the unknown: unknowns, offsets or factors.
+    """
 
     def read(raw: object) -> Prior:
         """Return the prior; raise a refusal for a wrong one."""
@@ -183,7 +187,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
 
     def priors(self) -> dict[str, Prior]:
-        """Return the unknowns with their priors, tables in the order of the declaration."""
+        """Return the priors of all unknowns by name, such as ``friction`` or ``offset_beta``."""
         priors_of: dict[str, Prior] = {}
         for table in STEMS:
             given = getattr(self, table)
@@ -193,14 +197,17 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return priors_of
 
     def asked_next(self) -> dict[str, Values]:
-        """Return the parameters of candidate runs with their values."""
+        """Return the parameters of candidate runs with their values; none without candidates."""
         if self.candidates is None:
             return {}
         given = self.candidates.model_fields_set
         return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
 
     def places(self) -> dict[str, str]:
-        """Return the paths of parameters outside `parameters`: in runs, then among the unknowns."""
+        """Return the paths of parameters that stand in runs or among the unknowns, by parameter.
+
+        They serve messages; a parameter in both has the path in the runs.
+        """
         origins: dict[str, str] = {}
         for run in self.observations:
             origins |= {name: f"observations, {name}" for name in parameters_of(run)}

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 OUTSIDE = 0.00135
-"""Share beyond either end of the tolerance of a distribution without ends: three deviations."""
+"""Share beyond either end of the tolerance of a distribution without ends, as three standard
+deviations leave."""
 CALIBRATION = "calibration"
 """The key that names the result of a calibration in place of numbers."""
 MAX_TABULATED = 10_000

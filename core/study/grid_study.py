@@ -94,7 +94,7 @@ def _canonical(values: Values | None) -> Any:
 
 
 def _parameter_field(name: str, quantity: Quantity) -> Any:
-    """Return the pydantic field of a parameter's values."""
+    """Return type and default of the pydantic field for a parameter's values."""
 
     def read(raw: object) -> Values:
         """Return the values; raise a refusal for wrong ones."""
@@ -129,7 +129,7 @@ else:
 
 
 def _between_field(name: str, quantity: Quantity) -> Any:
-    """Return the pydantic field of a variable's bounds."""
+    """Return type and default of the pydantic field for a variable's bounds."""
 
     def read(raw: object) -> Between:
         """Return the bounds; raise a refusal for wrong ones."""
@@ -172,7 +172,7 @@ else:
     )
 
 
-MAX_SHOWN = 8  # to look a unit up takes long
+MAX_SHOWN = 8  # units that a study may name: looking one up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
@@ -265,7 +265,7 @@ class Study(Frozen):
         return content
 
     def said(self) -> dict[str, Any]:
-        """Return the fields that differ from their defaults."""
+        """Return the content of the study without the fields that have their default values."""
         fields = type(self).model_fields
         return {
             name: value

@@ -37,7 +37,11 @@ def at_most(count: int) -> BeforeValidator:
 
 
 def read_level(name: str, raw: object) -> float:
-    """Return a level of a quantity in its unit; raise `UnitError` if it is invalid."""
+    """Return a level of a quantity as a number in its unit, from a number or a text with a unit.
+
+    It may lie outside the bounds of the quantity. Raises `UnitError` if it is no value of that
+    kind.
+    """
     quantity = QUANTITIES[name]
     # What is compared with a parameter may lie outside the parameter's own bounds.
     shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)

@@ -67,7 +67,7 @@ def read_error(output: str, raw: object, value: float) -> float:
 
 
 def _single(name: str, quantity: Quantity) -> Any:
-    """Return the pydantic field of a single value of a parameter."""
+    """Return type and default of the pydantic field for a single value of a parameter."""
 
     def read(raw: object) -> float | None:
         """Return the value; raise a refusal for a wrong one."""
@@ -80,7 +80,7 @@ def _single(name: str, quantity: Quantity) -> Any:
 
 
 def _observed(name: str) -> Any:
-    """Return the pydantic field of a measured output."""
+    """Return type and default of the pydantic field for a measured output."""
 
     def read(raw: object) -> float | None:
         """Return the value; raise a refusal for a wrong one."""
@@ -94,7 +94,10 @@ def _observed(name: str) -> Any:
 
 
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    """Return the error of a run's measured value; None without a valid value."""
+    """Return the standard deviation of a run's measured value, in the output's unit.
+
+    None without a valid value or error; raises a refusal for a text that is no error.
+    """
     given = {name: info.data.get(name) for name in OBSERVED}
     output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
     if raw is None or output is None or value is None:
@@ -160,7 +163,10 @@ def parameters_of(run: Run) -> dict[str, float]:
 
 
 def spread_rows(raw: object) -> object:
-    """Return rows of single values; an entry with lists becomes several rows.
+    """Return the rows of observations, each a run with single values.
+
+    `raw` is what the study holds: a table whose lists become one row per value, or a list of
+    such tables.
 
     Raises
     ------

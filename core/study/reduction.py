@@ -24,12 +24,12 @@ from core.study.units import UnitError
 from core.suggestions import suggestion
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
-"""What can be told of an output over the cells that go."""
+"""Statistics of an output over the cells that are reduced."""
 QUANTILE = "quantile"
-"""The dimension of quantiles, and what ends their names."""
+"""The dimension of quantiles, and the suffix of their variables."""
 COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
 ENDS = ("smallest", "largest")
-MOST = 20  # names of shares, or of levels; conditions of one share
+MOST = 20  # names of shares or of levels, or conditions of one share, at most
 MAX_NAMES = 100
 
 _CONDITION = re.compile(r"\s*(\w{1,100})\s*(<=|>=|==|!=|<|>)\s*(.{1,200}?)\s*")

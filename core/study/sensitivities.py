@@ -13,7 +13,10 @@ MAX_PARAMETERS = 30
 
 
 def _read(raw: object) -> bool | tuple[str, ...] | None:
-    """Return True for all parameters, a list of names, or None if none are asked for."""
+    """Return the names of parameters to derive by, True for all, or None for none.
+
+    Raises a refusal for anything else, and for more than 30 names.
+    """
     if raw is None or isinstance(raw, bool):
         return raw or None
     names = tuple(raw) if isinstance(raw, list | tuple) else ()

@@ -50,7 +50,7 @@ TRADE: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
         "N m-1": (1e-3, "N/mm"),
     }
 )
-"""What designers of feeders read, however large the values are."""
+"""Factor and unit in which designers of feeders read a quantity, however large its values are."""
 
 SMALLER: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
     {
@@ -64,8 +64,9 @@ SMALLER: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
         "W": (1e3, "mW"),
     }
 )
+"""Factor and unit in which small values of a quantity are read."""
 SMALL: Final = 0.1
-"""Values all below this are read in the unit of `SMALLER`."""
+"""Values are read in the unit of `SMALLER` if the largest is below this."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from core.study.reduction import Reduction
 from core.study.sensitivities import Sensitivities
 
 MAX_SAMPLES = 100_000
-LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
+LATEST = 1e6  # s, latest time of a trajectory: eleven days, to which floats resolve a microsecond
 _TRAJECTORY_SCHEMA = {
     "anyOf": [
         {"type": "integer", "minimum": 2, "maximum": MAX_SAMPLES},
@@ -60,8 +60,8 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
     )
 
 
-FEWEST_PERIODS = 8  # no fewer tell a motion that repeats over some from one that does not
-MAX_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then does not
+FEWEST_PERIODS = 8  # fewer do not show whether a motion repeats over several periods
+MAX_PERIODS = 100_000  # half an hour at 50 Hz: a motion that has not repeated by then will not
 SETTINGS = ("tolerance", "max_periods", "steps_per_period", "slip_speed", "contact_stiffness")
 
 

@@ -19,16 +19,18 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-EXACT: Final = 2**53  # whole numbers up to it are floats, so that numpy divides them exactly
-MAX_SLOW: Final = 1_000_000  # values of an axis that Python divides, a tenth of a microsecond each
-DIGITS: Final = 15  # of a decimal that no other float can stand for
-SIMPLE: Final = 1_000_000  # largest denominator of a fraction that is no decimal
+EXACT: Final = 2**53
+"""Whole numbers up to it are exact floats, so that numpy's division is rounded once."""
+MAX_SLOW: Final = 1_000_000  # values that Python divides one by one, a tenth of a microsecond each
+DIGITS: Final = 15  # decimals of so many digits or fewer have a float of their own
+SIMPLE: Final = 1_000_000  # largest denominator of a number that is taken for a simple fraction
 
 
 def as_typed(number: float) -> Fraction:
-    """Return the exact number behind a float: its shortest decimal, or a simple fraction.
+    """Return the number that a user typed for a float, exactly.
 
-    What takes more digits than people type may be 1000 turns a minute in hertz, 50/3.
+    It is the shortest decimal, or a simple fraction if that takes more digits than people type:
+    50/3 for 1000 turns a minute in hertz.
     """
     decimal = Decimal(repr(float(number)))
     if len(decimal.as_tuple().digits) > DIGITS:

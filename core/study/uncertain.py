@@ -34,7 +34,7 @@ def _schema(quantity: Quantity) -> dict[str, Any]:
 
 
 def _field(name: str, quantity: Quantity) -> Any:
-    """Return the pydantic field of a parameter's distribution."""
+    """Return type and default of the pydantic field for a parameter's distribution."""
 
     def read(raw: object) -> Distribution:
         """Return the distribution; raise a refusal for a wrong one."""

@@ -23,7 +23,7 @@ PER_MINUTE = frozenset(
     ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
 )
 PERCENT = "%"
-MAX_UNITS = 10  # that the values of one list are written in: to look one up takes long
+MAX_UNITS = 10  # units in the values of one list: looking one up takes long
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{0,40}")
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
@@ -76,7 +76,9 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
 
 
 def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[float, ...]:
-    """Return many values in the unit of a quantity, fast for plain numbers.
+    """Return many values as numbers in the unit of a quantity, fast if none has a unit.
+
+    `name` is the parameter's, for messages.
 
     Raises
     ------
@@ -208,7 +210,7 @@ def _suffix(quantity: Quantity) -> str:
 
 
 def _how_to_write(name: str, quantity: Quantity) -> str:
-    """Return advice on how to write a value of a quantity."""
+    """Return a sentence on how to write a value of a quantity, with examples."""
     bare = "a plain number" if quantity.unit == "1" else f"a bare number is in {quantity.unit}"
     if quantity.unit == "1":
         return f"Write {name} = {quantity.examples[0]} ({bare})"

@@ -17,7 +17,8 @@ SLIPS: Final[Mapping[str, str]] = {
     "m s-1": "mm/s",
     "m s-2": "mm/s^2",
 }
-"""In which unit a number was probably meant that is unusual in that of its quantity."""
+"""For the unit of a quantity, the unit in which an unusual number without a unit was probably
+meant."""
 
 PARTS: Final = ("parameters", "variables", "uncertain", "unknowns", "candidates")
 ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median")

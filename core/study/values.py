@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAX_POINTS = 100_000_000  # of one axis; more is a slip of the pen, and would fill the memory
+MAX_POINTS = 100_000_000  # values of one axis: more is a typing error, and would fill the memory
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
 
 
@@ -134,6 +134,8 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
 def read_values(name: str, raw: object) -> Values:
     """Return the values that a user wrote for a parameter: one, a list, or a range.
 
+    Numbers without a unit are in the quantity's own.
+
     Raises
     ------
     UnitError
@@ -183,7 +185,10 @@ def position_on_axis(
 
 
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
-    """Return the listed values; raise `UnitError` if they are not monotonic."""
+    """Return the values of a list, in the quantity's unit.
+
+    Raises `UnitError` if there are none, or they neither ascend nor descend.
+    """
     if not raw:
         raise UnitError(f"{name} is an empty list", "Give at least one value")
     values = read_numbers(name, quantity, raw)
@@ -197,7 +202,10 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
 
 
 def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:
-    """Return the range of a mapping with start, stop, and num or step."""
+    """Return the range that a mapping with start, stop, and num or step describes.
+
+    Raises `UnitError` for other keys, ends that do not ascend, and more than `MAX_POINTS` values.
+    """
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
         raise UnitError(

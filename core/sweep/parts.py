@@ -20,7 +20,7 @@ from core.plan.tiles import Tiled
 from core.sweep.stream import outline_table, stream
 from core.watch import Watch
 
-TRIED = 3  # tiles from which the time of all is told
+TRIED = 3  # tiles that are computed to estimate the time of all
 
 
 def seconds_in_shards(sweep: Prepared) -> float:

@@ -36,14 +36,15 @@ CONSTANTS = {
     1 / 3: CONTEXT.mpf(1) / 3,
     2 / 3: CONTEXT.mpf(2) / 3,
 }
-"""What floats that stand in equations mean; all others, and parameters, are what they are."""
+"""The exact numbers that some floats in equations stand for; other floats, and parameters, are
+taken as they are."""
 
 STEP = CONTEXT.mpf(10) ** -20
-"""Relative step of the differences behind a condition number."""
+"""Step of the central differences behind a condition number, as a share of the parameter."""
 
-VANISHES = 1e-35  # SI units: what 50 digits leave of a value that is 0 by law
+VANISHES = 1e-35  # SI units: a result of 50 digits that is less counts as 0
 
-PIECE = 64  # cells at a time, between two looks at the watch
+PIECE = 64  # cells that are computed before progress is reported
 
 
 class NotPreciseError(VibrafeedError):

@@ -16,7 +16,7 @@ from core.sweep.verify import verified
 from core.watch import Watch
 
 SEEN_SECONDS = 0.5e-9
-"""What it takes to see what a cell tells for an answer, beside evaluating it."""
+"""Seconds that reducing takes for a cell, beside evaluating it."""
 
 
 class ReducedSweep(Reduced):

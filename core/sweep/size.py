@@ -11,7 +11,7 @@ from core.dataset.layout import Tile
 from core.plan.prepared import Prepared
 from core.plan.tiles import Tiled
 
-CHUNKS = 12  # how many are tried
+CHUNKS = 12  # chunks that are packed for the estimate
 
 
 def bytes_in_file(sweep: Prepared, *, compressed: bool) -> int:

@@ -30,7 +30,10 @@ def attributes_there(where: str) -> Mapping[str, object]:
 
 
 def is_complete(where: str, prepared: Prepared) -> bool:
-    """True if a result at a path comes from this study and this version, all cells present."""
+    """True if there is a result at a path that this version made of the same study.
+
+    It is complete then, since results appear only when they are.
+    """
     attributes = attributes_there(where)
     made = str(attributes.get("source")).partition(",")[0]
     return (

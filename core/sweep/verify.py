@@ -22,8 +22,8 @@ from core.scenes import Scene
 from core.watch import Watch
 
 AGAINST = "the same equations with 50 digits"
-PIECE = 8  # cells at a time, between two looks at the watch
-MAX_SECONDS_OF_A_PIECE = 1.0  # else one cell at a time
+PIECE = 8  # cells that are verified before a stop is looked for
+MAX_SECONDS_OF_A_PIECE = 1.0  # a piece that would take longer is one cell
 
 
 def accuracy(scene: Scene) -> str:
@@ -106,7 +106,7 @@ class Rounding:
         return self.evaluated
 
     def in_words(self, where: str) -> str:
-        """Return a sentence on the worst value; `where` is its position."""
+        """Return a sentence on the worst value; `where` is the position of its cell in words."""
         if self.worst is None:
             text = "no value that is not 0 is known to 50 digits"
         else:

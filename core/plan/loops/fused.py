@@ -20,13 +20,13 @@ from core.plan.plan import Plan
 from core.threads import share_out
 
 TASK_CELLS = 1 << 20
-"""Most cells of one call of a loop: some hundred microseconds."""
+"""Most cells of one call of a loop, which then takes some hundred microseconds."""
 COLUMN_CELLS = 1 << 15
 """The same where numpy works between loops: its arrays stay in the second-level cache."""
 FEWEST_SHARED = 1 << 17
-"""Fewest cells that are worth a thread."""
+"""Fewest cells for which another thread is used."""
 SPECIAL = (0.0, 1.0, math.inf)
-"""Numbers that make steps superfluous."""
+"""Values of a node by which other steps become superfluous, as in x * 1."""
 
 Array = NDArray[Any]
 Progress = Callable[[float], object]

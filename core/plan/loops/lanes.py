@@ -22,17 +22,19 @@ from core.plan.loops.trace import Traced
 from core.plan.plan import Plan
 
 DEPTH = 240
-"""Most cells that a lane gathers: their sum is that exact, and counts fit in 8 bits."""
+"""Most cells that a lane gathers: few enough that their sum is accurate, and that counts fit in 8
+bits."""
 LANES, MAX_LANES = 1024, 1 << 15
-"""Lanes of a tile, and their number where few cells go to each."""
+"""Usual number of lanes of a tile, and the most that it has where few cells go to each."""
 TILE_CELLS = 1 << 19
-"""Most cells of a tile: some hundred microseconds."""
+"""Most cells of a tile, which then takes some hundred microseconds."""
 STAGED_CELLS = 1 << 15
 """The same where numpy works between loops: its arrays stay in the second-level cache."""
 FEWEST_TILES = 64
-"""A grid has so many tiles at least, if its rows allow it: threads and parts share them out."""
+"""A grid has at least so many tiles, if its rows allow it, to be shared out among threads and
+parts."""
 LONGEST_AXIS = 1 << 20
-"""Longest axis whose values a loop is given as a whole."""
+"""Longest axis that is computed by a loop with lanes, which is given all its values at once."""
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,13 @@ from core.plan.loops.trace import Node
 LEAST_ROW = 64
 """Fewest cells of a row, unless all axes are joined."""
 TURN = 250.0
-"""What the beginning of a row costs, over an addition in it."""
+"""Cost of beginning a row, in additions of a row's loop."""
 LAID = 40.0
-"""What it costs to lay a value out along a row, before the loops."""
+"""Cost per cell of laying a value out along a row before the loops, in additions."""
 LANES, UNROLLED = 4, 16
-"""Additions that a processor does at once in a row, and cells that its loop takes at a time."""
+"""Additions that a processor does at once in a row, and cells of one turn of the row's loop."""
 SLOW: dict[Any, float] = {np.divide: 15.0, np.sqrt: 20.0, np.reciprocal: 15.0}
-"""What a step costs, over an addition; 1 if it is not here."""
+"""Cost of a step, in additions; 1 for functions that are not here."""
 
 
 @dataclass(frozen=True)

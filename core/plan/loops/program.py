@@ -22,11 +22,13 @@ from core.plan.loops.trace import Graph, Node, Traced
 from core.plan.operations import IN_LOOPS
 
 FEW_CELLS = 4096
-"""What numpy computes in some microseconds is not worth a loop."""
+"""Values that numpy computes in some microseconds: so few are not computed in a loop."""
 OWN_GRID = 16
-"""A function that no loop has is taken on its own grid where that is so many times smaller."""
+"""A function that loops do not have is computed by numpy on the grid of its own axes where that is
+so many times smaller than the whole."""
 MAX_VALUES = 1 << 20
-"""Most values of an array that numpy makes for lanes, of which a grid can have any number."""
+"""Most values of an array that numpy computes before a loop with lanes, whose grid may have any
+size."""
 
 Shape = tuple[tuple[str, int], ...]
 """Axes and their lengths."""
@@ -212,9 +214,9 @@ def _renewed(
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return, for each node by number, how many numpy steps in sequence it has to wait for.
+    """Return, for each node by number, after how many numpy steps in sequence it is known.
 
-    Loops up to that many numpy steps can use it.
+    Such steps stand between two loops: a loop can use a node if as many came before it.
     """
     ready: dict[int, int] = {}
 

@@ -21,7 +21,8 @@ from core.plan.loops.trace import Node
 from core.plan.operations import IN_LOOPS
 
 LONGEST_ROW = 1024
-"""Most cells of a piece of it: the rows that are kept stay in the first and second cache."""
+"""Most cells of a row that a loop takes at once: the rows that it keeps stay in the first and
+second cache."""
 
 UPDATES: dict[str, tuple[int, tuple[str, ...]]] = {
     "store": (1, ("{0} = {value}",)),

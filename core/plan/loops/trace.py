@@ -25,7 +25,7 @@ from core.scenes import Condition, Equation
 Function = Callable[..., Any]
 
 LOGICAL = {np.logical_and: np.bitwise_and, np.logical_or: np.bitwise_or, np.logical_not: np.invert}
-"""Functions of truth values, and what they are called among ours."""
+"""Functions of truth values in numpy, and the ones that stand for them in a graph."""
 
 
 class UntraceableError(VibrafeedError):
@@ -227,7 +227,8 @@ SIMPLER: dict[Function, Callable[[tuple[Any, ...]], tuple[Any] | None]] = {
     np.divide: partial(_unchanged, by=1.0),
     np.subtract: partial(_unchanged, by=0.0),
 }
-"""What a step gives without being taken, where that is the same to the last bit; else None."""
+"""By function: takes the operands of a step; returns its result in a tuple if that is known without
+the step, to the last bit, else None."""
 
 
 def _is(operand: Any, value: float) -> bool:

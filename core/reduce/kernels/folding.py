@@ -14,12 +14,12 @@ from core.compiled import borrowing, disjoint
 from core.reduce.kernels.bits import bits, key
 
 COUNT_BITS = 8
-"""Bits of a count in a lane: it gathers fewer cells than they can say."""
+"""Bits of a count in a lane, which gathers fewer than 2^8 cells."""
 COUNTS = 6
-"""Counts that fit in the whole numbers of a float."""
-WIDER = (1 << 2 * COUNT_BITS) - 1
+"""Counts of 8 bits that are packed into one float, whose whole numbers are exact up to 2^53."""
+WIDER = (1 << 2 * COUNT_BITS) - 1  # mask of a count in twice as many bits
 EVERY_OTHER = sum(((1 << COUNT_BITS) - 1) << (2 * COUNT_BITS * k) for k in range(COUNTS // 2))
-"""The bits of the first count, the third and so on."""
+"""Mask of the bits of the first count, the third and so on."""
 DIGIT = 40
 """Bits of a digit of an exact sum."""
 

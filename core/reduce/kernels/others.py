@@ -11,7 +11,8 @@ from core.compiled import borrowing
 from core.reduce.kernels.bits import counted, key
 
 SHIFT = 43
-"""Bits of a float that a bin leaves out: 9 digits of the fraction are left, 1/512 of a value."""
+"""Low bits of a float that its bin leaves out: 9 bits of the fraction are left, so that a bin is
+1/512 of a value wide."""
 BINS = 1 << (64 - SHIFT)
 
 Array = NDArray[np.float64]
