@@ -197,7 +197,7 @@ class Findings:
                     yield f"{unknown.name} may lie beyond {beyond}"
 
     def _scatter(self) -> Iterator[str]:
-        """Yield a sentence on the residuals: explained by the errors, or by a likely discrepancy."""
+        """Yield a sentence on the residuals: the errors explain them, or a discrepancy does."""
         runs = self.model.runs
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:
