@@ -14,7 +14,7 @@ from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_number
 from core.suggestions import suggestion
 
-MAX_ROWS: Final = 2_000_000
+MAX_ROWS: Final = 2_000_000  # rows of a file
 MAX_REPORTED: Final = 20  # problems of cells that are listed at most
 
 _HEADING = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])])?\s*")

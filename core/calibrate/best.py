@@ -12,7 +12,7 @@ from core.mechanics.arrays import Array
 from core.watch import Watch
 
 STEP = 1e-5  # step of differences, as a share of the distance of the bounds
-MAX_STEPS = 40
+MAX_STEPS = 40  # evaluations of the residuals, beside those of their derivatives
 FAR = 1e3  # residual over error where a motion has no speed
 
 

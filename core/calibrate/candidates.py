@@ -11,11 +11,11 @@ from core.plan.grid import Grid
 from core.watch import Watch
 
 ENSEMBLE = 300  # points of the posterior at which candidates are predicted
-MAX_CANDIDATES = 2_000
+MAX_CANDIDATES = 2_000  # candidate runs: each takes `ENSEMBLE` motions
 SPEED_NODES = 240  # speeds at which a predicted density is summed
 AROUND = 4.0
 """Standard deviations by which the speeds reach beyond the least and the largest."""
-CANDIDATES_AT_A_TIME = 50
+CANDIDATES_AT_A_TIME = 50  # a bound on memory
 BIT = np.log(2.0)  # nats in a bit
 
 

@@ -27,7 +27,7 @@ LEAST_LOG = -700.0  # least logarithm of a density, whose exponential is still a
 HIGHEST = (0.9, 0.99)  # shares of the mass whose regions of highest density are looked at for modes
 LEAST_MODE = 0.02  # share of the mass that a mode has at least
 DEEPEST = 50.0  # depth below the top of the log density to which modes are parted
-MAX_MODES = 6
+MAX_MODES = 6  # modes that are told apart, the heaviest
 
 
 @dataclass(frozen=True)

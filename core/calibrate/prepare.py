@@ -26,7 +26,7 @@ from core.study.observations import OBSERVED, Run, parameters_of, read_error
 from core.study.units import UnitError
 from core.study.values import Fixed, Points, Span, Values
 
-MAX_UNKNOWNS = 4
+MAX_UNKNOWNS = 4  # a grid over more would be too coarse to trust
 
 
 def prepare(study: CalibrateStudy) -> Calibration:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-MAX_STEPS = 50
+MAX_STEPS = 50  # steps of the frequency
 CONVERGED = 1e-6  # turns over the recording; without noise, the next step is its square
 LONGEST_STEP = 0.25  # turns of the highest order over the recording; more could change the minimum
 

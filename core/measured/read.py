@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from core.errors import Problem, StudyError
 from core.suggestions import suggestion
 
-MAX_BYTES = 50_000_000
+MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
 MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
-MAX_COLUMNS = 256
+MAX_COLUMNS = 256  # columns of a table
 MAX_LETTERS = 20_000  # characters of a line
 SHOWN = 3  # faults of a column that are listed one by one
 

@@ -20,8 +20,8 @@ from core.quantities import QUANTITIES
 from core.study.units import UnitError, problem, read_number
 
 AXES = ("along", "across", "normal")
-MAX_ORDERS = 10
-LEAST_SAMPLES = 100
+MAX_ORDERS = 10  # harmonics that are fitted
+LEAST_SAMPLES = 100  # samples that a recording needs
 STANDARD_GRAVITY = 9.80665  # [m s-2], what a sensor's "g" means, wherever it stands
 FREQUENCY = replace(QUANTITIES["frequency"], strict=True)  # a drive at rest has no harmonics
 

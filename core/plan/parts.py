@@ -21,7 +21,7 @@ from core.errors import StoppedError, VibrafeedError
 from core.study.grid_study import Study
 from core.watch import Watch
 
-MAX_PARTS = 100_000
+MAX_PARTS = 100_000  # parts of a study: each leaves a record
 SHARDS, ARRAYS = "zarr", "nc"
 """Where parts go: into the shards of a Zarr group that grows, or into records alone, joined to a
 NetCDF file."""

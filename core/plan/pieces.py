@@ -25,7 +25,7 @@ Study = TypeVar("Study", bound=Prepared)
 FOLLOWED = "motions_followed"
 """The attribute of a result that has the number of its cells, where only computing can tell it."""
 MAX_PIECE_CELLS = 1_000_000  # points that a piece stores at most: a bound on memory
-MAX_PIECES = 100_000
+MAX_PIECES = 100_000  # pieces of a study: more would be too short to be worth handing out
 
 
 @dataclass(frozen=True)

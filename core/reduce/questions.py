@@ -99,7 +99,7 @@ def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
 def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
     """Yield each question of a reduction: the arrays that it needs, and a field with it alone.
 
-    A statistic of an output, the count of regimes, a share, or a level.
+    A question is a statistic of an output, the count of regimes, a share, or a level.
     """
     if asked.statistics or asked.quantiles:
         for name in outputs_of(plan, asked):

@@ -23,7 +23,7 @@ from core.mechanics.arrays import Array
 from core.plan.draws import points
 from core.sensitivity.replicates import REPLICATES, jackknife
 
-MAX_INPUTS = 40
+MAX_INPUTS = 40  # uncertain parameters: evaluations grow with their number
 FLAT = 1e-14
 """Standard deviation, as a share of the size of the values, that is rounding: the function is
 constant."""

@@ -22,7 +22,7 @@ from core.study.levels import read_level, refusal
 from core.study.units import UnitError, read_number, share_of
 from core.suggestions import suggestion
 
-MAX_RUNS = 1_000
+MAX_RUNS = 1_000  # runs of a study
 OBSERVED = ("conveying_velocity", "feed_rate")
 """Outputs that may have been measured."""
 REGIMES_SEEN = {

@@ -20,7 +20,7 @@ from core.study.values import position_on_axis
 from core.suggestions import Suggestions
 from core.sweep.cells import attributes_of
 
-MAX_AXES = 2
+MAX_AXES = 2  # free axes: a picture has no more
 
 
 @dataclass(frozen=True)
