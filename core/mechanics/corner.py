@@ -270,11 +270,10 @@ def floor_acceleration(
     free_normal_acceleration: Array,
     holding_normal_acceleration: Array,
 ) -> Array:
-    """Return the normal force of the plane per mass [m s-2].
+    """Return the plane's normal force per mass: -chi/(m tau) in slip, 0 in separation [m s-2].
 
-    0 in separation, the holding force for a corner at rest, and -chi/(m tau) in slip, with the free
-    normal acceleration chi and the normal response m tau. NaN where there is no solution, and where
-    every force is one (tau = chi = 0).
+    chi is the free normal acceleration, m tau the normal response; for a corner at rest it is the
+    holding force. NaN where there is no solution, and where every force is one (tau = chi = 0).
     """
     sliding = contact_force(normal_response, free_normal_acceleration)
     return by_case(contact_case, slip_direction, 0.0, holding_normal_acceleration, sliding)

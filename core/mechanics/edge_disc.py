@@ -52,11 +52,11 @@ def disc_acceleration(
     *, net_push: Array, required_friction: Array, friction_static: Array, friction_kinetic: Array,
     rolling_share: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration of a disc on its edge along x [m s-2].
+    """Return the acceleration along x, kap/(1 + kap) of the net push if the disc rolls [m s-2].
 
-    Where it rolls, kap/(1 + kap) (`rolling_share`) of the net push D - w, which is drive less wall
-    friction per mass; where its edge slips on the floor, the net push less mu_k n, never below 0 in
-    size.
+    The net push D - w is drive less wall friction per mass, kap/(1 + kap) is `rolling_share`. Where
+    the edge slips on the floor, it is the net push less mu_k n in size, n being the floor's force
+    per mass.
     """
     slipping = np.maximum(np.abs(net_push) - friction_kinetic * floor_acceleration, 0.0)
     slipping = np.where(net_push < 0, -slipping, slipping)

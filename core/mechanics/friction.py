@@ -59,11 +59,10 @@ def sliding_fraction(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the share of the drive that accelerates the part [1].
+    """Return the share of the drive that accelerates: stick 0, slip 1 - mu_k n/|D|, flight 1 [1].
 
-    Stick 0, slip 1 - mu_k n/|D|, flight 1. |D| (`in_plane_drive`) is the size of drive and gravity
-    in the floor, n the floor's force, both per mass [m s-2]. From rest, friction opposes the
-    impending sliding velocity, which is along D.
+    |D| (`in_plane_drive`) is the size of drive and gravity in the floor, n the floor's force, both
+    per mass [m s-2]. From rest, friction opposes the impending sliding velocity, which is along D.
     """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,

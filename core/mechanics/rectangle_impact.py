@@ -275,10 +275,10 @@ def approach_normal(
     normal_y: Array,
     planar_motion: BodyVelocities,
 ) -> Array:
-    """Return the normal velocity of the contact before the impact, negative in approach [m s-1].
+    """Return the normal velocity before the impact, n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1].
 
-    n.(v1 + w1 x rho1 - v2 - w2 x rho2): velocity v and spin w of each body, rho from its centre to
-    the contact.
+    It is that of the contact, negative in approach: velocity v and spin w of each body, rho from
+    its centre to the contact, and the normal n.
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -293,10 +293,10 @@ def approach_tangential(
     normal_y: Array,
     planar_motion: BodyVelocities,
 ) -> Array:
-    """Return the tangential velocity of the contact before the impact [m s-1].
+    """Return the tangential velocity before, t.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1].
 
-    t.(v1 + w1 x rho1 - v2 - w2 x rho2), t = (-n_y, n_x): velocity v and spin w of each body, rho
-    from its centre to the contact.
+    It is that of the contact before the impact: velocity v and spin w of each body, rho from its
+    centre to the contact, and the tangent t = (-n_y, n_x).
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2

@@ -73,11 +73,11 @@ def roll_root(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the acceleration z with which a solid cylinder slips; 0 where it rolls [m s-2].
+    """Return the root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, the acceleration of slip [m s-2].
 
-    z > 0 solves D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n, with drive and gravity D_x along
-    the axis, D_y across it and the floor's force n, all per mass. Accelerations along and across
-    the axis follow from it.
+    q = mu_k n, with drive and gravity D_x along the axis and D_y across it, and the floor's force
+    n, all per mass. z is the acceleration with which the contact of a solid cylinder slips; 0 where
+    it rolls.
     """
     return slip_root(
         in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,

@@ -101,10 +101,10 @@ def ball_spin(
     friction_kinetic: Array, rolling_factor: Array, rolling_share: Array,
     floor_acceleration: Array, diameter: Array,
 ) -> Array:  # fmt: skip
-    """Return the angular acceleration of a ball [rad s-2].
+    """Return the angular acceleration of a ball, |a|/r where it rolls [rad s-2].
 
-    |a|/r where it rolls, kap mu_k n/r where it slips, 0 in flight: |a| is the acceleration of the
-    centre, kap = m r^2/I, n the floor's force per mass.
+    kap mu_k n/r where it slips, 0 in flight: |a| is the acceleration of the centre, kap = m r^2/I,
+    n the floor's force per mass, r the radius.
     """
     slipping = rolling_factor * friction_kinetic * floor_acceleration
     rolling_rim = rolling_share * in_plane_drive
@@ -149,10 +149,11 @@ def roller_root(
     *, push_across_axis: Array, push_along_axis: Array, rolling_factor: Array,
     friction_static: Array, friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration z with which a roller slips; 0 where it rolls [m s-2].
+    """Return the root z of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
 
-    z > 0 solves D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_s along and
-    D_e across the axis, the floor's force n, all per mass, and kap = m r^2/I.
+    D_s and D_e are the push along and across the axis, n is the floor's force, all per mass, and
+    kap = m r^2/I. z is the acceleration with which the contact of the roller slips; 0 where it
+    rolls.
     """
     return rolling.slip_root(
         push_along_axis, push_across_axis, rolling_factor, friction_static, friction_kinetic,
@@ -207,11 +208,11 @@ def roller_spin(
     *, push_across_axis: Array, roll_root: Array, rolling_factor: Array, rolling_share: Array,
     friction_kinetic: Array, floor_acceleration: Array, diameter: Array,
 ) -> Array:  # fmt: skip
-    """Return the angular acceleration of a roller about its axis [rad s-2].
+    """Return the angular acceleration of a roller about its axis, a_e/r where it rolls [rad s-2].
 
-    a_e/r where it rolls, kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight: a_e and D_e
-    are acceleration and push across the axis, z is `roll_root`, kap = m r^2/I and q = mu_k n, with
-    the floor's force n per mass.
+    kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight: a_e and D_e are acceleration and
+    push across the axis, z is `roll_root`, kap = m r^2/I and q = mu_k n, with the floor's force n
+    per mass.
     """
     q = friction_kinetic * floor_acceleration
     slipping = (
@@ -254,12 +255,12 @@ def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
 def cone_factor(
     *, centre_radius: Array, axial_gyration: Array, gyration: Array, cone_half_angle: Array
 ) -> Array:
-    """Return the share of a push that accelerates a cone rolling on its side [1].
+    """Return the share of a push that accelerates a rolling cone, F = (l sin a)^2/I_g [1].
 
-    F = rho^2/(rho^2 + I_ax + I_t tan(a)^2), with the radius rho at the centre of mass, the half
-    angle a, and the moments of inertia per mass I_ax about the axis (`axial_gyration` squared) and
-    I_t across it (`gyration` squared): the cone turns about the line on which it touches. 2/3 for a
-    solid cylinder.
+    l is the distance of the centre of mass from the apex, a the half angle, I_g the moment of
+    inertia per mass about the line on which the cone touches. With the radius rho = l tan(a) at the
+    centre it is rho^2/(rho^2 + I_ax + I_t tan(a)^2), I_ax along the axis (`axial_gyration`
+    squared), I_t across it (`gyration` squared). 2/3 for a solid cylinder.
     """
     turning = hypot(axial_gyration, gyration * np.tan(cone_half_angle))
     through = hypot(centre_radius, turning)
@@ -277,10 +278,10 @@ def cone_acceleration(*, push_across_axis: Array, cone_factor: Array) -> Array:
 def cone_turning(
     *, rolling_acceleration: Array, centre_radius: Array, cone_half_angle: Array
 ) -> Array:
-    """Return the yaw acceleration of a rolling cone about the vertical through its apex [rad s-2].
+    """Return the turning about the vertical through a cone's apex, a_t/(l cos a) [rad s-2].
 
-    a_t/(l cos a) with the acceleration a_t of the centre, its distance l from the apex and the half
-    angle a; 0 for a cylinder, whose apex is far.
+    a_t is the acceleration of the centre of the rolling cone, l its distance from the apex and a
+    the half angle; 0 for a cylinder, whose apex is far.
     """
     apart = centre_radius * cosine(cone_half_angle)  # l cos(a) = rho cos(a)/tan(a)
     return rolling_acceleration * np.tan(cone_half_angle) / apart

@@ -79,10 +79,10 @@ def clear_time(*, lane_length: Array, row_velocity: Array) -> Array:
 def escapement_rate(
     *, closed_time: Array, open_time: Array, lane_pitch: Array, row_velocity: Array
 ) -> Array:
-    """Return the parts a minute of an escapement that lets one pass at each stroke [min-1].
+    """Return the parts a minute of an escapement, 60/(t_c + max(t_o, l/v)): one a stroke [min-1].
 
-    60/(t_c + max(t_o, l/v)), with the times closed t_c and open t_o [s]: it stays open at least
-    until a part of pitch l has passed at velocity v.
+    It is closed for t_c and open for t_o [s], and stays open at least until a part of the pitch l
+    has passed at the velocity v.
     """
     return MINUTE / (closed_time + np.maximum(open_time, lane_pitch / row_velocity))
 

@@ -196,10 +196,10 @@ def push_over_load(
 def rocking_margin(
     *, rocking_friction: Array, friction_static: Array, push_over_load: Array
 ) -> Array:
-    """Return the floor's push less the push that makes a part rock, over the load [1].
+    """Return the floor's push beyond that which rocks a part, min(mu_s, |D|/n) - b/z_c [1].
 
-    min(mu_s, |D|/n) - b/z_c: push |D|/n in a period (`push_over_load`), half base b and height z_c
-    of the centre. Where it is not above 0, the part never rocks, however long the shaking lasts. A
+    It is over the load: push |D|/n in a period (`push_over_load`), half base b and height z_c of
+    the centre. Where it is not above 0, the part never rocks, however long the shaking lasts. A
     part that begins to rock need not topple.
     """
     return np.minimum(friction_static, push_over_load) - rocking_friction

@@ -165,10 +165,10 @@ def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Arra
 def stopping_distance(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return the stopping distance, R/(2 mu) log1p(y^2); infinite if the part never stops [m].
+    """Return the stopping distance, R/(2 mu) log1p(mu v0^2/(|K| R)); infinite without stop [m].
 
-    y = v0 sqrt(mu/(|K| R)), with starting speed v0, acceleration K at zero speed (K < 0 brakes),
-    friction mu and radius R. For y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2, else the
+    With starting speed v0, acceleration K at zero speed (K < 0 brakes), friction mu and radius R.
+    For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2, else the
     logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
     """
     K = starting_acceleration
@@ -188,10 +188,10 @@ def stopping_distance(
 def stopping_time(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return the stopping time, sqrt(R/(|K| mu)) atan(y); infinite if the part never stops [s].
+    """Return the stopping time, sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))); infinite if none [s].
 
-    y = v0 sqrt(mu/(|K| R)), with starting speed v0, acceleration K at zero speed (K < 0 brakes),
-    friction mu and radius R. For y below 1 it is written as v0/|K| atan(y)/y.
+    With starting speed v0, acceleration K at zero speed (K < 0 brakes), friction mu and radius R.
+    For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0/|K| atan(y)/y.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)

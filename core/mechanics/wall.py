@@ -28,10 +28,10 @@ def derived_starting_acceleration(
     gravity_across: Array,
     friction_kinetic: Array,
 ) -> Array:
-    """Return the acceleration of a part at rest between floor and wall, K [m s-2].
+    """Return acceleration K = P cb (ca + mu sa) - g (sin gamma + mu cos gamma sin delta) [m s-2].
 
-    K = P cos(beta) (cos(alpha) + mu sin(alpha)) - g (sin(gamma) + mu cos(gamma) sin(delta)). Its
-    sign decides about motion, so that the sum is compensated for rounding.
+    It is that of a part at rest between floor and wall; cb, ca and sa are cos(beta), cos(alpha) and
+    sin(alpha). Its sign decides about motion, so that the sum is compensated for rounding.
     """
     mu = friction_kinetic
     return compensated_sum(drive_along, mu * drive_across, -gravity_along, -mu * gravity_across)
@@ -198,9 +198,9 @@ def supported_acceleration_x(
     friction_kinetic: Array,
     speed: Array,
 ) -> Array:
-    """Return the acceleration of a part between floor and wall along x, 0 in stick [m s-2].
+    """Return the acceleration between floor and wall, D_x -+ mu_k (n + s), 0 in stick [m s-2].
 
-    D_x -+ mu_k (n + s), with drive and gravity D_x, floor force n and wall force s per mass.
+    It is that along x, with drive and gravity D_x, floor force n and wall force s per mass.
     Friction opposes the speed; from rest, the drive.
     """
     load = floor_acceleration + wall_acceleration

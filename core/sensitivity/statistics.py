@@ -51,7 +51,12 @@ def quantiles(values: Array, shares: Array) -> Estimate:
     """Return quantiles with errors, ignoring NaN; values have the shape (..., replicates, count).
 
     `shares` are the shares of the values below. The error comes from the scatter of the replicates'
-    quantiles; the estimates have the shape (shares, ...).
+    quantiles.
+
+    Returns
+    -------
+    Estimate
+        Arrays of shape (shares, ...).
     """
     count = values.shape[-2]
     flat = values.reshape(*values.shape[:-2], -1)
