@@ -237,7 +237,7 @@ def _cells(count: int) -> str:
 
 
 def _span(values: NDArray[np.float64]) -> str:
-    """Return the range of some values in words."""
+    """Return the range of some values in words, such as ``is 0.1 to 0.3``; NaN left out."""
     known = values[~np.isnan(values)]
     if not known.size:
         return "has no value"
@@ -293,7 +293,7 @@ def _readable(
 
 
 def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
-    """Return the problems of parameter values for which an atlas does not hold."""
+    """Return the problems of parameter values for which no atlas holds: rebound, azimuth."""
     problems = []
     if np.any(arrays.get("restitution", 0.0)):
         message = "an atlas holds for parts that do not rebound: restitution 0"

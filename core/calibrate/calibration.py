@@ -111,7 +111,7 @@ class Calibration(Prepared):
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The axes of each variable."""
+        """The dimensions of each variable of the result, by name."""
         model = self.model
         by_run = {model.runs.output, "error", "residual", "residual_over_error"}
         by_run |= {name for name in self.units if name.startswith("predicted")}
@@ -133,7 +133,7 @@ class Calibration(Prepared):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """The length of each dimension; for modes the largest number that is stored."""
+        """The length of each dimension, by name; for modes the most that are stored."""
         names = self.model.names
         sizes = {RUN: len(self.model.runs), MODE: MAX_MODES}
         sizes |= dict.fromkeys(names, AXIS[len(names)])

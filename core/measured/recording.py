@@ -110,13 +110,14 @@ class Signal(NamedTuple):
 
 
 def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Signal:
-    """Return the accelerations of the track in a recording.
+    """Return the accelerations of the track in a recording, in its axes, and their times.
 
     Parameters
     ----------
-    source : str, Path or Table
-        The CSV: its text, its file, or as it has been read.
+    source : str, Path or RecordingTable
+        The recording: CSV text, the path of a CSV file, or the table read from it.
     recording : Recording
+        Which columns hold what: axes, units, times, mounting.
 
     Raises
     ------

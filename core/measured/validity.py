@@ -72,7 +72,7 @@ def check_before(signal: Signal) -> None:
 
 
 def _out_of_range(signal: Signal) -> list[Problem]:
-    """Return problems of times and values outside the range of recorders."""
+    """Return problems of sampling times and values that no recorder gives: slips of a unit."""
     problems = []
     with np.errstate(over="ignore"):
         step = float(np.ptp(signal.times)) / (signal.times.size - 1)

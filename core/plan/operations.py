@@ -146,9 +146,10 @@ def _arc_digits(m: Any, square: Any, root: Any) -> Any:
 def _slip_slope(
     z: Any, x: Any, y: Any, s: Any, held: Any, dx: Any, dy: Any, ds: Any, dheld: Any
 ) -> Any:
-    """Return the slope of `slip_share`, by implicit differentiation of its equation h(z) = 1.
+    """Return the slope of `slip_share`, by implicit differentiation of its equation.
 
-    z is the root, x, y, s, held the arguments, and dx to dheld their slopes.
+    That is x^2/(z+s)^2 + y^2/(z + held s)^2 = 1 for the root z; x, y, s and held are the arguments,
+    dx to dheld their slopes.
     """
     a, b = z + s, z + held * s
     by_a, by_b = np.square(x / a) / a, np.square(y / b) / b

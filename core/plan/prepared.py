@@ -97,7 +97,7 @@ class Prepared:
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The axes of each output, `regime` last."""
+        """The axes of each output by name, `regime` last."""
         depends = self.plan.depends_on(self.grid.axes)
         dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
         if self.derived is not None:
@@ -222,7 +222,7 @@ class Prepared:
 
     @property
     def computing_share(self) -> float:
-        """The share of computing in the total time with verification."""
+        """The share of computing in the total time with verification, 0 to 1."""
         if not self.seconds_to_verify:
             return 1.0
         seconds = self.cells * self.seconds_a_cell

@@ -47,7 +47,10 @@ class Indices(NamedTuple):
 
 
 def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> Array:
-    """Return the sample points for Sobol indices, `count` in each of several scramblings.
+    """Return the sample points for Sobol indices.
+
+    There are `count` of each kind in every one of the `replicates` scramblings; equal seeds give
+    equal points.
 
     Returns
     -------
