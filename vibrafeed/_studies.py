@@ -1238,8 +1238,8 @@ def simulate(
         Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
         example "0.5 kg".
     load_damping : values, optional
-        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
-        for example "40 N s/m".
+        Damping between track and ground by parts that slide and hop. In N s m-1, 0 or more, for
+        example "40 N s/m".
     conveyed_mass : values, optional
         Mass of all parts that travel on the track; amplitude and motion are found together. In kg,
         0 or more, for example "0.5 kg".
@@ -1249,12 +1249,12 @@ def simulate(
         Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
         m^2".
     spring_radius : values, optional
-        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+        Radius from the bowl's axis to the leaf springs. In m, above 0, for example "150 mm".
     spring_angle : values, optional
-        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
-        from -89 to 89, for example "20 deg".
+        Tilt of the leaf springs from the vertical; equals the drive's angle of a linear unit. In
+        degrees, from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
+        Number of leaf springs in all packs, separated by spacers. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -1262,15 +1262,19 @@ def simulate(
     spring_length : values, optional
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
-        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+        Elastic modulus of the leaf springs: 206 GPa for spring steel. In Pa, above 0, for example
+        "206 GPa".
     spring_density : values, optional
-        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
+        Density of the leaf springs: 7850 kg/m^3 for spring steel. In kg m-3, above 0, for example
+        "7850 kg/m^3".
     clamp_factor : values, optional
-        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+        Stiffness of the leaf springs relative to rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
-        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+        Bending stress that the leaf springs endure permanently. In Pa, above 0, for example "250
+        MPa".
     ring_down_frequency : values, optional
-        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+        Frequency at which the empty unit vibrates freely after a knock. In Hz, above 0, for example
+        "53 Hz".
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
@@ -1282,8 +1286,9 @@ def simulate(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
-        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
+        Second harmonic over the first: 0.25 of a magnet on a half wave that pulls the track back
+        and down, -0.25 of one that pulls it forward and up, 0 on a full wave. From -1 to 1, for
+        example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional
@@ -1297,36 +1302,37 @@ def simulate(
     air_gap : values, optional
         Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
     foot_stiffness : values, optional
-        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+        Stiffness of all feet together; 0 if the base is free. In N m-1, 0 or more, for example
+        "50000 N/m".
     foot_damping : values, optional
-        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+        Damping of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
     spring_stiffness : values, optional
-        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
-        above 0, for example "1000 N/mm".
+        Stiffness of all leaf springs along the stroke; computed from their sizes by default. In N
+        m-1, above 0, for example "1000 N/mm".
     track_fraction : values, optional
         Share of the track's length behind the part: 0 at its start, 1 at the exit. From 0 to 1, for
         example 0.5.
     start_radius : values, optional
         Radius at which the track starts. In m, above 0, for example "100 mm".
     load_radius : values, optional
-        Radius at which the load lies; that of the part unless given. In m, above 0, for example
-        "180 mm".
+        Radius at which the load lies; by default that of the part. In m, above 0, for example "180
+        mm".
     load_fraction : values, optional
-        Share of the track's length at which all that it carries is taken to be. From 0 to 1, for
-        example 0.5.
+        Share of the track's length at which the load of all its parts is taken to act. From 0 to 1,
+        for example 0.5.
     line_yield : values, optional
         Share of the parts that pass the devices behind the track, as yield of orienting-line. From
         0 to 1, for example 0.79.
     parts : values, optional
-        Parts of the row. From 2 to 64, for example 8.
+        Number of parts in the row. From 2 to 64, for example 8.
     part_restitution : values, optional
-        Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
-        example 0.3.
+        Relative velocity after a collision of two parts over that before. From 0 to 1, for example
+        0.3.
     friction_spread : values, optional
         Standard deviation of the friction of the parts, drawn within three of it. 0 or more, for
         example 0.03.
     friction_seed : values, optional
-        Whole number: each draws another row. From 0 to 1e+09, for example 1.
+        Seed: each whole number samples another row. From 0 to 1e+09, for example 1.
     track_stop_gap : values, optional
         Gap between the front part and a stop that moves with the track, at the start. In m, 0 or
         more, for example "0 mm".
@@ -1337,9 +1343,8 @@ def simulate(
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
     rolling_factor : values, optional
-        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
-        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
-        2.5.
+        Ratio m r^2/I about the rolling axis: 5/2 of a ball, 3/2 of a thin shell, 2 of a cylinder or
+        disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example 2.5.
     rolling_resistance : values, optional
         Coefficient of rolling resistance: lever of the floor's force over the radius of the part.
         Hard steel on steel has some 0.001, plastic on a lined track some 0.02. 0 or more, for
@@ -1360,7 +1365,7 @@ def simulate(
     max_periods : int, optional
         Maximum number of drive periods that are simulated for one point.
     steps_per_period : int, optional
-        Time steps in a period, of time-stepping; steps times periods are 25 million at most.
+        Time steps per period, for time-stepping; steps times periods are at most 25 million.
     slip_speed : float, optional
         Slip speed, in g/w, up to which regularised friction rises.
     contact_stiffness : float, optional
@@ -1380,8 +1385,8 @@ def simulate(
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
     drive_factor : values, optional
-        By how much every amplitude or acceleration of the drive is larger than given. 0 or more,
-        for example 1.2.
+        Factor by which every amplitude or acceleration of the drive is multiplied. 0 or more, for
+        example 1.2.
     amplitude_along_1 to _10 : values, optional
         Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m,
         0 or more, for example "0.1 mm".
@@ -1410,7 +1415,7 @@ def simulate(
         Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
         m/s^2".
     duration_1 to _12 : values, optional
-        How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+        Relative duration of step 1; the durations of all steps divide the period. 0 or more, for
         example 0.25.
     part_friction_1 to _10 : values, optional
         Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for
@@ -2653,7 +2658,7 @@ def sensitivity(
     pitch_rate : values, optional
         Rate of the pitch, clockwise. In rad s-1, for example "2 rad/s" or "-90 deg/s".
     centre_along : values, optional
-        Place of the part's centre along the plane. In m, for example "12 mm".
+        Position of the part's centre along the plane. In m, for example "12 mm".
     centre_height : values, optional
         Height of the part's centre above the plane. In m, for example "8 mm".
     velocity_along : values, optional
@@ -2761,8 +2766,8 @@ def sensitivity(
         Mass of parts that move with the track, neither sliding nor hopping. In kg, 0 or more, for
         example "0.5 kg".
     load_damping : values, optional
-        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
-        for example "40 N s/m".
+        Damping between track and ground by parts that slide and hop. In N s m-1, 0 or more, for
+        example "40 N s/m".
     conveyed_mass : values, optional
         Mass of all parts that travel on the track; amplitude and motion are found together. In kg,
         0 or more, for example "0.5 kg".
@@ -2772,12 +2777,12 @@ def sensitivity(
         Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
         m^2".
     spring_radius : values, optional
-        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+        Radius from the bowl's axis to the leaf springs. In m, above 0, for example "150 mm".
     spring_angle : values, optional
-        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
-        from -89 to 89, for example "20 deg".
+        Tilt of the leaf springs from the vertical; equals the drive's angle of a linear unit. In
+        degrees, from -89 to 89, for example "20 deg".
     spring_count : values, optional
-        Leaves side by side, in all packs together, with spacers between. Above 0, for example 8.
+        Number of leaf springs in all packs, separated by spacers. Above 0, for example 8.
     spring_width : values, optional
         Width of a leaf spring. In m, above 0, for example "40 mm".
     spring_thickness : values, optional
@@ -2785,15 +2790,19 @@ def sensitivity(
     spring_length : values, optional
         Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
     elastic_modulus : values, optional
-        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+        Elastic modulus of the leaf springs: 206 GPa for spring steel. In Pa, above 0, for example
+        "206 GPa".
     spring_density : values, optional
-        Of the leaves: 7850 kg/m^3 of spring steel. In kg m-3, above 0, for example "7850 kg/m^3".
+        Density of the leaf springs: 7850 kg/m^3 for spring steel. In kg m-3, above 0, for example
+        "7850 kg/m^3".
     clamp_factor : values, optional
-        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+        Stiffness of the leaf springs relative to rigid clamps. Above 0, for example 0.9.
     allowable_stress : values, optional
-        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+        Bending stress that the leaf springs endure permanently. In Pa, above 0, for example "250
+        MPa".
     ring_down_frequency : values, optional
-        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+        Frequency at which the empty unit vibrates freely after a knock. In Hz, above 0, for example
+        "53 Hz".
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
@@ -2805,8 +2814,9 @@ def sensitivity(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
-        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
+        Second harmonic over the first: 0.25 of a magnet on a half wave that pulls the track back
+        and down, -0.25 of one that pulls it forward and up, 0 on a full wave. From -1 to 1, for
+        example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional
@@ -2820,23 +2830,24 @@ def sensitivity(
     air_gap : values, optional
         Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
     foot_stiffness : values, optional
-        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+        Stiffness of all feet together; 0 if the base is free. In N m-1, 0 or more, for example
+        "50000 N/m".
     foot_damping : values, optional
-        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+        Damping of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
     spring_stiffness : values, optional
-        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
-        above 0, for example "1000 N/mm".
+        Stiffness of all leaf springs along the stroke; computed from their sizes by default. In N
+        m-1, above 0, for example "1000 N/mm".
     track_fraction : values, optional
         Share of the track's length behind the part: 0 at its start, 1 at the exit. From 0 to 1, for
         example 0.5.
     start_radius : values, optional
         Radius at which the track starts. In m, above 0, for example "100 mm".
     load_radius : values, optional
-        Radius at which the load lies; that of the part unless given. In m, above 0, for example
-        "180 mm".
+        Radius at which the load lies; by default that of the part. In m, above 0, for example "180
+        mm".
     load_fraction : values, optional
-        Share of the track's length at which all that it carries is taken to be. From 0 to 1, for
-        example 0.5.
+        Share of the track's length at which the load of all its parts is taken to act. From 0 to 1,
+        for example 0.5.
     small_diameter : values, optional
         Diameter of the end opposite to that of diameter; 0 of a full cone. In m, 0 or more, for
         example "12 mm".
@@ -2854,13 +2865,14 @@ def sensitivity(
         Conveying velocity of the parts before the first device. In m s-1, above 0, for example "60
         mm/s".
     part_pitch : values, optional
-        From part to part in their row. In m, above 0, for example "22 mm".
+        Distance from part to part in a row. In m, above 0, for example "22 mm".
     wanted_aspect : values, optional
         Number of the aspect in which parts are to leave. From 1 to 3, for example 1.
     shank_diameter : values, optional
-        Of a part with a head, which has the diameter. In m, above 0, for example "4 mm".
+        Diameter of the shank of a part with a head; `diameter` is that of the head. In m, above 0,
+        for example "4 mm".
     device_order : values, optional
-        Which of the orders of all devices, as in a dictionary: 1 is the order of their places, the
+        Number of the order of the devices, in lexical order: 1 is the order of their positions, the
         last one is backwards. From 1 to 720, for example 1.
     drop_count_1 : values, optional
         Parts of a drop test that came to rest in aspect 1. 0 or more, for example 129.
@@ -2878,19 +2890,19 @@ def sensitivity(
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
     passed_aspect_1 : values, optional
-        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
-        example 1.
+        Number of the only aspect that passes the device. From 1 to 3, for example 1.
     rail_width_1 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
     outlet_capacity_1 : values, optional
-        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
-        "120 1/min".
+        Maximum number of parts per minute that pass a pressure break or outlet. In min-1, above 0,
+        for example "120 1/min".
     turned_share_1 : values, optional
         Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
         for example 0.6.
     turn_1 : values, optional
-        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+        Aspects before and after turning: 21 turns aspect 2 into aspect 1. From 12 to 32, for
+        example 21.
     wiper_height_2 : values, optional
         Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
         mm".
@@ -2901,19 +2913,19 @@ def sensitivity(
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
     passed_aspect_2 : values, optional
-        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
-        example 1.
+        Number of the only aspect that passes the device. From 1 to 3, for example 1.
     rail_width_2 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
     outlet_capacity_2 : values, optional
-        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
-        "120 1/min".
+        Maximum number of parts per minute that pass a pressure break or outlet. In min-1, above 0,
+        for example "120 1/min".
     turned_share_2 : values, optional
         Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
         for example 0.6.
     turn_2 : values, optional
-        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+        Aspects before and after turning: 21 turns aspect 2 into aspect 1. From 12 to 32, for
+        example 21.
     wiper_height_3 : values, optional
         Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
         mm".
@@ -2924,19 +2936,19 @@ def sensitivity(
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
     passed_aspect_3 : values, optional
-        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
-        example 1.
+        Number of the only aspect that passes the device. From 1 to 3, for example 1.
     rail_width_3 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
     outlet_capacity_3 : values, optional
-        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
-        "120 1/min".
+        Maximum number of parts per minute that pass a pressure break or outlet. In min-1, above 0,
+        for example "120 1/min".
     turned_share_3 : values, optional
         Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
         for example 0.6.
     turn_3 : values, optional
-        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+        Aspects before and after turning: 21 turns aspect 2 into aspect 1. From 12 to 32, for
+        example 21.
     wiper_height_4 : values, optional
         Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
         mm".
@@ -2947,19 +2959,19 @@ def sensitivity(
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
     passed_aspect_4 : values, optional
-        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
-        example 1.
+        Number of the only aspect that passes the device. From 1 to 3, for example 1.
     rail_width_4 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
     outlet_capacity_4 : values, optional
-        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
-        "120 1/min".
+        Maximum number of parts per minute that pass a pressure break or outlet. In min-1, above 0,
+        for example "120 1/min".
     turned_share_4 : values, optional
         Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
         for example 0.6.
     turn_4 : values, optional
-        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+        Aspects before and after turning: 21 turns aspect 2 into aspect 1. From 12 to 32, for
+        example 21.
     wiper_height_5 : values, optional
         Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
         mm".
@@ -2970,19 +2982,19 @@ def sensitivity(
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
     passed_aspect_5 : values, optional
-        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
-        example 1.
+        Number of the only aspect that passes the device. From 1 to 3, for example 1.
     rail_width_5 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
     outlet_capacity_5 : values, optional
-        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
-        "120 1/min".
+        Maximum number of parts per minute that pass a pressure break or outlet. In min-1, above 0,
+        for example "120 1/min".
     turned_share_5 : values, optional
         Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
         for example 0.6.
     turn_5 : values, optional
-        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+        Aspects before and after turning: 21 turns aspect 2 into aspect 1. From 12 to 32, for
+        example 21.
     wiper_height_6 : values, optional
         Height of a wiper's edge over the track: passes lower parts. In m, above 0, for example "12
         mm".
@@ -2993,34 +3005,34 @@ def sensitivity(
         Length of a gap in the track: passes parts longer than twice that. In m, above 0, for
         example "8 mm".
     passed_aspect_6 : values, optional
-        Number of the only aspect that the device lets pass, whatever it is. From 1 to 3, for
-        example 1.
+        Number of the only aspect that passes the device. From 1 to 3, for example 1.
     rail_width_6 : values, optional
         Distance of two rails: parts with a head hang in it by their shank. In m, above 0, for
         example "5 mm".
     outlet_capacity_6 : values, optional
-        Most parts a minute that pass a pressure break or outlet. In min-1, above 0, for example
-        "120 1/min".
+        Maximum number of parts per minute that pass a pressure break or outlet. In min-1, above 0,
+        for example "120 1/min".
     turned_share_6 : values, optional
         Share of the parts of an aspect that a riser, step or wiper turns into another. From 0 to 1,
         for example 0.6.
     turn_6 : values, optional
-        From which aspect to which: 21 from aspect 2 to aspect 1. From 12 to 32, for example 21.
+        Aspects before and after turning: 21 turns aspect 2 into aspect 1. From 12 to 32, for
+        example 21.
     lap_time : values, optional
         Time from the bowl to the first device and back. In s, above 0, for example "40 s".
     line_yield : values, optional
         Share of the parts that pass the devices behind the track, as yield of orienting-line. From
         0 to 1, for example 0.79.
     parts : values, optional
-        Parts of the row. From 2 to 64, for example 8.
+        Number of parts in the row. From 2 to 64, for example 8.
     part_restitution : values, optional
-        Velocity of parting over that of meeting where two parts strike each other. From 0 to 1, for
-        example 0.3.
+        Relative velocity after a collision of two parts over that before. From 0 to 1, for example
+        0.3.
     friction_spread : values, optional
         Standard deviation of the friction of the parts, drawn within three of it. 0 or more, for
         example 0.03.
     friction_seed : values, optional
-        Whole number: each draws another row. From 0 to 1e+09, for example 1.
+        Seed: each whole number samples another row. From 0 to 1e+09, for example 1.
     track_stop_gap : values, optional
         Gap between the front part and a stop that moves with the track, at the start. In m, 0 or
         more, for example "0 mm".
@@ -3035,15 +3047,15 @@ def sensitivity(
     lane_length : values, optional
         Length of the lane. In m, above 0, for example "500 mm".
     closed_time : values, optional
-        Time for which the escapement holds. In s, 0 or more, for example "200 ms".
+        Time for which the escapement is closed. In s, 0 or more, for example "200 ms".
     open_time : values, optional
-        Least time for which it lets go. In s, 0 or more, for example "100 ms".
+        Minimum time for which the escapement is open. In s, 0 or more, for example "100 ms".
     part_width : values, optional
         Width of a part, across the lane. In m, above 0, for example "10 mm".
     bend_radius : values, optional
-        Radius of the outer wall. In m, above 0, for example "200 mm".
+        Radius of the bend's outer wall. In m, above 0, for example "200 mm".
     bend_length : values, optional
-        Length of the row in the bend. In m, above 0, for example "200 mm".
+        Length of the part of a row inside the bend. In m, above 0, for example "200 mm".
     bend_friction : values, optional
         Coefficient of friction at the wall of the bend. Above 0, for example 0.3.
     line_push : values, optional
@@ -3063,16 +3075,16 @@ def sensitivity(
         Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a hoop
         or a thin shell. In m, 0 or more, for example "6 mm".
     rolling_factor : values, optional
-        m r^2/I about the axis that the part rolls about: 5/2 of a ball, 3/2 of a thin shell, 2 of a
-        cylinder or disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example
-        2.5.
+        Ratio m r^2/I about the rolling axis: 5/2 of a ball, 3/2 of a thin shell, 2 of a cylinder or
+        disc, 1 of a hoop; follows from the diameters unless given. Above 0, for example 2.5.
     restitution_speed : values, optional
         Speed of impact at which the restitution was measured. In m s-1, above 0, for example "0.1
         m/s".
     impact_speed : values, optional
         Speed of approach normal to the contact. In m s-1, above 0, for example "0.2 m/s".
     contact_damping_ratio : values, optional
-        Of the spring and damper of a contact that never pulls. 0 or more, for example 0.2.
+        Damping ratio of the spring and damper of a contact that never pulls. 0 or more, for example
+        0.2.
     lining_stiffness : values, optional
         Force over depth of a part on a lined track, such as brush or urethane. In N m-1, above 0,
         for example "20 N/mm".
@@ -3096,8 +3108,8 @@ def sensitivity(
     quantiles : sequence of float, optional
         Shares of the parts; the result has the value that this share stays below.
     samples : int, optional
-        Points drawn from the distributions for each design, a power of two; Sobol indices take as
-        many again for each parameter, and once more.
+        Number of points sampled from the distributions for each design, a power of two; Sobol
+        indices take as many again for each parameter, and once more.
     seed : int, optional
         Seed of the sampled points.
     drive : mapping, optional
@@ -3116,8 +3128,8 @@ def sensitivity(
     parameters : mapping of str to values, optional
         Fixed or ranged parameters.
     drive_factor : values, optional
-        By how much every amplitude or acceleration of the drive is larger than given. 0 or more,
-        for example 1.2.
+        Factor by which every amplitude or acceleration of the drive is multiplied. 0 or more, for
+        example 1.2.
     amplitude_along_1 to _10 : values, optional
         Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m,
         0 or more, for example "0.1 mm".
@@ -3146,7 +3158,7 @@ def sensitivity(
         Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
         m/s^2".
     duration_1 to _12 : values, optional
-        How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+        Relative duration of step 1; the durations of all steps divide the period. 0 or more, for
         example 0.25.
     part_friction_1 to _10 : values, optional
         Coefficient of friction between the track and part 1 of a row, the rearmost. 0 or more, for

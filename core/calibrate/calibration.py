@@ -174,7 +174,7 @@ class Calibration(Prepared):
 
     @cached_property
     def tried_seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The likely time of a motion of the fit on one core, after a trial of some [s]."""
         each = tried_price(self.method, self.plan, self.grid, cells=self.cells)
         return each + POINT_SECONDS + FEW_SECONDS / self.cells
 

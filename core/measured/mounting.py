@@ -58,7 +58,10 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
 
 
 def _rotation_of_angles(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the rotation matrix of three angles; None, with problems, if one is invalid."""
+    """Return the rotation matrix of yaw, pitch and roll; None, with problems, if one is invalid.
+
+    `parts` are the three angles, as numbers in degrees or texts.
+    """
     angles = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
         raw = raw.item() if isinstance(raw, np.generic) else raw

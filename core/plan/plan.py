@@ -80,7 +80,7 @@ class Plan:
         )
 
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return the axes on which each quantity of the plan depends."""
+        """Return, for each quantity of the plan and `regime`, the axes on which it depends."""
         names = tuple(axes)
         if names not in self._known_axes:
             self._known_axes[names] = self._depends_on(names)

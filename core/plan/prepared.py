@@ -180,7 +180,7 @@ class Prepared:
 
     @property
     def tried_seconds(self) -> float:
-        """The likely time of the study on one core [s], after a trial; within a factor of 3 as a rule.
+        """The likely time of the study on one core [s], after a trial; seldom a factor of 3 off.
 
         Where motion is followed, the trial follows some cells: it loads code and takes at most a
         tenth of the time of the study, or 40 ms, and never more than a tenth of a second. Elsewhere
@@ -195,7 +195,7 @@ class Prepared:
 
     @property
     def size_in_words(self) -> str:
-        """A text with cells, bytes and time."""
+        """A text with the number of cells, bytes and the time on one core."""
         seconds, most = self.tried_seconds, self.most_seconds
         rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
         cells = f"{self.cells:,} cell{'s' * (self.cells != 1)}"

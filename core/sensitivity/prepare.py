@@ -143,7 +143,7 @@ class Sensitivity(Prepared):
 
     @cached_property
     def tried_seconds_a_cell(self) -> float:
-        """As in `Prepared`."""
+        """The likely time of a design or row on one core, after a trial of some motions [s]."""
         if not any(equation.takes_long for equation in self.plan.equations):
             return self.seconds_a_cell
         cells = self.cells * self.evaluations

@@ -54,7 +54,7 @@ class Shards(Parts):
     sweep: Prepared
 
     def begin(self) -> None:
-        """Write the metadata of the group, so that readers can open it while it grows."""
+        """Write the metadata of the Zarr group, so that readers can open it while it grows."""
         growing = self._growing(outline_table(self.sweep.unverified()))
         try:
             growing.show()
