@@ -103,7 +103,7 @@ class Settings(BaseSettings):
     )
     ledger_url: SecretStr | None = Field(
         default=None,
-        description="Database of the ledger, as in `postgresql://db.example:5432/jobs`, with "
+        description="Database that records jobs, as in `postgresql://db.example:5432/jobs`, with "
         "`user:password@` before the host; by default an SQLite file in the data directory.",
     )
     max_body_bytes: int = Field(
@@ -161,7 +161,8 @@ class Settings(BaseSettings):
         default=1.0,
         gt=0,
         le=3600,
-        description="Approximate time of a block of a job, which is lost when a worker is killed.",
+        description="Approximate computing time of one block of a job. If a worker is killed, only "
+        "its current block is computed again.",
     )
     max_queue: int = Field(
         default=100,

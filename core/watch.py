@@ -50,7 +50,7 @@ class Watch:
     def check(self) -> None:
         """Raise `StoppedError` if the computation is to stop."""
         if self.stopped():
-            raise StoppedError("it was stopped in the middle of a cell")
+            raise StoppedError("the calculation was stopped; the cell in progress is not kept")
 
     @contextlib.contextmanager
     def flag(self) -> Iterator[NDArray[np.int8]]:

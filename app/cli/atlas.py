@@ -84,7 +84,9 @@ def _refuse_problems(
         except MissingPackageError as error:
             problems.append(Problem("output", str(error), "Or end it in .nc"))
     if charts is not None and charts.suffix.lower() != ".pdf":
-        problems.append(Problem("charts", "the book is a PDF", "End the name in .pdf"))
+        problems.append(
+            Problem("charts", "the book of charts is written as PDF", "End the name in .pdf")
+        )
     for option, path in (("output", output), ("charts", charts)):
         if path is None or not path.exists():
             continue

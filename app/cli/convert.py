@@ -38,7 +38,11 @@ def convert(
     """
     if to not in FORMS:
         refuse(
-            {file: [Problem("to", f"'{to[:40]}' is not a form of a study", suggestion(to, FORMS))]}
+            {
+                file: [
+                    Problem("to", f"'{to[:40]}' is not a format of studies", suggestion(to, FORMS))
+                ]
+            }
         )
     content = _read_valid_study(file)
     folder = output.parent if output is not None else Path()

@@ -37,7 +37,8 @@ def drive(
     sensor: Annotated[
         str | None,
         typer.Option(
-            help="Alternatively, the columns of the sensor's axes x, y and z, as in ax,ay,az."
+            help="Columns of the sensor's axes x, y and z, as in ax,ay,az; they replace --along, "
+            "--normal and --across."
         ),
     ] = None,
     mounting: Annotated[

@@ -81,7 +81,9 @@ def answers_of(content: object) -> ProgramAnswers:
         if key not in _KEYS
     ]
     if content.get("format") != FORMAT:
-        problems.append(Problem("format", "it is not given, or another one", f'Write "{FORMAT}"'))
+        problems.append(
+            Problem("format", "the format is missing, or is not known", f'Write "{FORMAT}"')
+        )
     program = content.get("program", "the program")
     if not isinstance(program, str) or len(program) > 200:
         problems.append(Problem("program", "it is not a name", 'Write text, such as "Another 1.2"'))

@@ -41,7 +41,7 @@ def with_rows(content: Content, files: bool) -> Resolved:
         return Resolved(content)
     try:
         if not files:
-            _fail("no file is read here", "Give its rows: a list of objects")
+            _fail("the service reads no files", "Give its rows: a list of objects")
         return Resolved({**content, "observations": read_rows(Path(named))})
     except StudyError as error:
         rest = {name: value for name, value in content.items() if name != "observations"}

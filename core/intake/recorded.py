@@ -130,7 +130,7 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
     if drive.data is not None:
         return drive.data
     if not files:
-        raise StudyError([Problem("drive.file", "no file is read here", _which(files))])
+        raise StudyError([Problem("drive.file", "the service reads no files", _which(files))])
     assert drive.file is not None
     return drive.file
 

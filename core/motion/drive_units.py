@@ -118,7 +118,7 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
     problems = [
         Problem(
             f"parameters.{other}",
-            f"it follows from the drive unit that {of_unit[0]} belongs to",
+            f"it is computed from the drive unit, to which {of_unit[0]} belongs",
             f"Remove it, or all of {', '.join(of_unit)}",
         )
         for other in names

@@ -84,5 +84,5 @@ def _spacing(length: Array, gap: Array | float) -> Array:
     spacing = length + gap
     if np.any(spacing <= 0.0):
         fix = "Give what a part takes of the track"
-        raise StudyError([Problem("length", "with its gap it is not above 0", fix)])
+        raise StudyError([Problem("length", "length and gap together must be above 0", fix)])
     return spacing

@@ -84,9 +84,10 @@ class Single:
         return self.judged_with_error(unit)[:2]
 
     def judged_with_error(self, unit: Array) -> tuple[Array, Array, Array]:
-        """Return objective, violation, and the objective's error by chance, shape (n,).
+        """Return objective, violation of limits, and standard error of the objective, shape (n,).
 
-        Each is over its scale; `unit` are the points, shape (variables, n).
+        Each is divided by its scale. `unit` are points of the unit cube, shape (variables, n), as
+        in `points_in_box`. The standard error is that of motions which do not repeat; else 0.
         """
         x = self.points_in_box(unit)
         self._count(x.shape[1])

@@ -68,7 +68,9 @@ def fixed_positions(
         if name in axes:
             others = ",".join(axis for axis in axes if axis != name)
             fix = f"Add --axes {others}, or leave it out" if others else "Leave it out"
-            raise PlotError(_axis_name(name), f"{name} is an axis of this picture", fix)
+            raise PlotError(
+                _axis_name(name), f"{name} is an axis of this picture and cannot be fixed", fix
+            )
         if name not in known:
             message = "the dataset has no such dimension"
             raise PlotError(_axis_name(name), message, suggestion(name, map(str, dataset.dims)))

@@ -204,7 +204,7 @@ def _selected(
     """
     if kind == "map" and "regime" not in dataset:
         fix = "Ask for another kind, or leave it out"
-        raise PlotError("kind", "the dataset has no regimes", fix)
+        raise PlotError("kind", "the dataset has no variable regime", fix)
     whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
     if kind == "map" and variable not in (None, "regime"):
         named = dataset[_variable(dataset, variable)]

@@ -130,13 +130,15 @@ class Units:
             yield before.field, before.block, state
 
     def _seen(self, unit: ReductionBox, watch: Watch) -> State:
-        """Return the state of one box; raise `StoppedError` if `watch` stops it.
+        """Evaluate the cells of one box and return the state of the reduction after them.
 
-        Where boxes are fewer than threads, the cells of the box get several.
+        A box is a range of indices of the sweep's axes, and `unit` names the field that is reduced
+        and the box. If boxes are fewer than threads, each is evaluated by several threads. Raises
+        `StoppedError` if `watch` stops it.
         """
         if watch.stopped():
             raise StoppedError(STOPPED)
-        # Boxes are shared out among threads; where there are few, so are the cells of each.
+        # Boxes run side by side; the threads that they leave share the cells of each.
         threads = max(1, (watch.threads or cores()) // len(self))
         silent = replace(watch, progress=None, threads=threads)
         return self.boxes[unit.field].seen(unit.box, silent)

@@ -147,10 +147,12 @@ class DeviceLine:
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
     ) -> tuple[list[Matrix], list[Array | None]]:
-        """Return the devices' matrices and capacities in the order that each cell asks for.
+        """Return matrices and outlet capacities of the devices, rearranged for each cell.
 
-        `order` is the number of the order, from 1 on; a device without outlet has an infinite
-        capacity.
+        `order` holds for each cell the number, from 1 on, of a permutation of the devices as
+        `orienting.devices_in_order` counts them. `outlets` are the capacities of the outlets
+        [1/s]; None, a device without outlet, counts as infinite. The second list is of None where
+        no device has an outlet.
         """
         capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
         chosen: list[Matrix] = []

@@ -117,7 +117,9 @@ def test_parts_without_a_length_have_no_rate(length):
         lambda: vibrafeed.parts_per_minute(velocity=0.03, length=length),
         lambda: vibrafeed.velocity_for(parts_per_minute=100, length=length),
     ):
-        with pytest.raises(vibrafeed.StudyError, match="length: with its gap it is not above 0"):
+        with pytest.raises(
+            vibrafeed.StudyError, match="length: length and gap together must be above 0"
+        ):
             rate()
 
 

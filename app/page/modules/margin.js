@@ -74,7 +74,7 @@ export function ratesTold(design) {
   const rows = design.rates.map(({ name, value }) => {
     const isNone = Math.abs(value) < 1e-6;
     const change = isNone ? "no change" : `${value > 0 ? "+" : ""}${number(value, 2)} %`;
-    const told = Number.isFinite(value) ? change : "it jumps there, or has a kink";
+    const told = Number.isFinite(value) ? change : "no rate: the criterion jumps or has a kink there";
     return row(capital(words(name)), told);
   });
   if (!rows.length) return null;

@@ -32,7 +32,7 @@ export const SETS = {
     parameters: {
       amplitude_along_1: { ...LENGTH, label: "Amplitude along", begin: 0.0003, usual: [0.00005, 0.0008] },
       amplitude_along_2: { ...LENGTH, label: "Amplitude along, twice the frequency", begin: 0.000075, usual: [0, 0.0002] },
-      phase_along_2: { ...ANGLE, label: "Phase along, twice the frequency", begin: 180 },
+      phase_along_2: { ...ANGLE, label: "Phase of the motion along the track, at twice the frequency", begin: 180 },
     },
     x: "phase_along_2",
     y: "amplitude_along_2",

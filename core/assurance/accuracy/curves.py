@@ -237,7 +237,10 @@ def _columns(
 
 
 def _further(points: Sequence[Point]) -> dict[str, TableVariable]:
-    """Return the further measurements of a point, by name."""
+    """Return a table column for each optional measurement (`MORE`) of the benchmark's points.
+
+    It is NaN where a point lacks the measurement, and left out where all points lack it.
+    """
     values = {name: [point.more.get(name, math.nan) for point in points] for name in MORE}
     return {
         name: _floats(values[name], label, unit)

@@ -106,7 +106,7 @@ class Node(NDArrayOperatorsMixin):
         raise UntraceableError("it makes an array of a value")
 
     def __bool__(self) -> bool:
-        raise UntraceableError("it branches on a value")
+        raise UntraceableError("the function branches on a computed value")
 
     def __float__(self) -> float:
         raise UntraceableError("it takes a number out of an array")

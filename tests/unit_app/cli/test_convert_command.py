@@ -87,7 +87,9 @@ def test_a_file_is_replaced_when_told_to_only(study, tmp_path):
 def test_what_is_wrong_is_said(study, tmp_path):
     unknown = convert(study, "--to", "yaml")
     assert unknown.exit_code == 2
-    assert "to: 'yaml' is not a form of a study. Known: curl, json, python, toml." in unknown.stderr
+    assert (
+        "to: 'yaml' is not a format of studies. Known: curl, json, python, toml." in unknown.stderr
+    )
     study.write_text(STUDY.replace("friction", "mu"))
     assert "Did you mean 'friction'?" in convert(study, "--to", "json").stderr
     study.write_text(STUDY)

@@ -45,7 +45,7 @@ def test_no_file_of_the_server_is_read(client, tmp_path):
     assert told == [
         {
             "place": "drive.file",
-            "message": "no file is read here",
+            "message": "the service reads no files",
             "fix": "Give data = the text of the recording's CSV",
         }
     ]

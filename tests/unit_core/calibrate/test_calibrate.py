@@ -436,7 +436,7 @@ def test_observations_stand_in_a_workbook(tmp_path):
         book.active.append(line)
     book.save(tmp_path / "runs.xlsx")
     told = problems(study(str(tmp_path / "runs.xlsx")), error="5 %")
-    assert told == ["observations: no file is read here. Give its rows: a list of objects."]
+    assert told == ["observations: the service reads no files. Give its rows: a list of objects."]
     with pytest.raises(StudyError) as error:
         prepare_content(study(str(tmp_path / "runs.xlsx"), error="5 %"), files=True)
     (problem,) = error.value.problems

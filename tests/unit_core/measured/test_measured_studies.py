@@ -168,7 +168,7 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
     path = tmp_path / "recording.csv"
     path.write_text(TEXT)
     assert refused(study({"file": str(path), "along": "ax"}), files=False) == [
-        "drive.file: no file is read here. Give data = the text of the recording's CSV."
+        "drive.file: the service reads no files. Give data = the text of the recording's CSV."
     ]
     prepare_content(study())
     monkeypatch.setattr(measured, "MAX_ROWS_SENT", 700)

@@ -264,7 +264,7 @@ def on_floor(
 ) -> float:  # fmt: skip
     """Propagate derivatives through a contact with the floor; return the slip velocity at its end.
 
-    As `slide.contact` follows the motion.
+    The contact is followed as `slide.contact` does: stick and slip by turns until it ends.
 
     Parameters
     ----------
@@ -273,15 +273,18 @@ def on_floor(
     u
         Slip velocity at the start in g/w (w = 2 pi f).
     fresh
-        If the part came to this phase by itself, not to one at which friction lets go.
+        True if the contact begins at any phase, as after a landing; False if it begins at the phase
+        at which sticking ends.
     energy
-        If the derivatives of friction work are asked for.
+        True if derivatives of the work of friction are needed.
     size
-        Number of directions, the columns of `d` in use.
+        Number of the parameters differentiated by, the columns of `d` in use.
     d
-        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+        Derivatives, changed in place: a row for each quantity (`ROW`), a column for each parameter
+        (`BY`).
     nearest
-        `nearest[0]` is the least relative distance of a decision from its other outcome.
+        Changed in place: `nearest[0]` is the least relative distance, so far, of a decision such as
+        stick or slip from its other outcome.
     """
     at, end = tau, tau + span
     for _ in range(MAX_MODES):

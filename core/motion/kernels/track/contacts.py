@@ -276,10 +276,12 @@ def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -
 
 @borrowing
 def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
-    """Return the direction (cosine, sine) in which a contact begins to slip.
+    """Return the direction (cosine, sine) in which a contact begins to slip; (1, 0) without push.
 
-    That of the push less friction, e = (D_1/(z + q), D_2/(z + r q)) with the z that makes it a unit
-    vector: `push_1`, `push_2` are D, `slide` is q = mu_k times the load, in g, `response` is r.
+    e = (D_1/(z + q), D_2/(z + r q)), with the z that makes e a unit vector. `push_1`, `push_2` are
+    D, the accelerations [g] along both directions of the contact without friction; `slide` is q,
+    the friction coefficient times the contact's load [g]; `response` is r, the acceleration that a
+    unit of friction causes in direction 2 over that in direction 1: 1 unless the part rolls.
     """
     if slide > 0.0 and response != 1.0:
         friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)
