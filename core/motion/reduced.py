@@ -22,8 +22,8 @@ class ReducedSimulation(Reduced, Simulation):
 
     @property
     def seconds_here(self) -> float:
-        """As in `Prepared`: the price of its cells, among all cores."""
-        return self.tried_seconds / self.cores
+        """The likely time of the study on this machine [s]: that of its cells over all cores."""
+        return self.stated_seconds / self.cores
 
     def seconds_in_parts(self) -> float:
         """Return the time of all parts on one core [s]."""

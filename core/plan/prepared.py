@@ -25,6 +25,10 @@ Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
 MAX_SECONDS_TO_VERIFY = 100.0  # a study that takes longer to verify is refused
+TRIED_FROM = 5.0
+"""Seconds by formula from which on a price is stated after a trial: to load the code that follows
+motion takes longer than most shorter studies."""
+
 RARELY = 2.0
 """The largest time of a study is stated, too, if it is more than so many times the likely one."""
 
@@ -189,14 +193,19 @@ class Prepared:
         return self.cells * self.tried_seconds_a_cell + self.seconds_to_verify
 
     @property
+    def stated_seconds(self) -> float:
+        """The likely time of the study on one core [s], after a trial if it is worth one."""
+        return self.tried_seconds if self.seconds >= TRIED_FROM else self.seconds
+
+    @property
     def seconds_here(self) -> float:
         """The likely time of the study on this machine [s]."""
-        return self.tried_seconds
+        return self.stated_seconds
 
     @property
     def size_in_words(self) -> str:
         """A text with the number of cells, bytes and the time on one core."""
-        seconds, most = self.tried_seconds, self.most_seconds
+        seconds, most = self.stated_seconds, self.most_seconds
         rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
         cells = f"{self.cells:,} cell{'s' * (self.cells != 1)}"
         return (

@@ -8,6 +8,7 @@ import pytest
 import core.kernel_cache
 from core.intake import prepare_content
 from core.motion.trial import LEAST, MOST, UNFINISHED, Trial, _Followed
+from core.plan.prepared import TRIED_FROM
 
 CALL = 2e-3  # s of a call, besides its cells
 
@@ -120,3 +121,13 @@ def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
     assert prepared.cells == 15
     assert prepared.tried_seconds == pytest.approx(5.0)
     assert asked == [5]
+
+
+def test_only_a_study_that_is_worth_it_is_tried(monkeypatch):
+    monkeypatch.setattr(core.kernel_cache, "are_kept", lambda names: True)
+    monkeypatch.setattr(Trial, "seconds_a_cell", lambda self, cells: 1.0)
+    short = prepare_content(study())
+    assert short.stated_seconds == short.seconds < TRIED_FROM
+    long = prepare_content(study(friction={"start": 0.3, "stop": 0.5, "num": 10_000_000}))
+    assert long.seconds > TRIED_FROM
+    assert long.stated_seconds == pytest.approx(1e7)
