@@ -1,4 +1,4 @@
-"""One JSON line for each request and each event, on the error stream.
+"""JSON lines on requests and events, on the error stream.
 
 Lines hold no headers, query strings, bodies or keys. Modules log through `logging`, as ever;
 `configure`, which only `vibrafeed serve` calls, decides how lines look.

@@ -39,5 +39,5 @@ def main(cells: int, count: int) -> None:
 
 
 if __name__ == "__main__":
-    asked = options(__doc__, cells=1_000_000_000, parts=64)
-    main(asked.cells, asked.parts)
+    asked = options(__doc__, cells=1e9, parts=64)
+    main(int(asked.cells), asked.parts)

@@ -25,7 +25,7 @@ import orjson
 
 from app.jobs.manifest import NETCDF
 from app.jobs.store import Store
-from app.web.routes.sweeps import NUMPY, binary
+from app.web.calculations import encode_binary
 from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
 from benchmarks.timing import timed
@@ -151,9 +151,11 @@ def requests(server: Served, pairs: int) -> None:
         "slice, JSON",
         ("GET", f"{path}&format=json"),
         piece,
-        lambda: orjson.dumps(taken, option=NUMPY),
+        lambda: orjson.dumps(taken, option=orjson.OPT_SERIALIZE_NUMPY),
     )
-    comparison.line("slice, binary", ("GET", f"{path}&format=binary"), piece, lambda: binary(taken))
+    comparison.line(
+        "slice, binary", ("GET", f"{path}&format=binary"), piece, lambda: encode_binary(taken)
+    )
     spans = {name: {"start": 0, "stop": 90, "num": size} for name, size in MILLION.items()}
     large, path = _slice_of(server, {**STUDY, "parameters": {**STUDY["parameters"], **spans}})
     held = large()
@@ -161,7 +163,10 @@ def requests(server: Served, pairs: int) -> None:
         comparison.client.ask("GET", f"{path}&format=binary")
         large()
     comparison.line(
-        "slice of 10^6, binary", ("GET", f"{path}&format=binary"), large, lambda: binary(held)
+        "slice of 10^6, binary",
+        ("GET", f"{path}&format=binary"),
+        large,
+        lambda: encode_binary(held),
     )
     body = json.dumps(SMALL).encode()
     table = tabulate(prepare_content(SMALL))
@@ -169,7 +174,7 @@ def requests(server: Served, pairs: int) -> None:
         "sweep of 10^4 cells",
         ("POST", "/processes/sweep/execution", body),
         lambda: tabulate(prepare_content(read_json(body))),
-        lambda: orjson.dumps(to_document(table), option=NUMPY),
+        lambda: orjson.dumps(to_document(table), option=orjson.OPT_SERIALIZE_NUMPY),
     )
 
 

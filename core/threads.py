@@ -54,7 +54,12 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     helpers = min(threads, len(left)) - 1
     calls = [_pool(threads).submit(work) for _ in range(helpers)]
     work()
-    wait([call for call in calls if not call.cancel()])
+    running = [call for call in calls if not call.cancel()]
+    try:
+        wait(running)
+    except BaseException:  # they still write into the caller's arrays
+        wait(running)
+        raise
     if errors:
         raise errors[0]
 

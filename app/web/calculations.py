@@ -106,11 +106,11 @@ def encode_slice(cut: SliceCut, form: str) -> bytes:
     """Compute a slice and return it encoded as `form`, ``json`` or ``binary``."""
     piece = compute_slice(cut)
     if form == "binary":
-        return _binary(piece)
+        return encode_binary(piece)
     return orjson.dumps(piece, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
-def _binary(piece: dict[str, Any]) -> bytes:
+def encode_binary(piece: dict[str, Any]) -> bytes:
     """Return a slice in binary form: length of the header, JSON header, raw little-endian values.
 
     `piece` is the slice as `compute_slice` returns it; docs/api-reference.md describes the form.

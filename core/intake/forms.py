@@ -138,7 +138,7 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
     """Return the path of the file of observations from the new place, or its rows for a request.
 
-    Arguments as in `placed`.
+    Arguments as in `resolve_files`.
     """
     if form == "curl":
         return read_rows(Path(content["observations"]))

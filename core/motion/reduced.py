@@ -27,7 +27,7 @@ class ReducedSimulation(Reduced, Simulation):
 
     def seconds_in_parts(self) -> float:
         """Return the time of all parts on one core [s]."""
-        return self.seconds
+        return self.stated_seconds
 
     @property
     def _by(self) -> str:

@@ -176,7 +176,7 @@ class Trial:
         )
         try:
             outcome = run_equations(self.plan, known, watch)
-        except StoppedError:
+        except (StoppedError, ValueError):  # such as fewer periods than the method follows
             return _Followed(time.thread_time() - since, ended=False, repeats=False)
         seconds = time.thread_time() - since
         long = (outcome[one.gives] for one in self.plan.equations if one.takes_long)

@@ -286,8 +286,8 @@ def _from_both_sides(
     """Return the derivative at a switch if both sides tend to one number, else NaN and `kink`.
 
     `value` is the output at the switch, `step` the distance of the near points in the parameter,
-    and the four slopes are those of `_beside`. The output jumps if its values differ by more than
-    the slopes explain.
+    and the four slopes are those of `_derivatives_beside`. The output jumps if its values differ by
+    more than the slopes explain.
     """
     with np.errstate(all="ignore"):
         largest = np.fmax(np.abs(below.slope), np.abs(above.slope))

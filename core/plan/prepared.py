@@ -186,9 +186,9 @@ class Prepared:
     def tried_seconds(self) -> float:
         """The likely time of the study on one core [s], after a trial; seldom a factor of 3 off.
 
-        Where motion is followed, the trial follows some cells: it loads code and takes at most a
-        tenth of the time of the study, or 40 ms, and never more than a tenth of a second. Elsewhere
-        it is the price by formula, `seconds`.
+        Where motion is followed and its code is compiled, the trial follows some cells for a tenth
+        of the time of the study, for 40 to 100 ms; to load the code, in the first trial of a
+        process, takes besides. Elsewhere it is the price by formula, `seconds`.
         """
         return self.cells * self.tried_seconds_a_cell + self.seconds_to_verify
 

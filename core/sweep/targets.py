@@ -60,7 +60,7 @@ def open_target(
     sweep : Prepared
         The sweep.
     table : Table
-        Its `outline`.
+        Its `outline_table`.
     compression : bool
         Of a NetCDF file; the chunks of a Zarr group are compressed in any case.
     resume : bool

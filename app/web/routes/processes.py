@@ -142,7 +142,9 @@ async def execute(
     if wishes.wait is not None:
         seconds = min(wishes.wait, int(settings.max_wait_seconds))
         wishes = replace(wishes, wait=seconds)  # as it is applied
-        job = await _wait_for_job(admission, job, seconds, request.app.state.stopping.is_set)
+        job = await _wait_for_job(request, admission, job, seconds)
+        if job.state in ACTIVE and not wishes.respond_async:
+            await _dismiss_if_left(request, admission, job, who)
     if job.state in ACTIVE or wishes.wait is None:
         reply = json_reply(status_info(job, base), 201)
     else:
@@ -173,10 +175,16 @@ async def _reply_or_job(
             if content is not None:
                 return Response(content, media_type=JSON)
         job = await run_in_threadpool(_post, name, body, settings, admission, who)
-        if not wishes.respond_async and await request.is_disconnected():
-            await run_in_threadpool(admission.dismiss, job.id, who)
-            raise ClientDisconnect
+        if not wishes.respond_async:
+            await _dismiss_if_left(request, admission, job, who)
         return job
+
+
+async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who: Key) -> None:
+    """Dismiss a job and raise `ClientDisconnect` if its client has left: nobody knows of it."""
+    if await request.is_disconnected():
+        await run_in_threadpool(admission.dismiss, job.id, who)
+        raise ClientDisconnect
 
 
 async def _dataset_in_time(
@@ -209,15 +217,16 @@ def _post(name: str, body: bytes, settings: Settings, admission: Admission, who:
     return admission.post(prepared, name, who)
 
 
-async def _wait_for_job(
-    admission: Admission, job: Job, seconds: float, stopping: Callable[[], bool]
-) -> Job:
-    """Wait until a job ends, `seconds` have passed, or the service stops; return the job as it is.
+async def _wait_for_job(request: Request, admission: Admission, job: Job, seconds: float) -> Job:
+    """Wait until a job ends; return the job as it is.
 
-    `stopping` is a function that returns True when the service stops.
+    The wait ends earlier once `seconds` have passed, the client leaves, or the service stops.
     """
+    stopping: Callable[[], bool] = request.app.state.stopping.is_set
     until, look = time.monotonic() + seconds, LOOK
     while job.state in ACTIVE and time.monotonic() < until and not stopping():
+        if await request.is_disconnected():
+            break
         await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
         look = min(1.5 * look, LONGEST_LOOK)
         with contextlib.suppress(

@@ -177,8 +177,8 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
             s404="No such sweep",
             s406="No format that Accept allows",
             s409="The sweep is another version's: post it again",
-            s422="The slice cannot be taken",
-            s503="Too much data waits to be sent",
+            s422="The slice cannot be taken, or takes too long",
+            s503="Too much data waits to be sent, or the process that computed the slice was lost",
         ),
     },
     openapi_extra=AXIS_VALUES,
@@ -224,6 +224,7 @@ async def get_slice(
         """Return the sweep and, if it is small, the slice: a second thread takes as long again."""
         sweep = store.sweep(key)
         if not is_read or wish.values(sweep) > LARGE:
+            wish.prepared(sweep)  # a wrong request is refused before it waits or reserves bytes
             return sweep, None
         reserve_bytes(request, BYTES_A_VALUE * wish.values(sweep))
         return sweep, wish.encoded(sweep, chosen)
@@ -236,7 +237,6 @@ async def get_slice(
         turn = nullcontext() if lane is None else slot_of(request)
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
-            await to_thread.run_sync(wish.prepared, sweep)
             reply = without_length(media_type)
         elif chosen in TABLES:
             reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
@@ -249,15 +249,12 @@ async def get_slice(
         else:
             if made is None:
                 reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
-                async with turn:
-                    if lane is None:
-                        made = await to_thread.run_sync(wish.encoded, sweep, chosen)
-                    else:  # in a thread it would hold up everybody's small ones
-                        text = await run_in_threadpool(sweep.study.canonical)
-                        made = await calculate_in_process(
-                            request, encode_slice_of, text, output, wish.axes, fixed, wish.most,
-                            chosen, seconds=settings.max_execution_seconds,
-                        )  # fmt: skip
+                async with turn:  # in a thread it would hold up everybody's small ones
+                    text = await run_in_threadpool(sweep.study.canonical)
+                    made = await calculate_in_process(
+                        request, encode_slice_of, text, output, wish.axes, fixed, wish.most, chosen,
+                        seconds=settings.max_execution_seconds,
+                    )  # fmt: skip
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"

@@ -158,7 +158,7 @@ def run_stages(
     program : Program
         The loops.
     operands : mapping of int to ndarray or number
-        Inputs that numpy has computed, by number of the node: the result of `laid_out`.
+        Inputs that numpy has computed, by number of the node: the result of `lay_out_operands`.
     ranges : tuple of ndarray
         Start and stop along the row and along each outer loop, then the strides of the loops in the
         results, and with lanes the strides of the numbers of cells.

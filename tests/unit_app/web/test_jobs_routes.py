@@ -152,23 +152,31 @@ class TestPrefer:
         assert running["status"] in ("accepted", "running")
         assert running["cells"] == 100_000
 
-    @pytest.mark.parametrize(("prefer", "state"), [({}, "dismissed"), (ASYNC, "accepted")])
+    @pytest.mark.parametrize(
+        ("prefer", "stays", "state"),
+        [
+            ({}, 0, "dismissed"),
+            (ASYNC, 0, "accepted"),
+            ({"Prefer": "wait=60"}, 1, "dismissed"),  # it leaves while it waits
+        ],
+    )
     def test_a_client_that_leaves_before_it_knows_of_its_job(
-        self, client, running, monkeypatch, prefer, state
+        self, client, running, monkeypatch, prefer, stays, state
     ):
-        posted = []
+        posted, looks = [], []
         admission = client.app.state.admission
         post = admission.post
 
         async def is_disconnected(request):
-            return bool(posted)
+            looks.extend(posted)
+            return len(looks) > stays
 
         monkeypatch.setattr(
             admission, "post", lambda *given: posted.append(post(*given)) or posted[0]
         )
         monkeypatch.setattr(Request, "is_disconnected", is_disconnected)
         reply = client.post("/processes/simulate/execution", json=endless(0.32), headers=prefer)
-        assert reply.is_success == bool(prefer)
+        assert reply.is_success == (state == "accepted")
         monkeypatch.undo()
         address = f"/jobs/{posted[0].id}"
         assert client.get(address).json()["status"] == state

@@ -339,14 +339,14 @@ class TestSimulation:
         hurried = settings.model_copy(
             update={"max_execution_seconds": 1e-9, "grace_seconds": grace}
         )
-        if grace < 1:  # what is left to read a study is the grace, too
-            patience = processes.calculated
+        if grace < 1:  # to read the study has as long as the run that was ended
+            patience = processes.calculate_in_process
 
             async def patient(request, function, *arguments, seconds):
                 seconds = 300 if function is check_study else seconds
                 return await patience(request, function, *arguments, seconds=seconds)
 
-            monkeypatch.setattr(processes, "calculated", patient)
+            monkeypatch.setattr(processes, "calculate_in_process", patient)
         with local_client(create_app(hurried)) as client:
             reply = client.post(self.PATH, json=SIMULATION)
             assert reply.status_code == 201, reply.text

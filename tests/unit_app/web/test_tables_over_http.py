@@ -113,7 +113,8 @@ class TestSlices:
 
     def test_head_computes_nothing(self, client, address, monkeypatch):
         etag = client.get(f"{address}/slice", params=CUT, headers=PLAIN).headers["etag"]
-        monkeypatch.setattr("app.web.routes.sweeps.carried_out", None)
+        for module in ("app.web.routes.sweeps", "app.web.calculations"):
+            monkeypatch.setattr(f"{module}.compute_slice", None)
         reply = client.head(f"{address}/slice", params=CUT)
         assert (reply.status_code, reply.content) == (200, b"")
         assert reply.headers["etag"] == etag
