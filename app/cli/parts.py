@@ -40,7 +40,7 @@ def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part
     name = f"part {number} of {count:,}"
     with report_errors(path, target):
         if parts.is_there(number):
-            console.say(f"{path}: {name} is there already")
+            console.say(f"{path}: {name} exists already")
             return
         started = time.perf_counter()
         with console.progress(f"{path.name}, {name}") as advance, interruption() as interrupted:

@@ -19,7 +19,7 @@ def refuse_taken(file: Path, option: str, *, force: bool) -> None:
     """
     if file.exists() and not force:
         fix = "Add --force to replace it, or give another name"
-        refuse({file: [Problem(option, "it is there already", fix)]})
+        refuse({file: [Problem(option, "the file exists already", fix)]})
 
 
 def write_text(file: Path, text: str) -> None:

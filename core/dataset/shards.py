@@ -134,7 +134,7 @@ class GrowingZarr:
             True if they belong to an unfinished group of the same identity.
         """
         if self._path.exists() if self._path is not None else GROUP in there:
-            raise FileExistsError(f"{where} is there already")
+            raise FileExistsError(f"{where} exists already")
         if UNFINISHED not in there and there:
             raise FileExistsError(f"{where} holds other files")
         if self._shared and UNFINISHED in there and not is_same:

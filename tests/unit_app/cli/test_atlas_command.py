@@ -75,7 +75,7 @@ def test_rows_and_documents(atlas, tmp_path):
     assert len(speeds.read_text().splitlines()) == 4
     again = run(*shared, "-o", speeds)
     assert again.exit_code == 2
-    assert "is there already" in again.output
+    assert "exists already" in again.output
 
 
 def test_every_problem_is_told(atlas, tmp_path):
@@ -90,7 +90,7 @@ def test_every_problem_is_told(atlas, tmp_path):
     taken.write_text("")
     result = run("atlas", "-o", "atlas.csv", "--resolution", "fine", "--charts", taken)
     assert result.exit_code == 2
-    for words in ("3 problems", "coarse or full", ".nc or .zarr", "taken.pdf is there already"):
+    for words in ("3 problems", "coarse or full", ".nc or .zarr", "taken.pdf exists already"):
         assert words in result.stderr
     result = run("atlas")
     assert "neither an atlas nor charts" in result.stderr

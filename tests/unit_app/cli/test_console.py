@@ -239,7 +239,7 @@ def test_an_existing_result_is_replaced_with_force_only(study, tmp_path):
     result.write_text("mine")
     refused = run("run", other, study)
     assert refused.exit_code == 2
-    told = f"output: {result} is there already. Add --force to replace it, or give another name"
+    told = f"output: {result} exists already. Add --force to replace it, or give another name"
     assert told in refused.output
     assert result.read_text() == "mine"
     assert not (tmp_path / "other.nc").exists()  # all are looked at before anything runs

@@ -78,7 +78,7 @@ def test_a_file_is_replaced_when_told_to_only(study, tmp_path):
     target.write_text("mine")
     refused = convert(study, "--to", "json", "-o", target)
     assert refused.exit_code == 2
-    assert "it is there already. Add --force to replace it" in refused.stderr
+    assert "the file exists already. Add --force to replace it" in refused.stderr
     assert target.read_text() == "mine"
     assert convert(study, "--to", "json", "-o", target, "--force").exit_code == 0
     assert json.loads(target.read_text())["kind"] == "simulate"

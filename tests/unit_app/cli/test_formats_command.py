@@ -186,7 +186,7 @@ def test_export_keeps_the_history_and_replaces_no_group(tmp_path):
     assert first.endswith("vibrafeed run study.json")
     result = run("export", tmp_path / "x.nc", "-o", tmp_path / "x.zarr")
     assert result.exit_code == 2
-    assert "is there already. Remove it, or give another name." in result.output
+    assert "exists already. Remove it, or give another name." in result.output
 
 
 def test_an_export_replaces_nothing_unasked(tmp_path):
@@ -195,7 +195,7 @@ def test_an_export_replaces_nothing_unasked(tmp_path):
     (tmp_path / "y.csv").write_text("mine")
     refused = run("export", tmp_path / "x.nc", "-o", tmp_path / "y.csv")
     assert refused.exit_code == 2
-    assert "y.csv is there already. Add --force to replace it" in refused.output
+    assert "y.csv exists already. Add --force to replace it" in refused.output
     assert (tmp_path / "y.csv").read_text() == "mine"
     assert run("export", tmp_path / "x.nc", "-o", tmp_path / "y.csv", "--force").exit_code == 0
 

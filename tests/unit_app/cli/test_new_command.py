@@ -122,7 +122,10 @@ def test_a_file_is_replaced_when_told_to_only(tmp_path):
     path.write_text("mine")
     refused = command(path, "--yes")
     assert refused.exit_code == 2
-    assert "it is there already. Add --force to replace it, or give another name." in refused.stderr
+    assert (
+        "the file exists already. Add --force to replace it, or give another name."
+        in refused.stderr
+    )
     assert path.read_text() == "mine"
     assert command(path, "--yes", "--force").exit_code == 0
     assert "[parameters]" in path.read_text()

@@ -179,7 +179,7 @@ def test_the_command_line_computes_parts_and_joins_them(study: Path, tmp_path: P
     for number in (0, 2):
         done = run("run", study, "--part", f"{number}/3", "-o", where)
         assert done.exit_code == 0, done.output
-    assert "is there already" in run("run", study, "--part", "2/3", "-o", where).output
+    assert "exists already" in run("run", study, "--part", "2/3", "-o", where).output
     failed = run("join", study, "-o", where)
     assert failed.exit_code == 1
     assert "of 3 parts 1 missing: 1." in failed.output
@@ -227,9 +227,9 @@ def test_parts_of_another_study_are_not_taken(tmp_path: Path) -> None:
     other = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": 0.4}}
     second = prepare_content(other).parts(where, 2)
     assert not second.is_there(0)
-    with pytest.raises(FileExistsError, match="of another study or version"):
+    with pytest.raises(FileExistsError, match="another study or version"):
         second.compute(0)
-    with pytest.raises(FileExistsError, match="of another study or version"):
+    with pytest.raises(FileExistsError, match="another study or version"):
         second.join()
 
 

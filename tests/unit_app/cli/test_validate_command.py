@@ -48,7 +48,7 @@ def test_the_suffix_of_a_file_tells_its_form(tmp_path, name, begins):
     assert text.startswith(begins)
     assert "M-ellipse-1" in text
     refused = run("--family", "M", "-o", file, code=2)
-    assert "it is there already" in refused.stderr
+    assert "the file exists already" in refused.stderr
     run("--family", "M", "--random", 0, "-o", file, "--force")
 
 

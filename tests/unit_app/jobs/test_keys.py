@@ -44,7 +44,7 @@ def test_all_that_is_wrong_is_told_at_once(database):
 def test_a_name_is_free_again_once_its_key_is_withdrawn_or_over(database):
     here = Keys(database)
     here.add(Key("lab", "run"))
-    with pytest.raises(InvalidKeyError, match="in force"):
+    with pytest.raises(InvalidKeyError, match="exists already"):
         here.add(Key("lab", "read"))
     here.withdraw("lab")
     with pytest.raises(NoSuchKeyError):

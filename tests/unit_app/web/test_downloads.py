@@ -137,7 +137,7 @@ class TestFile:
             response = client.get(f"{address}/netcdf")
         document = problem(response, 503)
         assert document["type"] == "urn:vibrafeed:problem:busy"
-        assert "many files" in document["detail"]
+        assert "limit of open files" in document["detail"]
         assert "netcdf" not in document["detail"]  # nor any path
         assert int(response.headers["retry-after"]) >= 1
         assert client.get(f"{address}/netcdf").content == whole.content

@@ -318,9 +318,8 @@ def test_a_slice_is_refused_before_it_is_computed(tmp_path, monkeypatch):
         path += "&frequency=20 Hz"
         client.app.state.unsent.take(900_000)
         with monkeypatch.context() as patch:
-            patch.setattr(
-                "app.web.routes.sweeps.carried_out", lambda *_, **__: pytest.fail("computed")
-            )
+            for module in ("app.web.routes.sweeps", "app.web.calculations"):
+                patch.setattr(f"{module}.compute_slice", lambda *_, **__: pytest.fail("computed"))
             problem(client.get(path), 503)
             problem(client.get(f"/sweeps/{key}/zarr/acceleration_x/c/0/0/0/0"), 503)
         assert client.get(path.replace("alpha,beta", "beta&alpha=0")).status_code == 200

@@ -156,7 +156,7 @@ def test_other_files_are_refused(table):
     attributes = {**table.attributes, "atlas_version": 99}
     with pytest.raises(VibrafeedError, match="version 99"):
         of_table(type(table)(table.coordinates, table.variables, attributes))
-    with pytest.raises(VibrafeedError, match="no atlas"):
+    with pytest.raises(VibrafeedError, match="not an atlas"):
         of_table(type(table)({}, {}, {}))
 
 

@@ -228,7 +228,7 @@ def test_a_place_that_cannot_be_written_has_nothing(suffix, awkward, tmp_path):
 
 
 def test_a_group_is_not_replaced(awkward, places):
-    with pytest.raises(FileExistsError, match="is there already"):
+    with pytest.raises(FileExistsError, match="exists already"):
         write_result(awkward, str(places[".zarr"]), history="")
 
 

@@ -122,7 +122,7 @@ def test_all_mistakes_are_told_at_once():
             "also given as a parameter",
         ),
         ({"variables": {"mass": {"lower": 0.1, "upper": 1}}}, "variables.mass", "not used"),
-        ({"constraints": [{"output": "throw_number"}]}, "constraints.0", "bounds nothing"),
+        ({"constraints": [{"output": "throw_number"}]}, "constraints.0", "neither lower nor upper"),
         (
             {"constraints": [{"output": "throw_number", "lower": 2, "upper": 1}]},
             "constraints.0",
@@ -138,7 +138,7 @@ def test_all_mistakes_are_told_at_once():
         ({"method": "minimize_scalar"}, "method", "one variable"),
         ({"method": "newton", "criterion": {"kind": "weighted"}}, "method", "Leave method out"),
         ({"scene": "rectangle-isolated", "variant": None}, "criterion.output", "no output"),
-        ({"parameters": {**DATA, "beta": 1, "alpha": 2}}, "variables", "nothing is left"),
+        ({"parameters": {**DATA, "beta": 1, "alpha": 2}}, "variables", "there are no variables"),
         ({"parameters": {"frequency": 60, "friction": 0.5}}, "parameters.amplitude", "missing"),
         ({"outputs": ["speed_x"]}, "outputs", "no output"),
     ],

@@ -171,7 +171,11 @@ def test_cells_are_verified_by_another_method() -> None:
         ({"trajectory": 10}, "trajectory", "reduce too"),
         ({"of": ["motion_status"]}, "reduce.of.0", "is a code"),
         ({"over": ["gamma"]}, "reduce.over.0", "not an axis"),
-        ({"statistics": [], "shares": {}, "quantiles": [], "regimes": False}, "reduce", "nothing"),
+        (
+            {"statistics": [], "shares": {}, "quantiles": [], "regimes": False},
+            "reduce",
+            "no statistic is requested",
+        ),
     ],
 )
 def test_what_is_wrong_is_told_where_it_stands(change: Any, place: str, words: str) -> None:
