@@ -1,8 +1,8 @@
-"""The time of a cell of motion, by a trial: some cells are followed before all are.
+"""The price of a study of motion by a trial: some cells are followed before all are.
 
-Whether a motion repeats, and how much happens in a period, nobody knows before. So some of the
-cells are followed for a moment, and of those that take longer than the moment some periods; the
-price by formula tells what the other periods take.
+Whether a motion repeats, and how many events a period has, is not known beforehand. So some cells
+are followed within a budget of time. Of a cell that takes longer than the budget, some periods are
+followed, and the price by formula scales them to all periods.
 """
 
 from __future__ import annotations
@@ -25,33 +25,35 @@ TRIED_CELLS = 256
 """Most cells that a trial follows."""
 
 LEAST, MOST, SHARE = 0.04, 0.1, 0.1
-"""Seconds of a trial: never too many, at most, and as a share of what the study takes."""
+"""Budget of a trial: a share `SHARE` of the price of the study, from `LEAST` to `MOST` [s]."""
 
 PATIENCE = 10.0
-"""Times its seconds of a core that a trial lasts at most, while others use the core, too."""
+"""Longest time by the clock over the budget of processor time: others use the core, too."""
 
 ENOUGH = 8
-"""Cells whose mean is trusted; what fewer take is compared with their prices by formula."""
+"""Number of cells whose mean time is taken as it is; of fewer, the price by formula says how dear
+they are beside the mean cell."""
 
 GROWTH = 4
-"""Cells of a batch over those of the one before."""
+"""Ratio of the sizes of a batch and the one before."""
 
 UNFINISHED = 1.7
-"""What a motion takes that has not repeated by now, over what was likely at its start."""
+"""Factor on the price of a motion that has not repeated by the end of its trial."""
 
 BROKEN_OFF = 4.0
-"""What a cell takes that is not through its first periods, over what it has taken by then."""
+"""Factor on the time so far of a cell that the budget breaks off in its first periods."""
 
 TRUST = 0.8
-"""Power of what some periods tell, beside the price by formula."""
+"""Weight, as a power, of the time by some periods beside the price by formula."""
 
 SURPRISE = 3.0
-"""Times its price from which on a cell is followed again."""
+"""Ratio of time and price from which on the first cell is followed again: it may have loaded
+code."""
 
 REPEATS = [STATUS[name] for name in ("periodic", "at_rest", "neutral")]
 
 _loaded: set[tuple[str, str, int]] = set()
-"""The code that this process has used: what has not been is loaded, and that is not timed."""
+"""Scene, method and kind of the code that this process has loaded; to load it is not timed."""
 
 
 class _Followed(NamedTuple):
@@ -69,16 +71,16 @@ class Trial:
     Attributes
     ----------
     plan : Plan
-        Of the study.
+        Plan of the study.
     parameters : mapping of str to array
-        Parameters of each cell, SI units, shape (count,); what is the same for all has no shape.
+        Parameters of each cell, SI units, shape (count,), or a single value for all cells.
     kinds : ndarray of int, shape (count,)
-        Cells of different kinds are followed by different code.
+        Kind of each cell: different kinds are followed by different code.
     price : callable
-        Takes a number of periods, or None for those that are allowed; returns the price by formula
-        of each cell that is followed for so many [s], shape (count,).
+        Function of a number of periods, or None for all allowed periods, that returns the price by
+        formula of each cell when followed for these [s], shape (count,).
     fewest_periods : int
-        Fewest periods that the method follows.
+        Least number of periods that the method can follow.
     """
 
     plan: Plan
@@ -93,7 +95,7 @@ class Trial:
         return int(self.kinds.size)
 
     def seconds_a_cell(self, cells: float) -> float:
-        """Return the mean time of a cell of a study that has so many, on one core [s]."""
+        """Return the mean time of a cell on one core [s]; `cells` is the number in the study."""
         self._load()
         prices = self.price(None)
         each, spent, done = float(prices.mean()), 0.0, 0
@@ -127,7 +129,10 @@ class Trial:
         return each
 
     def _some_periods(self, cells: float) -> tuple[_Followed, float]:
-        """Return the outcome of some periods of the first cell, and the time of a cell."""
+        """Follow the first cell for doubling numbers of periods, while the budget lasts.
+
+        Return the last outcome and the mean time of a cell [s]; `cells` is the number in the study.
+        """
         prices = self.price(None)
         each = mean = float(prices.mean())
         allowed = float(np.max(self._settings.get("max_periods", 0.0)))
@@ -152,7 +157,7 @@ class Trial:
         return {**self.plan.defaults, **self.parameters}
 
     def _load(self) -> None:
-        """Load the code for cells of each kind."""
+        """Load the code for cells of each kind by following one of them for the fewest periods."""
         for kind in np.unique(self.kinds).tolist():
             name = (self.plan.scene.name, self.plan.variant, int(kind))
             if name not in _loaded:
@@ -161,7 +166,11 @@ class Trial:
                 _loaded.add(name)
 
     def _follow(self, start: int, stop: int, periods: float | None, left: float) -> _Followed:
-        """Follow some cells for so many periods, None for those that are allowed, and so long."""
+        """Follow the cells from `start` to `stop` and return their time and outcome.
+
+        `periods` is the number of periods, None for all allowed ones; `left` is the processor time
+        after which the cells are broken off [s].
+        """
         known = {
             name: value[start:stop] if np.ndim(value) else value
             for name, value in self.parameters.items()
@@ -188,12 +197,12 @@ class Trial:
 
 
 def _budget(price: float) -> float:
-    """Return the time that a trial may take of a study that takes so long [s]."""
+    """Return the budget of a trial [s] for a study of this price [s]."""
     return float(np.clip(SHARE * price, LEAST, MOST))
 
 
 def _slope(batches: list[tuple[int, float]]) -> float:
-    """Return the time of a cell without that of the call, of sizes and times of batches [s]."""
+    """Return the time of a cell [s] without that of a call, from (size, time [s]) of batches."""
     sizes, seconds = (np.array(column, dtype=float) for column in zip(*batches, strict=True))
     call = 0.0
     if sizes[-1] >= GROWTH:
