@@ -20,6 +20,7 @@ from core.plan.equations import run_equations
 from core.plan.grid import parameter_to_si
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES
+from core.quantities.quantity import in_sentence
 from core.scenes.scene import STATIC_ABOVE_KINETIC
 from core.study.calibrate_study import Prior, quantity_of
 from core.study.distributions import Normal
@@ -73,7 +74,7 @@ class Unknown:
     def label(self) -> str:
         """A short label of the unknown."""
         label = QUANTITIES[self.parameter].label
-        lowered = label[0].lower() + label[1:]
+        lowered = in_sentence(label)
         return {"offsets": f"Offset of the {lowered}", "factors": f"Factor of the {lowered}"}.get(
             self.table, label
         )

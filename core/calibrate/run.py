@@ -36,6 +36,7 @@ from core.mechanics.arrays import Array
 from core.plan.labels import global_attributes
 from core.plan.pieces import FOLLOWED, Computed
 from core.quantities import QUANTITIES
+from core.quantities.quantity import in_sentence
 from core.watch import Watch
 
 SHARES = (0.16, 0.84, 0.025, 0.975)
@@ -256,7 +257,7 @@ def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
     """Return the CF attributes of every variable: unit, name and comment."""
     model, attributes = prepared.model, dict[str, dict[str, Any]]()
     for unknown in model.unknowns:
-        lowered = unknown.label[0].lower() + unknown.label[1:]
+        lowered = in_sentence(unknown.label)
         for what in ESTIMATES:
             attributes[f"{what}_{unknown.name}"] = {"long_name": f"{_SAYS[what]} of the {lowered}"}
         attributes[f"density_{unknown.name}"] = {"long_name": f"Density of the {lowered}"}
@@ -274,7 +275,7 @@ def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
         "long_name": f"Measured {QUANTITIES[model.runs.output].label.lower()}"
     }
     for band in BANDS:
-        words = _SAYS[band][0].lower() + _SAYS[band][1:]
+        words = in_sentence(_SAYS[band])
         attributes[f"predicted_{band}"] = {"long_name": f"Predicted, {words}"}
         attributes[f"discrepancy_{band}"] = {"long_name": f"Discrepancy, {words}"}
     for name, (label_, comment) in _RUNS.items():

@@ -101,7 +101,7 @@ class Trial:
         each, spent, done = float(prices.mean()), 0.0, 0
         batches: list[tuple[int, float]] = []
         if prices[0] > _budget(cells * each):
-            outcome, each = self._some_periods(cells)
+            outcome, each = self._some_periods(cells, prices)
             if not outcome.repeats:
                 return each
             spent, done = outcome.seconds, 1
@@ -111,9 +111,7 @@ class Trial:
             size = min(GROWTH * batches[-1][0] if batches else 1, self.count - done)
             # Of the first batches most is the call, which more cells do not lengthen.
             size = min(size, int((GROWTH if batches else 1.0) * left / each))
-            if batches and batches[-1][1] > left:
-                break
-            if size < 1:
+            if size < 1 or (batches and batches[-1][1] > left):
                 break
             outcome = self._follow(done, done + size, None, left)
             if not done and outcome.seconds > SURPRISE * prices[0]:  # it may have loaded code
@@ -128,12 +126,12 @@ class Trial:
                 each *= float(prices.mean() / prices[:done].mean())
         return each
 
-    def _some_periods(self, cells: float) -> tuple[_Followed, float]:
+    def _some_periods(self, cells: float, prices: Array) -> tuple[_Followed, float]:
         """Follow the first cell for doubling numbers of periods, while the budget lasts.
 
-        Return the last outcome and the mean time of a cell [s]; `cells` is the number in the study.
+        Return the last outcome and the mean time of a cell [s]; `cells` is the number in the study,
+        `prices` are the prices by formula of the cells for all periods [s].
         """
-        prices = self.price(None)
         each = mean = float(prices.mean())
         allowed = float(np.max(self._settings.get("max_periods", 0.0)))
         periods, spent = float(self.fewest_periods), 0.0

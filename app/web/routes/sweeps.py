@@ -218,37 +218,42 @@ async def get_slice(
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, written, output, axes, *words)
     reply = not_modified(request, etag, FOR_EVER)
-    is_read = reply is None and request.method == "GET" and chosen in FORMS
+    is_read = request.method == "GET" and chosen in FORMS
 
-    def look() -> tuple[Prepared, bytes | None]:
-        """Return the sweep and, if it is small, the slice: a second thread takes as long again."""
+    def look() -> tuple[Prepared, SliceCut, bytes | None]:
+        """Return the sweep, the slice not computed yet, and it encoded if it is small.
+
+        A second thread for a small slice would take as long again. A wrong request is refused here,
+        before it waits or reserves bytes.
+        """
         sweep = store.sweep(key)
+        cut = wish.prepared(sweep)
         if not is_read or wish.values(sweep) > LARGE:
-            wish.prepared(sweep)  # a wrong request is refused before it waits or reserves bytes
-            return sweep, None
-        reserve_bytes(request, BYTES_A_VALUE * wish.values(sweep))
-        return sweep, wish.encoded(sweep, chosen)
+            return sweep, cut, None
+        reserve_bytes(request, wish.reply_bytes(sweep))
+        return sweep, cut, encode_slice(cut, chosen)
 
-    sweep, made = await run_in_threadpool(look)
-    if reply is None:
+    if reply is not None:
+        await run_in_threadpool(store.sweep, key)  # what is not there is not unchanged
+    else:
+        sweep, cut, made = await run_in_threadpool(look)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
-        values = wish.values(sweep)
-        lane = request.app.state.large_slices if values > LARGE else None
+        lane = request.app.state.large_slices if wish.values(sweep) > LARGE else None
         turn = nullcontext() if lane is None else slot_of(request)
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
             reply = without_length(media_type)
         elif chosen in TABLES:
-            reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
+            reserve_bytes(request, wish.reply_bytes(sweep))
             rows = most_rows(settings, chosen, wish.most)
             async with turn:
                 frame = await to_thread.run_sync(
-                    lambda: Frame.of(table_of(sweep, wish.computed(sweep)), most=rows), limiter=lane
+                    lambda: Frame.of(table_of(sweep, compute_slice(cut)), most=rows), limiter=lane
                 )
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:
             if made is None:
-                reserve_bytes(request, BYTES_A_VALUE * min(values, wish.most))
+                reserve_bytes(request, wish.reply_bytes(sweep))
                 async with turn:  # in a thread it would hold up everybody's small ones
                     text = await run_in_threadpool(sweep.study.canonical)
                     made = await calculate_in_process(
@@ -278,13 +283,9 @@ class _Wish:
         """Check the request against the sweep and return the slice, not computed yet."""
         return prepare_cut(sweep, output=self.output, axes=self.axes, at=self.fixed, most=self.most)
 
-    def computed(self, sweep: Prepared) -> dict[str, Any]:
-        """Compute the slice and return its document: axes and values."""
-        return compute_slice(self.prepared(sweep))
-
-    def encoded(self, sweep: Prepared, form: str) -> bytes:
-        """Compute the slice and return it as the body of a reply, in JSON or binary."""
-        return encode_slice(self.prepared(sweep), form)
+    def reply_bytes(self, sweep: Prepared) -> int:
+        """Return the largest number of bytes of the reply, for which room is reserved."""
+        return BYTES_A_VALUE * min(self.values(sweep), self.most)
 
 
 @router.get(
