@@ -5,6 +5,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+# uv installs in a quarter of pip's time; where it finds no index that pip is configured for, pip does.
+UV := $(BIN)/uv pip install --quiet --link-mode copy --constraint constraints.txt
+COMMA := ,
+INSTALL = $(UV) --editable '.[$(1)]' || $(PIP) --editable '.[$(1)]'
 RUNNING := $(VENV)/.running
 TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
@@ -42,12 +46,13 @@ clean:
 	rm -rf $(VENV) results
 
 $(RUNNING): pyproject.toml constraints.txt
-	@echo "Installing what vibrafeed needs to run in $(VENV): some 0.8 GB, a minute or two ..."
+	@echo "Installing what vibrafeed needs to run in $(VENV): some 0.8 GB, up to a minute ..."
 	@$(PYTHON) -m venv $(VENV)
-	@$(PIP) --editable '.[plot]'
+	@$(PIP) uv || true
+	@$(call INSTALL,plot)
 	@touch $@
 
 $(TESTING): $(RUNNING)
-	@echo "Adding what its tests and checks need: some 0.5 GB, another minute ..."
-	@$(PIP) --editable '.[plot,dev]'
+	@echo "Adding what its tests and checks need: some 0.5 GB ..."
+	@$(call INSTALL,plot$(COMMA)dev)
 	@touch $@

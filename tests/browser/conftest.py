@@ -1,4 +1,4 @@
-"""A server and a browser, each once for all tests of a file."""
+"""A server and a browser, each once for all tests that one process runs."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from tools import tool
 from waiting import PATIENCE
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def address():
     with served(workers=1) as server:
         yield server.address
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser():
     tool("chromium")
     from playwright.sync_api import expect

@@ -202,6 +202,7 @@ def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
     assert "## mean" in said
 
 
+@pytest.mark.night
 def test_adding_an_output(tree: Path) -> None:
     """A flag, in two places: what it is, and what gives it."""
     page = (ROOT / "docs" / "adding-an-output.md").read_text(encoding="utf-8")

@@ -57,7 +57,6 @@ def test_dismissed_work_frees_its_worker(server: Server) -> None:
     assert small["status"] == "successful", small
 
 
-@pytest.mark.night
 def test_work_over_its_time_fails_alone(tmp_path: Path) -> None:
     """What waited behind it as long has not run for so long."""
     server = Server(tmp_path, **QUICK, workers=1, max_job_seconds=20)

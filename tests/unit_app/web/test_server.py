@@ -76,6 +76,7 @@ print(sum(faults(100) for _ in range(3)))
 """
 
 
+@pytest.mark.night
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the allocator of glibc")
 def test_memory_of_one_reply_serves_the_next():
     done = subprocess.run(

@@ -14,6 +14,7 @@ from scipy.stats import binom
 
 from core.errors import StudyError
 from core.measured import Recording, fit_drive, fit_signal
+from night import count
 from recordings import DRIVE, csv_of, signal_of
 
 NEAR = 1e-9
@@ -174,14 +175,15 @@ def counted(fits, line):
 
 
 @pytest.mark.parametrize(
-    ("colour", "draws"), [(0.0, 200), pytest.param(0.9, 100, marks=pytest.mark.night)]
+    ("colour", "draws"), [(0.0, count(60, 200, "VIBRAFEED_RECORDINGS")), pytest.param(0.9, 100, marks=pytest.mark.night)]
 )
 def test_stated_errors_are_as_large_as_true_ones(colour, draws):
-    """Of 200 recordings with noise, drift and a clock 1 % wrong, 95 % lie within two errors.
+    """Of recordings with noise, drift and a clock 1 % wrong, 95 % lie within two errors.
 
     Each of the twelve numbers is within 2 standard errors with probability 0.9545 if the errors
     are right: the count is binomial, and leaves its bounds once in 10^5. The share of all of them
-    has a standard deviation of 0.43 %; its bounds are those of errors 10 % too small or too large.
+    has a standard deviation of 0.43 % over 200; its bounds are those of errors 10 % too small or
+    too large, and by day, of fewer recordings, further apart in proportion.
     """
     rng = np.random.default_rng(7)
     drift = np.linspace(-0.5, 0.5, 500)
@@ -195,7 +197,8 @@ def test_stated_errors_are_as_large_as_true_ones(colour, draws):
     low, high = binom.ppf([5e-6, 1 - 5e-6], draws, 0.9545)
     assert (within.sum(axis=0) >= low).all()
     assert (within.sum(axis=0) <= high).all()
-    assert 0.928 < within.mean() < 0.972
+    further = np.sqrt(200 / draws)
+    assert 0.9545 - 0.0265 * further < within.mean() < 0.9545 + 0.0175 * further
 
 
 def test_errors_that_took_coloured_noise_for_white_would_be_wrong():
