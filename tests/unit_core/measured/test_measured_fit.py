@@ -175,7 +175,11 @@ def counted(fits, line):
 
 
 @pytest.mark.parametrize(
-    ("colour", "draws"), [(0.0, count(60, 200, "VIBRAFEED_RECORDINGS")), pytest.param(0.9, 100, marks=pytest.mark.night)]
+    ("colour", "draws"),
+    [
+        (0.0, count(60, 200, "VIBRAFEED_RECORDINGS")),
+        pytest.param(0.9, 100, marks=pytest.mark.night),
+    ],
 )
 def test_stated_errors_are_as_large_as_true_ones(colour, draws):
     """Of recordings with noise, drift and a clock 1 % wrong, 95 % lie within two errors.
