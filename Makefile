@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 # uv installs in a quarter of pip's time; where it finds no index that pip is configured for, pip does.
-UV := $(BIN)/uv pip install --quiet --link-mode copy --constraint constraints.txt
+UV := $(BIN)/uv pip install --quiet --link-mode copy --compile-bytecode --constraint constraints.txt
 COMMA := ,
 INSTALL = $(UV) --editable '.[$(1)]' || $(PIP) --editable '.[$(1)]'
 RUNNING := $(VENV)/.running

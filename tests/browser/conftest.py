@@ -1,4 +1,4 @@
-"""A server and a browser, each once for all tests that one process runs."""
+"""A server, once for all tests that one process runs, and a browser, once for those of a file."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def address():
         yield server.address
 
 
-@pytest.fixture(scope="session")
-def browser():
+@pytest.fixture(scope="module")
+def browser():  # not longer: while it runs, so does an event loop, and there may be no other
     tool("chromium")
     from playwright.sync_api import expect
 
