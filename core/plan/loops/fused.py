@@ -25,6 +25,8 @@ COLUMN_CELLS = 1 << 15
 """The same where numpy works between loops: its arrays stay in the second-level cache."""
 FEWEST_SHARED = 1 << 17
 """Fewest cells for which another thread is used."""
+SHARES = 4
+"""Tasks for each thread, at least: who had the processor for longer takes more of them."""
 SPECIAL = (0.0, 1.0, math.inf)
 """Values of a node by which other steps become superfluous, as in x * 1."""
 
@@ -125,14 +127,28 @@ class Fused:
             """Compute one task and report its cells."""
             run_stages(program, operands, (ends, strides), flat)
             if progress is not None:
-                progress(int(np.prod(ends[:, 1] - ends[:, 0])) / cells)
+                progress(_cells_between(ends) / cells)
 
-        share = max(FEWEST_SHARED, -(-cells // (2 * threads)))
-        tasks = list(_tasks(program.order, grid.shape, min(most, share)))
+        share = cells if cells < FEWEST_SHARED else -(-cells // (SHARES * threads))
+        # The largest first: what is left over at the ends of axes fills the gaps.
+        tasks = sorted(
+            _tasks(program.order, grid.shape, min(most, share)), key=_cells_between, reverse=True
+        )
         if not _compiled.issuperset(program.sources):
             run(tasks.pop(0))  # compiling is for one
             _compiled.update(program.sources)
         share_out(run, tasks, threads)
+
+
+def _cells_between(ends: NDArray[np.int64]) -> int:
+    """Return the cells of a task, whose ranges `ends` are as `_tasks` yields them."""
+    return math.prod(stop - start for start, stop in ends.tolist())
+
+
+def even_length(size: int, most: int) -> int:
+    """Return the length of pieces of an axis, nearly equal and at most `most` values long."""
+    pieces = -(-size // max(1, min(size, most)))
+    return -(-size // pieces)
 
 
 def missing(program: Program) -> frozenset[str]:
@@ -167,12 +183,13 @@ def run_stages(
     """
     from core.compiled import compiled_source  # numba, for those whom it repays
 
-    ends = ranges[0]
-    count = int(np.prod(ends[:, 1] - ends[:, 0]))
     columns: dict[int, Array] = {}
     for stage in program.stages:
         if stage.loop is not None:
-            made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
+            made: dict[int, Array] = {}
+            if stage.columns:
+                count = _cells_between(ranges[0])
+                made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
             compiled_source(stage.loop.source)(
                 *(ranges[:2] if stage.functions else ranges),
                 *(operands[node.number] for node in stage.loop.arrays),
@@ -181,6 +198,8 @@ def run_stages(
                 *(made.values() if stage.functions else results),
             )
             columns |= made
+        if not stage.functions:
+            continue
         with np.errstate(all="ignore"):  # it is a setting of the thread
             for node in stage.functions:
                 inputs = (columns[n.number] if isinstance(n, Node) else n for n in node.inputs)
@@ -205,13 +224,16 @@ def lay_out_operands(
             operands[leaf.number] = value[()].item()
             continue
         kept, is_row = order.kept(node), order.is_row(node)
-        lengths = [
-            shape[name] if name in kept or (name in order.inner and is_row) else 1
-            for name in order.axes
-        ]
-        laid = np.broadcast_to(value, lengths)
-        laid = np.ascontiguousarray(laid, np.float64 if is_row else None)
-        operands[leaf.number] = laid.reshape([shape[name] for name in kept] + [row] * is_row)
+        whole = [shape[name] for name in kept] + [row] * is_row
+        laid = value if not is_row else value.astype(np.float64, copy=False)
+        if value.size != math.prod(whole):
+            lengths = [
+                shape[name] if name in kept or (name in order.inner and is_row) else 1
+                for name in order.axes
+            ]
+            laid = np.empty(lengths, laid.dtype)
+            laid[...] = value
+        operands[leaf.number] = np.ascontiguousarray(laid.reshape(whole))
     return operands
 
 
@@ -264,11 +286,13 @@ class Values:
         constants: list[tuple[int, float | bool]] = []
         for node in nodes:
             value = np.asarray(self.of(node))
-            first = value.flat[0]
+            first = value.item(0)
+            if value.item(-1) != first:  # at once, as with most
+                continue
             if value.dtype.kind != "b" and (first not in SPECIAL or np.signbit(value).any()):
                 continue
             if (value == first).all():
-                constants.append((node.number, first.item()))
+                constants.append((node.number, first))
         return tuple(constants)
 
 
@@ -282,7 +306,7 @@ def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArra
     sizes = [row, *(shape[name] for name in order.outer)]
     steps = [inside := min(row, most)]
     for size in reversed(sizes[1:]):
-        steps.insert(1, max(1, min(size, most // inside)))
+        steps.insert(1, even_length(size, most // inside))
         inside *= steps[1]
     starts = (range(0, size, step) for size, step in zip(sizes, steps, strict=True))
     for at in product(*starts):

@@ -15,7 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.grid import Grid
-from core.plan.loops.fused import Values, lay_out_operands, mark_compiled, missing, run_stages
+from core.plan.loops.fused import (
+    Values,
+    even_length,
+    lay_out_operands,
+    mark_compiled,
+    missing,
+    run_stages,
+)
 from core.plan.loops.program import MAX_VALUES, edge_of, program_of
 from core.plan.loops.source import LONGEST_ROW
 from core.plan.loops.trace import Traced
@@ -230,9 +237,3 @@ class LaneLoop:
         )
         run_stages(self._program, self._inputs, ranges, lanes)
         mark_compiled(self._program)
-
-
-def even_length(size: int, most: int) -> int:
-    """Return the length of pieces of an axis, nearly equal and at most `most` values long."""
-    pieces = -(-size // max(1, min(size, most)))
-    return -(-size // pieces)
