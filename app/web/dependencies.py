@@ -66,12 +66,13 @@ def refuse_repeated(*several: str) -> params.Depends:
     async def check(request: Request) -> None:
         """Raise `RequestValidationError`, which becomes a 422, if a query parameter is repeated."""
         names = [name for name in _names(request) if name not in several]
+        if len(names) == len(set(names)):
+            return
         repeated = {name for name in names if names.count(name) > 1}
-        if repeated:
-            message = "the parameter is given more than once"
-            raise RequestValidationError(
-                [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
-            )
+        message = "the parameter is given more than once"
+        raise RequestValidationError(
+            [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
+        )
 
     return cast(params.Depends, Depends(check))
 
@@ -104,30 +105,35 @@ WhoOf = Annotated[keys.Key, Depends(who_of)]
 
 
 async def readable_sweep(
+    request: Request,
     key: Annotated[str, Path(description="Identifier of a sweep.", max_length=100)],
-    admission: AdmissionOf,
-    who: WhoOf,
 ) -> str:
     """Return the identifier of a sweep that the client may read; raise `NotFoundError` otherwise.
 
-    `key` is the identifier in the path; `who` is the API key of the request.
+    `key` is the identifier in the path. Each dependency takes FastAPI some 20 microseconds: what
+    the application holds is taken from the request.
     """
-    if not who.sees_all and not await run_in_threadpool(admission.may_read, key, who):
-        raise unknown(key)
+    who = await who_of(request)
+    if not who.sees_all:
+        admission = await admission_of(request)
+        if not await run_in_threadpool(admission.may_read, key, who):
+            raise unknown(key)
     return key
 
 
 async def readable_job(
+    request: Request,
     number: Annotated[str, Path(description="Identifier of a job.", max_length=100)],
-    admission: AdmissionOf,
-    who: WhoOf,
 ) -> str:
     """Return the identifier of a job that the client may read; raise `NoSuchJobError` otherwise.
 
-    `number` is the identifier in the path; `who` is the API key of the request.
+    `number` is the identifier in the path.
     """
-    if not who.sees_all and await run_in_threadpool(admission.job, number, who) is None:
-        raise no_such_job(number)
+    who = await who_of(request)
+    if not who.sees_all:
+        admission = await admission_of(request)
+        if await run_in_threadpool(admission.job, number, who) is None:
+            raise no_such_job(number)
     return number
 
 

@@ -11,7 +11,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.web.problems import STATUS, BusyError
 from app.web.replies import problem_document
 
-PIECE = 1 << 18  # bytes that are sent at a time: a connection copies no more of a reply
+PIECE = 1 << 20  # bytes that are sent at a time, as of downloads: a connection copies no more
 SMALL = 1 << 16  # bytes of a body that is not counted: a connection holds as much anyway
 
 

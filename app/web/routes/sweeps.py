@@ -29,6 +29,8 @@ from app.web.dependencies import (
     WhoOf,
     WriterOf,
     refuse_repeated,
+    settings_of,
+    store_of,
 )
 from app.web.documents import NETCDF_TYPE
 from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
@@ -188,9 +190,6 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
 async def get_slice(
     request: Request,
     key: SweepKey,
-    store: StoreOf,
-    settings: SettingsOf,
-    who: WhoOf,
     output: Annotated[str, Query(description="Name of an output.", max_length=100)],
     axes: Annotated[
         str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
@@ -207,6 +206,7 @@ async def get_slice(
 
     HEAD says whether the slice can be taken, and computes nothing.
     """
+    settings, store = await settings_of(request), await store_of(request)
     fixed = {
         name: value
         for name, value in request.query_params.multi_items()
