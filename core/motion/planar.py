@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.motion import compiled
 from core.motion.kernels.results import RESULTS
@@ -89,7 +90,19 @@ def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
     """Fill results and status of cells that do not repeat, from long runs."""
     (cells,) = np.nonzero(status == compiled.solve.UNREPEATED)
     if cells.size:
+        cells = cells[_beside_equal_landings(groups[cells])]
         means = np.full((cells.size, RESULTS), np.nan)
         found = np.full(cells.size, NOT_COMPUTED, dtype=np.int8)
         compiled.unrepeated.average_cells(groups[cells], waves_of(groups), means, found, stop)
         table[cells, :RESULTS], status[cells] = means, found
+
+
+def _beside_equal_landings(groups: Floats) -> NDArray[np.intp]:
+    """Return the order of cells in which those that land at the same times follow each other.
+
+    `groups` has a row a cell. Such cells have the same motion normal to the floor, up to rounding,
+    which is found once for all of them (`kernels.planar.landings`).
+    """
+    fields = compiled.cells.Cell._fields
+    names = "drive_number_normal", "gravity_number_normal", "restitution", "impact_damping"
+    return np.lexsort(np.float32([groups[:, fields.index(name)] for name in names]))

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks.honest_estimates import Groups, random_groups
+from benchmarks.motion import SETTINGS
+from benchmarks.motion import groups as grid
 from benchmarks.motions import planar_motion
 from core.motion.result import STATUS, Motion
 from tests.helpers import night
@@ -93,3 +95,20 @@ def test_few_periods_and_no_repeats_are_as_without_a_tolerance() -> None:
     np.testing.assert_array_equal(found.status, known.status)
     repeats = known.status != PERIODIC
     np.testing.assert_array_equal(found.velocity[repeats], known.velocity[repeats])
+
+
+def test_cells_that_land_at_the_same_times_have_the_bits_that_each_has_alone() -> None:
+    """Their landings are found once, whichever of them comes first or is followed for longest."""
+    throw, friction, beta = np.meshgrid([2.4, 2.6], [0.2, 0.5, 0.9], [20, 35, 50], indexing="ij")
+    groups = grid(throw, friction, beta, 1.0, 0.3)
+    groups = {name: values for name, values in groups.items() if name not in SETTINGS}
+    together, backwards = followed(groups, 0.02), followed(some(groups, np.s_[::-1]), 0.02)
+    assert np.mean(together.status == CHAOTIC) > 0.5
+    for cell in range(throw.size):
+        alone = followed(some(groups, np.s_[cell : cell + 1]), 0.02)
+        for name, values in alone._asdict().items():
+            if isinstance(values, np.ndarray):
+                for all_of_them in (together, backwards):
+                    at = cell if all_of_them is together else throw.size - 1 - cell
+                    found = getattr(all_of_them, name)[at : at + 1]
+                    np.testing.assert_array_equal(found, values, err_msg=name)

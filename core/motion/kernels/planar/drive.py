@@ -77,6 +77,15 @@ def rounded(drive: Drive) -> Drive:
     raise NotImplementedError
 
 
+@_by_drive(sine_flight.normal_numbers, wave_flight.normal_numbers)
+def normal_numbers(drive: Drive) -> tuple[float, float]:
+    """Return the numbers that set the motion normal to the floor, drive and gravity in g: (s, n).
+
+    Of waves the first is NaN: two numbers do not tell them.
+    """
+    raise NotImplementedError
+
+
 @_by_drive(sine_flight.push, wave_flight.push)
 def push(drive: Drive, tau: float) -> tuple[float, float]:
     """Return the drive acceleration along and normal to the floor at the phase `tau`, in g.

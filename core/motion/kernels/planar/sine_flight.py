@@ -29,6 +29,12 @@ def sizes(drive: SineDrive) -> tuple[float, float]:
 
 
 @compiled
+def normal_numbers(drive: SineDrive) -> tuple[float, float]:
+    """Return drive and gravity normal to the floor, s and n, in g."""
+    return drive.s, drive.gn
+
+
+@compiled
 def track_speed(drive: SineDrive, tau: float) -> float:
     """Return the velocity of the track along itself at phase `tau`, c cos(tau), in g/w.
 

@@ -18,6 +18,7 @@ from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, Waves, drive_of
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.growth import LAST_DIGIT
+from core.motion.kernels.planar.landings import no_landings
 from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle
@@ -70,6 +71,7 @@ def average_cells(
     columns of `COLUMN`, `status` one value a cell; `stop` is a flag that ends the work.
     """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    landings = no_landings()
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
         cell = cell_of(row)
@@ -77,7 +79,7 @@ def average_cells(
         result[:] = math.nan
         outcome = UNREPEATED
         if cell.tolerance >= LEAST_TOLERANCE:
-            outcome = means_within(cell, phase, drive, rows, sums, result, stop)
+            outcome, landings = means_within(cell, phase, drive, landings, result, stop)
         if outcome == UNREPEATED:
             outcome = from_phases(cell, phase, drive, rows, sums, result, stop)
         if outcome == STATUS.aperiodic:

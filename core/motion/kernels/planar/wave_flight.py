@@ -35,6 +35,12 @@ def sizes(drive: WaveDrive) -> tuple[float, float]:
 
 
 @borrowing
+def normal_numbers(drive: WaveDrive) -> tuple[float, float]:
+    """Return NaN, as two numbers do not tell a wave, and gravity onto the floor, n, in g."""
+    return math.nan, drive.gn
+
+
+@borrowing
 def track_speed(drive: WaveDrive, tau: float) -> float:
     """Return the track's velocity along itself at phase `tau`, in g/w, without its mean.
 

@@ -11,56 +11,46 @@ from collections import namedtuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
+from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.cells import Cell
 from core.motion.kernels.planar.chaos import (
-    HOPS_PER_PERIOD,
-    MAX_STARTS,
     PHASES,
     QUARTERS,
-    SEARCHES,
     batch_error,
     first_flight,
-    flight,
-    jolted,
     share_out,
+    slowed,
     stay,
 )
-from core.motion.kernels.planar.cycle import (
-    FIRST_LOOK,
-    LONGEST_CYCLE,
-    find_cycle,
-    write_segment,
-)
-from core.motion.kernels.planar.drive import Drive, hop_height, landing, rounded, sizes
+from core.motion.kernels.planar.drive import Drive, fly, rounded, sizes
 from core.motion.kernels.planar.flow import TURN, kept
-from core.motion.kernels.planar.rebound import Restitution, impulse
+from core.motion.kernels.planar.landings import (
+    LANDING,
+    NORMAL,
+    Landings,
+    belong_to,
+    land_until,
+    with_room,
+)
+from core.motion.kernels.planar.rebound import Restitution
 from core.motion.kernels.planar.slide import after_hops
 from core.motion.kernels.planar.solve import UNREPEATED
-from core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, SUMS, TIMES
+from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, TIMES
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 LEAST_TOLERANCE = 1e-3  # from this tolerance on motions that do not repeat end early
-APART = 1e6
-"""Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
-
-Those of `chaos` agree up to there in eight digits, and take tens of periods to lose them: so early
-their scatter tells nothing of the error.
-"""
 FIRST_STAGE = 2.0  # periods of a run up to the first mark; two marks later they are twice as many
 DROPPED = 4  # marks before the last, up to which nothing is counted: a quarter of a run
 FIRST_ASKED = 7  # mark of the first estimate: 23 periods, of which 17 count; fewer give no error
 SHARE = 0.8
 """Factor from the error at 99 % to that at 95 %, with a margin for repeated looks."""
-HOP_CAPACITY = MAX_SEGMENTS // PHASES  # rows for a run's hops since the part was at rest
 
-Run = namedtuple("Run", "phase slip rebound time hops look jolt upheld impacts fastest highest")
-"""Columns of a run on its way: what it goes on from, and what it has seen.
+Run = namedtuple("Run", "slip time impacts upheld fastest highest")
+"""Columns of a run on its way along the track: what it goes on from, and what it has seen.
 
-`hops` since the last rest, of which `look` is when a cycle is looked for next; `upheld` is the last
-time at which it did not slip downhill.
+`upheld` is the last time at which it did not slip downhill.
 """
 
 RUN = Run(*range(len(Run._fields)))
@@ -77,18 +67,16 @@ def start(number: int, phase: float, drive: Drive, sums: Floats, run: Floats) ->
     """
     sums[:], run[:] = 0.0, 0.0
     no_log = np.empty((0, len(PIECE)))
-    u, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
-    w *= APART
-    run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time] = tau, u, w, time
-    run[RUN.look], run[RUN.jolt] = FIRST_LOOK, number
+    u, _, _, time, _ = first_flight(number, phase, drive, sums, no_log)
+    run[RUN.slip], run[RUN.time] = u, time
 
 
 @compiled
 def follow_on(
-    run: Floats, until: float, searches: bool, drive: Drive, e: Restitution, travel: Floats,
-    rows: Floats, sums: Floats, stop: Stop,
+    run: Floats, until: float, table: Floats, landed: int, drive: Drive, travel: Floats,
+    sums: Floats,
 ) -> bool:  # fmt: skip
-    """Follow a run up to the time `until`; False if it nears a cycle or cannot be followed.
+    """Follow a run along the track up to the time `until`; False if its landings end before.
 
     Parameters
     ----------
@@ -96,47 +84,39 @@ def follow_on(
         State of the run, columns of `RUN`; changed to that at the end.
     until
         Phase in rad since the start of the run.
-    searches
-        If a cycle of hops is looked for, in the hops since the last rest.
+    table, landed
+        Its landings, columns of `LANDING`, and how many there are.
     travel
         Filled with the distance of each period in g/w^2 (w = 2 pi f).
-    rows, sums
-        Work arrays for these hops (columns of `SEGMENT`), and distance and times in modes.
+    sums
+        Distance and times in modes, as in `contact`.
     """
     no_log = np.empty((0, len(PIECE)))
-    tau, u, w, time = run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time]
-    count, look_at, jolt = int(run[RUN.hops]), int(run[RUN.look]), int(run[RUN.jolt])
-    most = run[RUN.impacts] + HOPS_PER_PERIOD * (until - time) / TURN + FIRST_LOOK
+    u, time, number = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
     while time < until:
-        span = landing(drive, w, tau)
-        if span < 0 or run[RUN.impacts] > most or raised(stop):
+        if number >= landed:
             return False
-        speed, up, slip, distance, stays = flight(drive, e, u, w, tau, span)
-        write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
-        run[RUN.highest] = hop_height(drive, w, tau, span, run[RUN.highest])
-        run[RUN.fastest] = max(run[RUN.fastest], speed)
-        run[RUN.impacts] += 1
+        row = table[number]
+        tau, span, up = row[LANDING.phase], row[LANDING.span], row[LANDING.rebound]
+        stays = row[LANDING.stays] > 0.0
+        u, distance = fly(drive, u, tau, span)
+        u = slowed(u, drive.mu_k, row[LANDING.speed], 0.0 if stays else up)
+        number += 1
         began, covered = time, sums[DISTANCE]
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
-        count += 1
-        tau, u, w, time = (tau + span) % TURN, slip, up, time + span
+        time += span
         if stays:
-            u, tau, span = stay(drive, tau, after_hops(drive, tau, u, w), sums, no_log)
-            jolt += MAX_STARTS
-            w, time = jolted(jolt, drive.gn), time + span
-            count, look_at = 0, FIRST_LOOK
-        elif count >= look_at and searches:
-            look_at = count + count // 2
-            if find_cycle(drive, e, rows, count, tau, w)[0]:
-                return False
-        if count >= HOP_CAPACITY - LONGEST_CYCLE - 2:
-            count, look_at = 0, FIRST_LOOK
+            tau = (tau + span) % TURN
+            u, _, span = stay(drive, tau, after_hops(drive, tau, u, up), sums, no_log)
+            time += span
         share_out(travel, began, time, sums[DISTANCE] - covered)
         if u * drive.gs >= 0:
             run[RUN.upheld] = time
-    run[RUN.phase], run[RUN.slip], run[RUN.rebound], run[RUN.time] = tau, u, w, time
-    run[RUN.hops], run[RUN.look], run[RUN.jolt] = count, look_at, jolt
+    run[RUN.slip], run[RUN.time], run[RUN.impacts] = u, time, number
+    if number > 0:
+        run[RUN.fastest] = table[number - 1, LANDING.fastest]
+        run[RUN.highest] = table[number - 1, LANDING.highest]
     return True
 
 
@@ -180,8 +160,8 @@ def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
 
 @compiled
 def means_within(
-    cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
-) -> int:
+    cell: Cell, phase: float, drive: Drive, landings: Landings, result: Floats, stop: Stop
+) -> tuple[int, Landings]:
     """Fill `result` with means of a motion that rounding decides, to a tolerance of its velocity.
 
     Eight runs from as many phases end if error <= tolerance |v|, or after `max_periods`/8 each; the
@@ -189,13 +169,15 @@ def means_within(
     run grows by a factor of sqrt(2); its first quarter is not counted, at least the c/(2 pi mu n)
     periods in which friction stops a part as fast as the drive. Return the status; `UNREPEATED`,
     with nothing filled, if a run nears a cycle, runs away or is too short. `phase` is the study's
-    own start in rad, `rows` and `sums` are work arrays.
+    own start in rad. `landings` are those that were found for the cell before; they are returned
+    too, with those of this cell.
     """
     drive = rounded(drive)
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
     most = int(cell.max_periods) // PHASES
     if most < end_of(FIRST_ASKED, most + 1):
-        return UNREPEATED
+        return UNREPEATED, landings
+    belong_to(landings, drive, e, phase)
     runs, all_sums = np.empty((PHASES, len(RUN))), np.empty((PHASES, SUMS))
     travel, marks = np.zeros((PHASES, most)), np.zeros((PHASES, DROPPED + 1, MARK))
     quarters = np.empty((PHASES, QUARTERS))
@@ -206,13 +188,13 @@ def means_within(
     while periods < most:
         periods, begin = end_of(mark, most), end_of(mark - DROPPED, most)
         for number in range(PHASES):
-            room = rows[number * HOP_CAPACITY : (number + 1) * HOP_CAPACITY]
-            run, own = runs[number], marks[number, mark % (DROPPED + 1)]
-            if not follow_on(
-                run, periods * TURN, number < SEARCHES, drive, e, travel[number], room,
-                all_sums[number], stop,
-            ):  # fmt: skip
-                return UNREPEATED
+            run, own, until = runs[number], marks[number, mark % (DROPPED + 1)], periods * TURN
+            while not land_until(landings, number, until, drive, e, stop):
+                landings = with_room(landings)
+            landed = int(landings.states[number, NORMAL.landings])
+            table, covered = landings.tables[number], all_sums[number]
+            if not follow_on(run, until, table, landed, drive, travel[number], covered):
+                return UNREPEATED, landings
             for column in range(SUMS):
                 own[column] = all_sums[number, column]
             own[TIME], own[IMPACTS], own[SLIP] = run[RUN.time], run[RUN.impacts], run[RUN.slip]
@@ -230,7 +212,8 @@ def means_within(
         if begin >= settled and error <= cell.tolerance * abs(velocity):
             break
     first = mark % (DROPPED + 1)
-    return fill(runs, marks[:, first], all_sums, quarters, error, drive, result)
+    status = fill(runs, marks[:, first], all_sums, quarters, error, drive, result)
+    return status, landings
 
 
 @compiled
