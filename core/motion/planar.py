@@ -105,4 +105,5 @@ def _beside_equal_landings(groups: Floats) -> NDArray[np.intp]:
     """
     fields = compiled.cells.Cell._fields
     names = "drive_number_normal", "gravity_number_normal", "restitution", "impact_damping"
-    return np.lexsort(np.float32([groups[:, fields.index(name)] for name in names]))
+    keys = [groups[:, fields.index(name)] for name in names]
+    return np.lexsort(np.array(keys, dtype=np.float32))
