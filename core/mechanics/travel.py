@@ -19,7 +19,6 @@ from core.mechanics.arrays import (
     Mask,
     arctan_quotient,
     expm1_quotient,
-    hypot,
     log1p_quotient,
     ratio,
     sin_quotient,
@@ -64,11 +63,23 @@ def transport_velocity(
     stops before.
     """
     carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
-    from_rest = carried == 0  # nothing to add up: one root instead of four
-    grown = np.where(from_rest, gained, hypot(carried, gained))
-    # carried^2 - gained^2 as a product: no cancellation of squares near the stop.
-    left = np.sqrt(np.maximum(0.0, carried - gained)) * np.sqrt(carried + gained)
-    return np.where(starting_acceleration > 0, grown, np.where(from_rest, 0.0, left))
+    from_rest, grows = carried == 0, starting_acceleration > 0  # from rest one root is enough
+    joined = _joined(carried, gained, grows)
+    return np.where(from_rest, np.where(grows, gained, 0.0), joined)
+
+
+def _joined(carried: Array, gained: Array, grows: Mask) -> Array:
+    """Return sqrt(c^2 + g^2) where it grows, else sqrt(c^2 - g^2), or 0 for c < g [m s-1].
+
+    c `carried` and g `gained`. One root for both, of 1 + r^2 or (1 - r)(1 + r), r the ratio of the
+    less to the greater: no overflow, and no cancellation of squares near the stop.
+    """
+    is_less = gained < carried
+    most, least = np.where(is_less, carried, gained), np.where(is_less, gained, carried)
+    scale = np.where(most > 0, most, 1.0)
+    share = least / scale
+    lost = np.maximum(0.0, carried - gained) / scale
+    return most * np.sqrt(np.where(grows, 1.0 + share * share, lost * (1.0 + share)))
 
 
 def _speeds(
