@@ -97,18 +97,26 @@ def test_few_periods_and_no_repeats_are_as_without_a_tolerance() -> None:
     np.testing.assert_array_equal(found.velocity[repeats], known.velocity[repeats])
 
 
-def test_cells_that_land_at_the_same_times_have_the_bits_that_each_has_alone() -> None:
+@pytest.mark.parametrize(
+    ("throws", "tolerance", "status"), [([2.4, 2.6], 0.02, CHAOTIC), ([1.9, 2.7], 1e-12, PERIODIC)]
+)
+def test_cells_that_land_at_the_same_times_have_the_bits_that_each_has_alone(
+    throws: list[float], tolerance: float, status: int
+) -> None:
     """Their landings are found once, whichever of them comes first or is followed for longest."""
-    throw, friction, beta = np.meshgrid([2.4, 2.6], [0.2, 0.5, 0.9], [20, 35, 50], indexing="ij")
+    throw, friction, beta = np.meshgrid(throws, [0.2, 0.5, 0.9], [20, 35, 50], indexing="ij")
     groups = grid(throw, friction, beta, 1.0, 0.3)
     groups = {name: values for name, values in groups.items() if name not in SETTINGS}
-    together, backwards = followed(groups, 0.02), followed(some(groups, np.s_[::-1]), 0.02)
-    assert np.mean(together.status == CHAOTIC) > 0.5
-    for cell in range(throw.size):
-        alone = followed(some(groups, np.s_[cell : cell + 1]), 0.02)
+    cells = np.arange(throw.size)
+    together, backwards = (
+        followed(some(groups, order), tolerance) for order in (cells, cells[::-1])
+    )
+    assert np.mean(together.status == status) > 0.5
+    for cell in cells:
+        alone = followed(some(groups, cells[cell : cell + 1]), tolerance)
         for name, values in alone._asdict().items():
             if isinstance(values, np.ndarray):
                 for all_of_them in (together, backwards):
-                    at = cell if all_of_them is together else throw.size - 1 - cell
+                    at = cell if all_of_them is together else cells.size - 1 - cell
                     found = getattr(all_of_them, name)[at : at + 1]
                     np.testing.assert_array_equal(found, values, err_msg=name)

@@ -13,7 +13,7 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.cycle import normal_cycle
+from core.motion.kernels.planar.cycle import no_chain, normal_cycle
 from core.motion.kernels.planar.drive import (
     Drive,
     Waves,
@@ -57,14 +57,14 @@ def follow(row: Floats, waves: Waves, known: int, stop: Stop) -> tuple[Floats, f
     this.
     """
     cell = cell_of(row)
-    rows, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
+    chain, result = no_chain(), np.empty(RESULTS)
     sums, log = np.empty(SUMS), np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     log[:, PIECE.span] = -1.0
-    status, first, count, u = solve_cell(cell, row, waves, False, rows, sums, log, result, stop)
+    status, first, count, u = solve_cell(cell, row, waves, False, chain, sums, log, result, stop)
     status = known if status == UNREPEATED else status
     drive, phase, way = drive_of(cell, row, waves)
     pieces, repeats = pieces_of(
-        drive, phase, cell, status, rows[first:], count - first, u, sums, log
+        drive, phase, cell, status, chain.rows[first:], count - first, u, sums, log
     )
     return pieces, phase, way, repeats
 
@@ -263,14 +263,14 @@ def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, s
     `stop` is a flag that ends the work. NaN for cells without a cycle, 0 for parts at rest (theory
     13.15).
     """
-    rows, sums, result = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
+    chain, sums, result = no_chain(), np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
         cell = cell_of(row)
         spent[:] = math.nan
         outcome, first, count, u = solve_cell(
-            cell, row, waves, False, rows, sums, log[:0], result, stop
+            cell, row, waves, False, chain, sums, log[:0], result, stop
         )
         if raised(stop):
             return
@@ -278,6 +278,6 @@ def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, s
         if outcome == STATUS.at_rest:
             spent[:] = 0.0
         elif count > 0:
-            rest, periods = rows[first:], result[COLUMN.multiple]
+            rest, periods = chain.rows[first:], result[COLUMN.multiple]
             drive, _, _ = drive_of(cell, row, waves)
             spend_over_cycle(drive, rest, count - first, u, periods, sums, log, spent)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
+
+import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
@@ -12,12 +15,13 @@ from core.motion.kernels.planar.drive import (
     lift_off,
     lifts,
     load,
+    normal_numbers,
     rise,
     sizes,
     to_lift_off,
 )
 from core.motion.kernels.planar.flow import EPSILON, TURN
-from core.motion.kernels.planar.growth import CERTAIN, grown, growth
+from core.motion.kernels.planar.growth import CERTAIN, MAX_GROWTH, grown, growth
 from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
 from core.motion.kernels.planar.stays import left_out_softly, rests
 from core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
@@ -33,6 +37,18 @@ SAME_STATE = 1e-7  # mean distance of phase and speed a hop, below which two cyc
 NEAR = 1e-2  # distance of phase and speed at which a search for a cycle starts
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to count as that of the motion
 SAME_LIFT_OFF = 1e-9  # distance of phase in rad below which two lift-offs are the same
+
+Chain = namedtuple("Chain", "rows found")
+"""The segments of the last cell, `rows` with the columns of `SEGMENT`, and what was `found` there.
+
+`found` has the columns of `Found`: cells that differ in friction or along the track alone have the
+same motion normal to the floor, and what comes next to each other finds it there.
+"""
+
+Found = namedtuple("Found", "normal load restitution damping start most first end periods")
+"""Columns of what was found: the numbers that set the motion, then the result of `normal_cycle`."""
+
+FOUND = Found(*range(len(Found._fields)))
 
 
 @compiled
@@ -245,6 +261,33 @@ def normal_cycle(
         if count >= SEARCH_HOPS and total > TURN * min(SEARCH_PERIODS, max_periods):
             return 0, count, 0
     return 0, count, (0 if total > TURN * FEWEST_PERIODS else -1)
+
+
+@compiled
+def no_chain() -> Chain:
+    """Return room for the segments of a cell, with nothing found yet."""
+    return Chain(np.empty((MAX_SEGMENTS, len(SEGMENT))), np.full(len(FOUND), math.nan))
+
+
+@compiled
+def cycle_in(
+    chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int
+) -> tuple[int, int, int]:
+    """Return what `normal_cycle` does, without a second search where the last cell had the same.
+
+    Not where the part stays on the floor: it then starts its cycle where its own slip begins.
+    """
+    found = chain.found
+    normal, load = normal_numbers(drive)
+    is_same = lifts(drive)
+    numbers = (normal, load, e.constant, e.damping, start, float(max_periods))
+    for column, number in enumerate(numbers):
+        is_same = is_same and found[column] == number
+        found[column] = number
+    if not is_same:
+        first, end, periods = normal_cycle(drive, start, e, max_periods, MAX_GROWTH, chain.rows)
+        found[FOUND.first], found[FOUND.end], found[FOUND.periods] = first, end, periods
+    return int(found[FOUND.first]), int(found[FOUND.end]), int(found[FOUND.periods])
 
 
 @compiled

@@ -9,6 +9,7 @@ import numpy as np
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import cell_of
+from core.motion.kernels.planar.cycle import no_chain
 from core.motion.kernels.planar.drive import lifts
 from core.motion.kernels.planar.flow import NO_WAVES, TURN, SineDrive, upright
 from core.motion.kernels.planar.sine_slip import two_sided
@@ -22,7 +23,7 @@ from core.motion.kernels.planar.slope_tables import (
 )
 from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
 from core.motion.kernels.planar.solve import solve_cell
-from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.tables import PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 
@@ -252,14 +253,15 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     `energy` asks for derivatives of powers; `stop` is a flag that ends the work (theory 13.16).
     `status` gets one value a cell.
     """
-    rows = np.empty((MAX_SEGMENTS, len(SEGMENT)))
+    chain = no_chain()
+    rows = chain.rows
     sums, nearest = np.empty(SUMS), np.empty(5)
     log, d = np.empty((0, len(PIECE))), np.empty((len(ROW), DIRECTIONS))
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number, :RESULTS]
         cell = cell_of(row)
         outcome, first, count, u = solve_cell(
-            cell, row, NO_WAVES, True, rows, sums, log, result, stop
+            cell, row, NO_WAVES, True, chain, sums, log, result, stop
         )
         slopes = table[number, RESULTS:MARGIN].reshape(len(DERIVED), DERIVED_BY)
         slopes[:] = math.nan

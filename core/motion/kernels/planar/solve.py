@@ -9,16 +9,15 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.cycle import normal_cycle
+from core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain
 from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, sizes, two_sided
-from core.motion.kernels.planar.growth import MAX_GROWTH
 from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import (
     ROUNDING,
     repeating,
     velocity_at_start,
 )
-from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
+from core.motion.kernels.planar.tables import PIECE, SUMS
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 
@@ -88,19 +87,19 @@ def slides_on(drive: Drive, result: Floats) -> bool:
 
 @compiled
 def solve(
-    drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats,
+    drive: Drive, phase: float, cell: Cell, chain: Chain, sums: Floats, log: Floats, result: Floats,
     stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
     """Solve one cell: fill `result`, and return status, first segment, end of segments, velocity.
 
-    The part starts at rest at `phase` in rad. `rows` then hold the cycle (columns of `SEGMENT`)
-    from the first of these segments to before the end, which starts with this slip velocity in g/w
+    The part starts at rest at `phase` in rad. The rows of `chain`, which knows the cell before,
+    then hold the cycle from the first of these segments to before the end, with this slip in g/w
     (w = 2 pi f); `sums` and `log` hold distance, times and motion pieces of its last pass. If no
     cycle is found, `result` (columns of `COLUMN`) is left as it was, and the status is
     `UNREPEATED`.
     """
-    e, max_periods = restitution_of(cell), int(cell.max_periods)
-    first, count, periods = normal_cycle(drive, phase, e, max_periods, MAX_GROWTH, rows)
+    rows, e = chain.rows, restitution_of(cell)
+    first, count, periods = cycle_in(chain, drive, phase, e, int(cell.max_periods))
     if periods < 1:
         status = UNREPEATED if periods == 0 else STATUS.limit_reached
         first, count, u = 0, 0, 0.0
@@ -118,14 +117,14 @@ def solve(
 
 @compiled
 def solve_cell(
-    cell: Cell, row: Floats, waves: Waves, closed: bool, rows: Floats, sums: Floats, log: Floats,
+    cell: Cell, row: Floats, waves: Waves, closed: bool, chain: Chain, sums: Floats, log: Floats,
     result: Floats, stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
     """Solve one cell from its row of numbers; return status, first segment, end, slip velocity.
 
     Results are in the row's own direction, segments and velocity, in g/(2 pi f), as mirrored by
     `upright`. `waves` is the room for the drive; `closed` allows the closed form of a motion
-    without stick, which leaves no segments; `rows`, `sums` and `log` are filled as in `solve`;
+    without stick, which leaves no segments; `chain`, `sums` and `log` are filled as in `solve`;
     `result` has the columns of `COLUMN`.
     """
     drive, phase, way = drive_of(cell, row, waves)
@@ -135,7 +134,7 @@ def solve_cell(
     if status == UNDECIDED and closed and slides_on(drive, result):
         status = STATUS.periodic
     if status == UNDECIDED:
-        status, first, count, u = solve(drive, phase, cell, rows, sums, log, result, stop)
+        status, first, count, u = solve(drive, phase, cell, chain, sums, log, result, stop)
     turn_round(result, way)
     return status, first, count, u
 
@@ -148,11 +147,10 @@ def solve_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, s
     columns of `COLUMN`, `status` one value a cell (`UNREPEATED` if no cycle was found); `stop` is a
     flag that ends the work.
     """
-    rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
-    log = np.empty((0, len(PIECE)))
+    chain, sums, log = no_chain(), np.empty(SUMS), np.empty((0, len(PIECE)))
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
-        found = solve_cell(cell_of(row), row, waves, True, rows, sums, log, result, stop)
+        found = solve_cell(cell_of(row), row, waves, True, chain, sums, log, result, stop)
         if raised(stop):
             result[:] = math.nan
             return
