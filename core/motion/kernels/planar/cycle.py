@@ -21,7 +21,7 @@ from core.motion.kernels.planar.drive import (
     to_lift_off,
 )
 from core.motion.kernels.planar.flow import EPSILON, TURN
-from core.motion.kernels.planar.growth import CERTAIN, MAX_GROWTH, grown, growth
+from core.motion.kernels.planar.growth import CERTAIN, grown, growth
 from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
 from core.motion.kernels.planar.stays import left_out_softly, rests
 from core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
@@ -38,17 +38,17 @@ NEAR = 1e-2  # distance of phase and speed at which a search for a cycle starts
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to count as that of the motion
 SAME_LIFT_OFF = 1e-9  # distance of phase in rad below which two lift-offs are the same
 
-Chain = namedtuple("Chain", "rows found")
-"""The segments of the last cell, `rows` with the columns of `SEGMENT`, and what was `found` there.
+Chain = namedtuple("Chain", "rows summary")
+"""The segments of the last cell, `rows` with the columns of `SEGMENT`, and their `summary`.
 
-`found` has the columns of `Found`: cells that differ in friction or along the track alone have the
-same motion normal to the floor, and what comes next to each other finds it there.
+Cells that differ in friction or along the track alone have the same motion normal to the floor: one
+that follows another such takes over its chain.
 """
 
-Found = namedtuple("Found", "normal load restitution damping start most first end periods")
-"""Columns of what was found: the numbers that set the motion, then the result of `normal_cycle`."""
+Summary = namedtuple("Summary", "normal load restitution damping start most first end periods")
+"""Columns of a summary: the numbers that set the motion, then the result of `normal_cycle`."""
 
-FOUND = Found(*range(len(Found._fields)))
+SUMMARY = Summary(*range(len(Summary._fields)))
 
 
 @compiled
@@ -265,29 +265,30 @@ def normal_cycle(
 
 @compiled
 def no_chain() -> Chain:
-    """Return room for the segments of a cell, with nothing found yet."""
-    return Chain(np.empty((MAX_SEGMENTS, len(SEGMENT))), np.full(len(FOUND), math.nan))
+    """Return room for the segments of a cell, which are no cell's yet."""
+    return Chain(np.empty((MAX_SEGMENTS, len(SEGMENT))), np.full(len(SUMMARY), math.nan))
 
 
 @compiled
 def cycle_in(
-    chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int
+    chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float
 ) -> tuple[int, int, int]:
-    """Return what `normal_cycle` does, without a second search where the last cell had the same.
+    """Return the result of `normal_cycle`, taken over from the last cell where that had the same.
 
-    Not where the part stays on the floor: it then starts its cycle where its own slip begins.
+    Not where the part stays on the floor: it then starts its cycle where its own slip begins. The
+    arguments are those of `normal_cycle`; a chain is for one value of `most_growth`.
     """
-    found = chain.found
+    summary = chain.summary
     normal, load = normal_numbers(drive)
     is_same = lifts(drive)
     numbers = (normal, load, e.constant, e.damping, start, float(max_periods))
     for column, number in enumerate(numbers):
-        is_same = is_same and found[column] == number
-        found[column] = number
+        is_same = is_same and summary[column] == number
+        summary[column] = number
     if not is_same:
-        first, end, periods = normal_cycle(drive, start, e, max_periods, MAX_GROWTH, chain.rows)
-        found[FOUND.first], found[FOUND.end], found[FOUND.periods] = first, end, periods
-    return int(found[FOUND.first]), int(found[FOUND.end]), int(found[FOUND.periods])
+        first, end, periods = normal_cycle(drive, start, e, max_periods, most_growth, chain.rows)
+        summary[SUMMARY.first], summary[SUMMARY.end], summary[SUMMARY.periods] = first, end, periods
+    return int(summary[SUMMARY.first]), int(summary[SUMMARY.end]), int(summary[SUMMARY.periods])
 
 
 @compiled

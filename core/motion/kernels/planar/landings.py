@@ -14,7 +14,7 @@ from collections import namedtuple
 import numpy as np
 
 from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Stop
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.planar.chaos import (
     HOPS_PER_PERIOD,
     MAX_STARTS,
@@ -89,7 +89,7 @@ def no_landings() -> Landings:
         np.full(5, math.nan),
         np.zeros((PHASES, len(NORMAL))),
         np.empty((SEARCHES, HOP_CAPACITY, len(SEGMENT))),
-        np.empty((PHASES, FIRST_ROOM, len(LANDING))),
+        np.zeros((PHASES, FIRST_ROOM, len(LANDING))),
     )
 
 
@@ -109,6 +109,7 @@ def belong_to(landings: Landings, drive: Drive, e: Restitution, phase: float) ->
         return
     sums, no_log = np.zeros(SUMS), np.empty((0, len(PIECE)))
     landings.states[:] = 0.0
+    landings.tables[:, 0] = 0.0
     for number in range(PHASES):
         state = landings.states[number]
         _, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
@@ -126,6 +127,25 @@ def with_room(landings: Landings) -> Landings:
 
 
 @compiled
+def write_landing(
+    row: Floats, largest: Floats, drive: Drive, e: Restitution, tau: float, w: float, span: float
+) -> None:
+    """Write into `row` (columns of `LANDING`) the landing after a flight of `span` rad.
+
+    The part takes off at phase `tau` with velocity `w` in g/w (w = 2 pi f); `largest` are the
+    fastest landing and the greatest height so far, shape (2,).
+    """
+    speed = max(0.0, -rise(drive, w, tau, span)[0])
+    up = rebound(e, speed)[0]
+    row[LANDING.fastest] = max(largest[0], speed)
+    row[LANDING.highest] = hop_height(drive, w, tau, span, largest[1])
+    row[LANDING.phase], row[LANDING.span] = tau, span
+    row[LANDING.speed], row[LANDING.rebound] = speed, up
+    stays = rests(drive, (tau + span) % TURN, up, e, SETTLED_ROUGHLY)
+    row[LANDING.stays] = 1.0 if stays else 0.0
+
+
+@compiled
 def land_until(
     landings: Landings, number: int, until: float, drive: Drive, e: Restitution, stop: Stop
 ) -> bool:
@@ -136,7 +156,7 @@ def land_until(
     """
     state, table = landings.states[number], landings.tables[number]
     is_searched = number < SEARCHES
-    rows = landings.segments[number if is_searched else 0]
+    rows = landings.segments[min(number, SEARCHES - 1)]
     tau, w, time = state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time]
     landed, count = int(state[NORMAL.landings]), int(state[NORMAL.hops])
     look_at, jolt = int(state[NORMAL.look]), int(state[NORMAL.jolt])
@@ -149,16 +169,10 @@ def land_until(
         if span < 0 or landed > HOPS_PER_PERIOD * time / TURN + FIRST_LOOK:
             state[NORMAL.ended] = ENDED
             break
-        speed = max(0.0, -rise(drive, w, tau, span)[0])
-        up, at = rebound(e, speed)[0], (tau + span) % TURN
-        stays = rests(drive, at, up, e, SETTLED_ROUGHLY)
-        row, last = table[landed], table[max(0, landed - 1)]
-        row[LANDING.phase], row[LANDING.span] = tau, span
-        row[LANDING.speed], row[LANDING.rebound] = speed, up
-        row[LANDING.stays] = 1.0 if stays else 0.0
-        row[LANDING.fastest] = speed if landed == 0 else max(last[LANDING.fastest], speed)
-        highest = 0.0 if landed == 0 else last[LANDING.highest]
-        row[LANDING.highest] = hop_height(drive, w, tau, span, highest)
+        row = table[landed]
+        write_landing(row, table[max(0, landed - 1), LANDING.fastest :], drive, e, tau, w, span)
+        speed, up, stays = row[LANDING.speed], row[LANDING.rebound], row[LANDING.stays] > 0.0
+        at = (tau + span) % TURN
         landed += 1
         if is_searched:
             write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
@@ -166,11 +180,8 @@ def land_until(
         tau, w, time = at, up, time + span
         if stays:
             jolt += MAX_STARTS
-            tau, w, time = (
-                lift_off(drive, at),
-                jolted(jolt, drive.gn),
-                time + to_lift_off(drive, at),
-            )
+            tau, w = lift_off(drive, at), jolted(jolt, drive.gn)
+            time += to_lift_off(drive, at)
             count, look_at = 0, FIRST_LOOK
         elif is_searched and count >= look_at:
             look_at = count + count // 2

@@ -11,6 +11,7 @@ from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain
 from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, sizes, two_sided
+from core.motion.kernels.planar.growth import MAX_GROWTH
 from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import (
     ROUNDING,
@@ -99,7 +100,8 @@ def solve(
     `UNREPEATED`.
     """
     rows, e = chain.rows, restitution_of(cell)
-    first, count, periods = cycle_in(chain, drive, phase, e, int(cell.max_periods))
+    max_periods = int(cell.max_periods)
+    first, count, periods = cycle_in(chain, drive, phase, e, max_periods, MAX_GROWTH)
     if periods < 1:
         status = UNREPEATED if periods == 0 else STATUS.limit_reached
         first, count, u = 0, 0, 0.0

@@ -14,7 +14,7 @@ from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.again import spend_over_cycle
 from core.motion.kernels.planar.chaos import from_phases
-from core.motion.kernels.planar.cycle import normal_cycle
+from core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain, normal_cycle
 from core.motion.kernels.planar.drive import Drive, Waves, drive_of
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.growth import LAST_DIGIT
@@ -37,19 +37,18 @@ LED_IN = 8
 
 @compiled
 def reach_way(
-    drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, result: Floats, stop: Stop
+    drive: Drive, phase: float, cell: Cell, chain: Chain, sums: Floats, result: Floats, stop: Stop
 ) -> None:
     """Enlarge the error of an aperiodic mean by that of the first way from rest to rest.
 
     error >= |v_way - v| + error(v_way). An undisturbed part would repeat that way for ever; it is
     the motion of these very numbers as long as rounding leaves a digit of it, though neighbouring
-    numbers go other ways. `phase` is the start in rad, `rows` and `sums` are work arrays, `result`
-    has the columns of `COLUMN` (theory 13.7).
+    numbers go other ways. `phase` is the start in rad, `chain` has such ways of the cell before,
+    `sums` is a work array, `result` has the columns of `COLUMN` (theory 13.7).
     """
     own, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
-    max_periods = int(cell.max_periods)
-    found = normal_cycle(drive, phase, restitution_of(cell), max_periods, LAST_DIGIT, rows)
-    first, count, periods = found
+    rows, e, max_periods = chain.rows, restitution_of(cell), int(cell.max_periods)
+    first, count, periods = cycle_in(chain, drive, phase, e, max_periods, LAST_DIGIT)
     if periods < 1:
         return
     u = velocity_at_start(drive, phase, rows, first, count)
@@ -71,7 +70,7 @@ def average_cells(
     columns of `COLUMN`, `status` one value a cell; `stop` is a flag that ends the work.
     """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
-    landings = no_landings()
+    ways, landings = no_chain(), no_landings()
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
         cell = cell_of(row)
@@ -83,7 +82,7 @@ def average_cells(
         if outcome == UNREPEATED:
             outcome = from_phases(cell, phase, drive, rows, sums, result, stop)
         if outcome == STATUS.aperiodic:
-            reach_way(drive, phase, cell, rows, sums, result, stop)
+            reach_way(drive, phase, cell, ways, sums, result, stop)
         if not math.isnan(result[COLUMN.velocity]):
             result[COLUMN.across] = 0.0
         turn_round(result, way)
