@@ -45,38 +45,3 @@ def hypot(x: Array, y: Array) -> Array:
     large, small = np.where(y_is_less, x, y), np.where(y_is_less, y, x)
     share = small / np.where(large > 0, large, 1.0)
     return large * np.sqrt(1.0 + share * share)
-
-
-def expm1_quotient(s: Array) -> Array:
-    """Return (1 - exp(-s))/s, with the limit 1 at s = 0."""
-    return ratio(-np.expm1(-s), s, 1.0)
-
-
-def log1p_quotient(z: Array) -> Array:
-    """Return log1p(z)/z, with the limit 1 at 0."""
-    return ratio(np.log1p(z), z, 1.0)
-
-
-def sin_quotient(u: Array) -> Array:
-    """Return sin(u)/u, with the limit 1 at 0."""
-    return ratio(np.sin(u), u, 1.0)
-
-
-def sinh_quotient(u: Array) -> Array:
-    """Return sinh(u)/u, with the limit 1 at 0."""
-    return ratio(np.sinh(u), u, 1.0)
-
-
-def tan_quotient(u: Array) -> Array:
-    """Return tan(u)/u, with the limit 1 at 0."""
-    return ratio(np.tan(u), u, 1.0)
-
-
-def tanh_quotient(u: Array) -> Array:
-    """Return tanh(u)/u, with the limit 1 at 0."""
-    return ratio(np.tanh(u), u, 1.0)
-
-
-def arctan_quotient(u: Array) -> Array:
-    """Return atan(u)/u, with the limit 1 at 0."""
-    return ratio(np.arctan(u), u, 1.0)

@@ -14,19 +14,17 @@ from collections.abc import Callable
 import numpy as np
 
 from core.mechanics.angles import cosine
-from core.mechanics.arrays import (
-    Array,
-    Mask,
+from core.mechanics.arrays import Array, Mask, hypot, ratio
+from core.mechanics.elementwise import LOGARITHMIC, arc_quotient
+from core.mechanics.quotients import (
     arctan_quotient,
     expm1_quotient,
     log1p_quotient,
-    ratio,
     sin_quotient,
     sinh_quotient,
     tan_quotient,
     tanh_quotient,
 )
-from core.mechanics.elementwise import LOGARITHMIC, arc_quotient
 
 # Above this phase the hyperbolic functions are replaced by their exponential forms.
 LARGE_PHASE = 1.0

@@ -8,7 +8,8 @@ one function; where a row has nothing for a reader, that reader refuses the func
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,15 @@ import numpy as np
 
 from core.mechanics.angles import cosine, sine
 from core.mechanics.elementwise import LOGARITHMIC, arc_quotient, binade, exponent
+from core.mechanics.quotients import (
+    arctan_quotient,
+    expm1_quotient,
+    log1p_quotient,
+    sin_quotient,
+    sinh_quotient,
+    tan_quotient,
+    tanh_quotient,
+)
 from core.mechanics.rolling import slip_share
 
 Function = Callable[..., Any]
@@ -174,6 +184,84 @@ def _slip_digits(m: Any, x: Any, y: Any, s: Any, held: Any) -> Any:
     return z
 
 
+def _quotient(
+    function: Function, rise: Function, digits: str, powers: tuple[float, ...]
+) -> Operation:
+    """Return the operation of a function over its argument, q(x) = f(x)/x with the limit 1 at 0.
+
+    Its slope is (f'(x) - q)/x, near 0 that of a power series.
+
+    Parameters
+    ----------
+    function
+        The quotient.
+    rise
+        The derivative f' of the function above the line; takes q and x.
+    digits
+        The name of f in mpmath; expm1 stands for 1 - exp(-x).
+    powers
+        Coefficients of the series of q, from that of x on; of x^2 and its powers if q is even.
+    """
+    is_even = function not in (expm1_quotient, log1p_quotient)
+    step = 2 if is_even else 1
+    near = NEAR_EVEN if is_even else NEAR
+    coefficients = [step * (k + 1) * c for k, c in enumerate(powers)]
+
+    def slope(q: Any, x: Any, dx: Any) -> Any:
+        """Return the slope of the quotient."""
+        is_near = np.abs(x) < near
+        apart = np.where(is_near, 1.0, x)
+        series = np.polynomial.polynomial.polyval(np.where(is_near, x, 0.0) ** step, coefficients)
+        series = series * x ** (step - 1)
+        return _times(np.where(is_near, series, (rise(q, x) - q) / apart), dx)
+
+    def precise(m: Any, x: Any) -> Any:
+        """Return the quotient in numbers of 50 digits."""
+        if x == 0:
+            return m.one
+        return -m.expm1(-x) / x if digits == "expm1" else getattr(m, digits)(x) / x
+
+    return Operation(function, slope, digits=precise)
+
+
+NEAR, NEAR_EVEN = 0.1, 0.3
+"""Arguments below which the slope of a quotient f(x)/x goes by its series; of even quotients."""
+
+_FACTORIALS = [1.0 / math.factorial(k) for k in range(1, 24)]
+_TANGENT = (
+    1 / 3, 2 / 15, 17 / 315, 62 / 2835, 1382 / 155_925, 21_844 / 6_081_075,
+    929_569 / 638_512_875, 6_404_582 / 10_854_718_875, 443_861_162 / 1_856_156_927_625,
+    18_888_466_084 / 194_896_477_400_625,
+)  # fmt: skip
+
+
+def _alternating(powers: Iterable[float]) -> tuple[float, ...]:
+    """Return coefficients with signs that alternate, the first negative."""
+    return tuple(-c if k % 2 == 0 else c for k, c in enumerate(powers))
+
+
+_QUOTIENTS = (
+    _quotient(expm1_quotient, lambda q, x: np.exp(-x), "expm1", _alternating(_FACTORIALS[1:12])),
+    _quotient(
+        log1p_quotient,
+        lambda q, x: 1 / (1 + x),
+        "log1p",
+        _alternating(1 / k for k in range(2, 18)),
+    ),
+    _quotient(sin_quotient, lambda q, x: cosine(x), "sin", _alternating(_FACTORIALS[2:18:2])),
+    _quotient(sinh_quotient, lambda q, x: np.cosh(x), "sinh", tuple(_FACTORIALS[2:18:2])),
+    _quotient(tan_quotient, lambda q, x: 1 + np.square(q * x), "tan", _TANGENT),
+    _quotient(
+        tanh_quotient, lambda q, x: 1 / np.square(np.cosh(x)), "tanh", _alternating(_TANGENT)
+    ),
+    _quotient(
+        arctan_quotient,
+        lambda q, x: 1 / (1 + x * x),
+        "atan",
+        _alternating(1 / k for k in range(3, 35, 2)),
+    ),
+)
+
 # Columns: function, derivative, compiled loop, 50 digits, ties.
 _ROWS = (
     # Arithmetic.
@@ -229,6 +317,7 @@ _ROWS = (
     # Whole functions of ours.
     Operation(arc_quotient, _arc_slope, digits=_arc_digits),
     Operation(slip_share, _slip_slope, digits=_slip_digits),
+    *_QUOTIENTS,
     # Functions of angles, and hyperbolic ones.
     Operation(np.sin, _chain(lambda f, x: cosine(x)), digits=lambda m, x: m.sin(x)),
     Operation(np.cos, _chain(lambda f, x: -sine(x)), digits=lambda m, x: m.cos(x)),

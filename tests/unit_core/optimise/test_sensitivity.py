@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -198,20 +199,51 @@ def test_dimensions_bind_the_exponents():
     assert frequency + 2 * gravity == pytest.approx(1, abs=1e-13)  # per second
 
 
-def test_a_removable_singularity_is_met_from_both_sides():
-    # v^2 = 2 K x phi(s): at speed 0 and mu = 0 phi switches to its limit, with the slope -1/2.
-    point = {
-        "frequency": 50.0, "amplitude": 3e-4, "beta": 0.3, "gamma": 0.0, "delta": 0.0,
-        "friction_kinetic": 0.0, "radius": 0.2, "distance": 0.5,
-    }  # fmt: skip
+ON_TRACK = {
+    "frequency": 50.0, "amplitude": 3e-4, "beta": 0.3, "gamma": 0.0, "delta": 0.0, "distance": 0.5,
+}  # fmt: skip
+
+
+def test_a_removable_singularity_has_an_exact_slope():
+    # v^2 = 2 K x phi(s): at speed 0 and mu = 0 phi is at its limit, with the slope -1/2.
+    point = ON_TRACK | {"friction_kinetic": 0.0, "radius": 0.2}
     one = sensitivities(
         "rectangle-on-track", "derived", ["transport_velocity"], point, ["friction_kinetic"]
     )["transport_velocity", "friction_kinetic"]
     P = 3e-4 * (100 * math.pi) ** 2
     K, x, R = P * math.cos(0.3), 0.5, 0.2
     # K has no slope by mu on a level track with alpha = 0; ds/dmu = 2 x/R.
-    assert one.derivative == pytest.approx(-math.sqrt(2 * K * x) * x / (2 * R), rel=1e-9)
-    assert "both sides" in one.note
+    assert one.derivative == pytest.approx(-math.sqrt(2 * K * x) * x / (2 * R), rel=1e-15)
+    assert one.note == ""
+
+
+@pytest.mark.parametrize("radius", [1e-9, 0.2, 1e9])
+@pytest.mark.parametrize("friction", [0.0, 1e-12, 1e-7])
+@pytest.mark.parametrize("speed", [0.0, 0.7])
+def test_a_travel_time_has_its_slope_by_friction_down_to_none(radius, friction, speed):
+    """The slope is the integral of -(d(v^2)/dmu)/(2 v^3) over the way, by 40 digits."""
+    point = ON_TRACK | {"friction_kinetic": friction, "radius": radius, "speed": speed}
+    one = sensitivities(
+        "rectangle-on-track", "derived", ["travel_time"], point, ["friction_kinetic"]
+    )["travel_time", "friction_kinetic"]
+    with mpmath.workdps(40):
+        mu, R, x, v0 = (mpmath.mpf(n) for n in (friction, radius, 0.5, speed))
+        K = mpmath.mpf(3e-4 * (100 * math.pi) ** 2 * math.cos(0.3))
+        # Where s = 2 mu x/R is large the time is all but t = s/(2 k), k^2 = mu K/R.
+        assert 2 * mu * x / R < 1e3
+
+        def slope(root):
+            """Return the integrand by the root of the way, which has no pole at rest."""
+            s = 2 * mu * root**2 / R
+            phi = -mpmath.expm1(-s) / s if s else mpmath.mpf(1)
+            bend = (mpmath.exp(-s) - phi) / s if s else mpmath.mpf(-1) / 2
+            square = v0**2 * mpmath.exp(-s) + 2 * K * root**2 * phi
+            by_s = -(v0**2) * mpmath.exp(-s) + 2 * K * root**2 * bend
+            return -by_s * 2 * root**2 / R / (2 * square**1.5) * 2 * root
+
+        exact = float(mpmath.quad(slope, mpmath.linspace(0, mpmath.sqrt(x), 9)))
+    assert one.derivative == pytest.approx(exact, rel=1e-12)
+    assert one.note == ""
 
 
 def test_a_jump_has_no_derivative():

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import core.plan
-from core.mechanics.elementwise import arc_quotient, binade, exponent
+from core.mechanics import quotients
+from core.mechanics.elementwise import Elementwise, arc_quotient, binade, exponent
 from core.mechanics.rolling import slip_share
 from core.plan.duals import Dual
 from core.plan.operations import IN_LOOPS, OPERATIONS
@@ -22,6 +23,11 @@ POINTS = {1: [(0.35,), (0.62,)], 2: [(0.35, 0.62), (0.62, 0.35)]}
 OWN_POINTS = {  # of functions of ours, whose arguments belong together
     np.ldexp: [(0.35, 2), (0.62, -3)],
     arc_quotient: [(x, math.sqrt(1 - x)) for x in (0.96, 0.4, 0.2, 1e-3, 0.0, -1e-3, -0.7, -9.0)],
+    **{
+        one: [(0.0,), (1e-9,), (0.09,), (0.28,), (0.35,), (1.2,)]
+        for one in vars(quotients).values()
+        if isinstance(one, Elementwise)
+    },
     slip_share: [(0.6, 0.8, 0.3, 3.0), (0.8, 0.6, 0.0, 3.0), (0.28, 0.96, 0.25, 2.3)],
 }
 AT_EDGES = [0.0, -0.0, 1.0, -1.5, 3e-300, math.inf, -math.inf, math.nan]
