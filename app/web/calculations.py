@@ -46,7 +46,7 @@ def convert_study(body: bytes, to: str, base: str) -> str:
 
 
 def execute_at_once(
-    name: str, body: bytes, settings: Settings, most_cells: int | None
+    name: str, body: bytes, settings: Settings, most_cells: int | None, threads: int | None = None
 ) -> bytes | None:
     """Return the JSON reply to a short study; None if the study is to become a job.
 
@@ -63,12 +63,15 @@ def execute_at_once(
         The service's.
     most_cells : int or None
         The most cells that the API key may ask for; None without limit.
+    threads : int, optional
+        Threads among which cells are shared out; one a core if left out.
     """
     asked, prepared = read_study(name, body, settings)
     prepared.check_limits(cells=most_cells, bytes_=None)
     if not _is_short(prepared, settings):
         return None
-    watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
+    deadline = time.monotonic() + settings.max_execution_seconds
+    watch = Watch(deadline=deadline, threads=threads)
     try:
         table = tabulate(prepared, watch)
     except StoppedError:
@@ -92,19 +95,26 @@ def _sweep(text: str) -> Prepared:
 
 
 def encode_slice_of(
-    text: str, output: str, axes: Sequence[str], at: Mapping[str, str], most: int, form: str
+    text: str,
+    output: str,
+    axes: Sequence[str],
+    at: Mapping[str, str],
+    most: int,
+    form: str,
+    threads: int | None = None,
 ) -> bytes:
     """Compute a slice of a sweep and return it encoded as `form`, ``json`` or ``binary``.
 
     `text` is the canonical study; `output`, `axes`, `at` and `most` choose the slice as in
-    `core.sweep.slice.prepare_cut`, whose errors it raises.
+    `core.sweep.slice.prepare_cut`, whose errors it raises; `threads` is as in `compute_slice`.
     """
-    return encode_slice(prepare_cut(_sweep(text), output=output, axes=axes, at=at, most=most), form)
+    cut = prepare_cut(_sweep(text), output=output, axes=axes, at=at, most=most)
+    return encode_slice(cut, form, threads)
 
 
-def encode_slice(cut: SliceCut, form: str) -> bytes:
+def encode_slice(cut: SliceCut, form: str, threads: int | None = None) -> bytes:
     """Compute a slice and return it encoded as `form`, ``json`` or ``binary``."""
-    piece = compute_slice(cut)
+    piece = compute_slice(cut, threads)
     if form == "binary":
         return encode_binary(piece)
     return orjson.dumps(piece, option=orjson.OPT_SERIALIZE_NUMPY)

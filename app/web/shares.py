@@ -50,6 +50,11 @@ class Shares:
         self._waiting: list[tuple[int, int, str, asyncio.Future[None]]] = []
         self._asked, self._turn = itertools.count(), itertools.count()
 
+    @property
+    def threads(self) -> int:
+        """The share of the cores that each request with a slot has, as a number of threads."""
+        return max(1, CORES // max(1, self._taken.total()))
+
     @asynccontextmanager
     async def slot(self, owner: str, price: int = 0) -> AsyncIterator[None]:
         """Wait for a computing slot and hold it during the block.
@@ -114,6 +119,11 @@ async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
     async with shares.slot(owner_of(request.scope), size // BYTES_A_TURN):
         await look_at(request)()
         yield
+
+
+def threads_of(request: Request) -> int:
+    """Return the number of threads that a request with a slot may compute with now."""
+    return cast(Shares, request.app.state.shares).threads
 
 
 async def calculate_in_process(

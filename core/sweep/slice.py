@@ -110,10 +110,13 @@ def prepare_cut(
     return SliceCut(output, plan, grid)
 
 
-def compute_slice(prepared: SliceCut) -> dict[str, Any]:
-    """Compute a slice; return its values, axes, fixed parameters and regimes as a document."""
+def compute_slice(prepared: SliceCut, threads: int | None = None) -> dict[str, Any]:
+    """Compute a slice; return its values, axes, fixed parameters and regimes as a document.
+
+    `threads` is the number of threads among which its cells are shared out; one a core if None.
+    """
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
-    arrays = evaluate(plan, grid)
+    arrays = evaluate(plan, grid, threads=threads)
     depends = plan.depends_on(grid.axes)
     return {
         "output": output,

@@ -41,7 +41,7 @@ from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
-from app.web.shares import calculate_in_process, slot_of
+from app.web.shares import calculate_in_process, slot_of, threads_of
 from core.errors import StoppedError
 
 router = APIRouter(tags=["processes"])
@@ -198,8 +198,9 @@ async def _dataset_in_time(
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
         return await calculate_in_process(
-            request, execute_at_once, name, body, settings, who.cells, seconds=seconds
-        )
+            request, execute_at_once, name, body, settings, who.cells, threads_of(request),
+            seconds=seconds,
+        )  # fmt: skip
     except StoppedError:  # its process was ended, perhaps before the study was read
         # On a busy machine the next process begins late, too.
         await calculate_in_process(request, check_study, name, body, settings, seconds=seconds)

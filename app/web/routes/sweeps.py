@@ -37,7 +37,7 @@ from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modi
 from app.web.execution import PROCESSES
 from app.web.outgoing import reserve_bytes
 from app.web.replies import BINARY, cached_replies, component, json_reply, problems, without_length
-from app.web.shares import calculate_in_process, hold_slot, look_at, slot_of
+from app.web.shares import calculate_in_process, hold_slot, look_at, slot_of, threads_of
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import (
@@ -247,8 +247,10 @@ async def get_slice(
             reserve_bytes(request, wish.reply_bytes(sweep))
             rows = most_rows(settings, chosen, wish.most)
             async with turn:
+                threads = threads_of(request)
                 frame = await to_thread.run_sync(
-                    lambda: Frame.of(table_of(sweep, compute_slice(cut)), most=rows), limiter=lane
+                    lambda: Frame.of(table_of(sweep, compute_slice(cut, threads)), most=rows),
+                    limiter=lane,
                 )
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:
@@ -258,7 +260,7 @@ async def get_slice(
                     text = await run_in_threadpool(sweep.study.canonical)
                     made = await calculate_in_process(
                         request, encode_slice_of, text, output, wish.axes, fixed, wish.most, chosen,
-                        seconds=settings.max_execution_seconds,
+                        threads_of(request), seconds=settings.max_execution_seconds,
                     )  # fmt: skip
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})

@@ -46,6 +46,25 @@ def test_a_large_body_lets_small_ones_pass_but_not_for_ever():
     assert order_of(asked, places=1, of_one=1) == [0, 2, 3, 4, 5, 6, 1, 7, 8, 9, 10, 11]
 
 
+def test_those_who_compute_share_the_cores(monkeypatch):
+    monkeypatch.setattr("app.web.shares.CORES", 5)
+
+    async def run() -> list[int]:
+        shares, found = Shares(9, 9), []
+
+        async def ask() -> None:
+            async with shares.slot("a"):
+                found.append(shares.threads)
+                if len(found) < 7:
+                    await ask()
+
+        await ask()
+        assert shares.threads == 5
+        return found
+
+    assert asyncio.run(run()) == [5, 2, 1, 1, 1, 1, 1]
+
+
 def test_who_leaves_gives_back_the_place_and_the_turn():
     async def run() -> None:
         shares = Shares(slots=1, of_owner=1)
