@@ -340,16 +340,19 @@ class Ledger:
                     .values(state="running", started=now)
                 )
 
-    def succeed(self, work: Work) -> None:
-        """Record that the result of an item is on disk: its jobs are successful."""
-        self._end(work, "successful", None)
+    def succeed(self, work: Work) -> float:
+        """Record that the result of an item is on disk: its jobs are successful.
+
+        Return its computing time [s]; 0 if the claim is lost.
+        """
+        return self._end(work, "successful", None)
 
     def fail(self, work: Work, problem: Mapping[str, Any]) -> None:
         """Record that an item failed, with the problem: its jobs have failed."""
         self._end(work, "failed", json.dumps(dict(problem)))
 
-    def _end(self, work: Work, state: str, problem: str | None) -> None:
-        """Remove an item of work, and set the final state of its jobs.
+    def _end(self, work: Work, state: str, problem: str | None) -> float:
+        """Remove an item of work, and set the final state of its jobs; return its time [s].
 
         Nothing if the claim is lost. `state` is `successful` or `failed`; `problem` is the JSON of
         a problem document, or None.
@@ -373,6 +376,7 @@ class Ledger:
                         problem=problem,
                     )
                 )
+        return 0.0 if ended is None else float(ended.seconds)
 
     def release(self, owner: str = "") -> None:
         """Release the leases whose owner begins with `owner`: of a claim, of a server, or all.

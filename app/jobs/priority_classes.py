@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
+from app.jobs import learned
+from app.jobs.database import Database
 from app.jobs.ledger import Work
 from app.jobs.store import Store
 from app.settings import Settings
@@ -13,6 +16,14 @@ from core.kinds import KINDS
 
 SHORT = 10  # in times of a block; items that take longer are long
 MAX_KNOWN = 1000  # items whose expected time is kept in memory
+
+
+class _Price(NamedTuple):
+    """The expected time of an item [s], that by formula alone [s], and its kind and method."""
+
+    expected: float
+    by_formula: float
+    name: str
 
 
 class PriorityClasses:
@@ -28,14 +39,16 @@ class PriorityClasses:
         Where the studies are, from which the expected time follows.
     settings : Settings
         The service's.
+    database : Database
+        The ledger's, with what earlier studies took.
     """
 
-    def __init__(self, store: Store, settings: Settings):
+    def __init__(self, store: Store, settings: Settings, database: Database):
         """Choose work by the expected times of stored studies."""
-        self._store = store
+        self._store, self._database = store, database
         self._most = settings.concurrent_jobs
         self._short = SHORT * settings.block_seconds
-        self._prices: OrderedDict[str, float] = OrderedDict()
+        self._prices: OrderedDict[str, _Price] = OrderedDict()
 
     def next(self, waiting: Sequence[Work], active: Collection[str]) -> Work | None:
         """Return the item of work to begin next, out of those that wait; None if none may begin.
@@ -47,7 +60,8 @@ class PriorityClasses:
         for key in active:
             if key in self._prices:  # it is not forgotten while it runs
                 self._prices.move_to_end(key)
-        long = sum(self._prices.get(key, 0.0) > self._short for key in active)
+        known = [self._prices[key].expected for key in active if key in self._prices]
+        long = sum(expected > self._short for expected in known)
         short = len(active) - long
         if min(long, short) >= self._most:
             return None
@@ -62,8 +76,18 @@ class PriorityClasses:
 
         The latest 1,000 are kept in memory.
         """
+        return self._priced(item).expected
+
+    def learn(self, item: Work, took: float) -> None:
+        """Keep what an item took, summed over workers [s], for the prices of later ones."""
+        price = self._priced(item)
+        if price.name:
+            learned.learn(self._database, price.name, price.by_formula, took)
+
+    def _priced(self, item: Work) -> _Price:
+        """Return the price of an item, kept in memory."""
         if item.key not in self._prices:
-            self._prices[item.key] = self._expected_seconds(item)
+            self._prices[item.key] = self._new_price(item)
             while len(self._prices) > MAX_KNOWN:
                 self._prices.popitem(last=False)
         return self._prices[item.key]
@@ -72,15 +96,17 @@ class PriorityClasses:
         """Return the expected time of one block of an item on one core [s]."""
         return self.price(item) / max(1, item.blocks)
 
-    def _expected_seconds(self, item: Work) -> float:
-        """Return the expected time of an item on one core [s], from its stored study.
+    def _new_price(self, item: Work) -> _Price:
+        """Return the price of an item from its stored study, times what the ledger has learned.
 
         It is 0 if the study cannot be read: the error shows when the item is carried out.
         """
         if item.process not in KINDS:
-            return item.blocks * SECONDS
+            return _Price(item.blocks * SECONDS, 0.0, "")
         try:
             prepared = self._store.get(item.key)
         except Exception:  # it holds up no other: who carries it out says what is wrong with it
-            return 0.0
-        return prepared.cells * prepared.seconds_a_cell
+            return _Price(0.0, 0.0, "")
+        name = f"{item.process} {prepared.plan.variant}"
+        seconds = prepared.cells * prepared.seconds_a_cell
+        return _Price(seconds * learned.factor(self._database, name), seconds, name)

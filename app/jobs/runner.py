@@ -57,7 +57,7 @@ class Runner:
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
         self._thread_pool = ThreadPool()
         self._dispatcher = Dispatcher(ledger, store, cluster, self._thread_pool, settings)
-        self._priority_classes = PriorityClasses(store, settings)
+        self._priority_classes = PriorityClasses(store, settings, ledger.database)
         self.work_progress = self._dispatcher.work_progress
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
@@ -187,8 +187,10 @@ class Runner:
             if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
             if problem is None:
-                await self._thread_pool(self._ledger.succeed, item)
+                took = await self._thread_pool(self._ledger.succeed, item)
                 self.work_progress.ended(item, "done")
+                with contextlib.suppress(OSError, sqlite3.Error):  # a price less to learn from
+                    await self._thread_pool(self._priority_classes.learn, item, took)
             else:
                 await self._thread_pool(self._ledger.fail, item, problem)
                 self.work_progress.ended(item, "failed", problem["title"])

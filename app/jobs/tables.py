@@ -83,6 +83,16 @@ AUDIT = Table(
     Column("object", Text, nullable=False),
 )
 
+PRICES = Table(
+    "prices",
+    TABLES,
+    Column("id", Text, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("stated", Double, nullable=False),
+    Column("took", Double, nullable=False),
+    Column("finished", Double, nullable=False),
+)
+
 # The words that databases have for the same thing.
 WORDS = {
     "sqlite": {"whole": "INTEGER", "real": "REAL", "strict": "STRICT"},
@@ -174,4 +184,16 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         "CREATE INDEX audit_by_time ON audit (time)",
     ),
     ("ALTER TABLE jobs ADD COLUMN done_at_end {whole}",),  # blocks, of what failed or was dismissed
+    (
+        """
+        CREATE TABLE prices (
+            id TEXT PRIMARY KEY,
+            name TEXT NOT NULL,
+            stated {real} NOT NULL,
+            took {real} NOT NULL,
+            finished {real} NOT NULL
+        ) {strict}
+        """,
+        "CREATE INDEX prices_by_name ON prices (name, finished)",
+    ),
 )

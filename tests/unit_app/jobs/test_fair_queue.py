@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.jobs import priority_classes as module
+from app.jobs.database import Database
 from app.jobs.fair_queue import FairQueue
 from app.jobs.ledger import Work
 from app.jobs.priority_classes import PriorityClasses
@@ -145,7 +146,9 @@ def test_who_gives_up_waiting_leaves_no_gap():
 def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
     store = Store(tmp_path)
     priority_classes = PriorityClasses(
-        store, Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1)
+        store,
+        Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1),
+        Database(tmp_path / "ledger.sqlite"),
     )
 
     def posted(frequency: float, **more: Any) -> Work:
