@@ -24,6 +24,8 @@ CELLS = 32
 """Most cells of a study from which its time is estimated."""
 
 LEAST, MOST = 1e-7, 1e9  # s: bounds of the estimated time of a cell
+RESTING = 3.0
+"""Periods after which a part that rests is known to."""
 REBOUNDS = 0.2, 0.5
 """Restitutions up to which hops mostly repeat, and from which on they mostly do not."""
 
@@ -77,6 +79,17 @@ class Priced:
         return np.where(self.hops, np.clip((rebounds - few) / (many - few), 0.0, 1.0), 0.0)
 
     @property
+    def rests(self) -> Mask:
+        """A mask of the parts that friction holds for certain, under a plain sine."""
+        g = self.groups
+        if g.wave is not None:
+            return np.zeros(np.shape(self.hops), dtype=np.bool_)
+        pushed = np.hypot(g.drive_number_along, g.drive_number_across)
+        pulled = np.hypot(g.gravity_number_along, g.gravity_number_across)
+        weight = np.asarray(g.gravity_number_normal) - np.abs(g.drive_number_normal)
+        return np.less(pushed + pulled, np.asarray(g.friction_static) * weight)
+
+    @property
     def across(self) -> Mask:
         """A mask of the parts that leave the vertical plane of the track."""
         return ~in_plane(self.groups, self.contacts)
@@ -96,10 +109,12 @@ class Priced:
     def periods(self, usual: float) -> Array:
         """Return the likely number of periods to simulate; `usual` if the motion repeats.
 
-        The mean of `usual` and `max_periods`, weighted by the probability that it does not repeat.
+        The mean of `usual` and `max_periods`, weighted by the probability that it does not repeat;
+        a few of a part that rests.
         """
         allowed, share = self.setting("max_periods"), self.restless
-        return share * allowed + (1.0 - share) * np.minimum(allowed, usual)
+        moves = share * allowed + (1.0 - share) * np.minimum(allowed, usual)
+        return np.where(self.rests, np.minimum(allowed, RESTING), moves)
 
 
 Pricing = Callable[[Priced], Price]

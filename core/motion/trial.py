@@ -24,10 +24,14 @@ from core.watch import Watch
 TRIED_CELLS = 256
 """Most cells that a trial follows."""
 
-LEAST, MOST, SHARE = 0.04, 0.1, 0.1
+LEAST, MOST, SHARE = 0.1, 0.3, 0.1
 """Budget of a trial: a share `SHARE` of the price of the study, from `LEAST` to `MOST` [s]."""
 
-PATIENCE = 10.0
+FIRST = 0.5
+"""Longest time of the first periods of a cell that is longer than the budget [s]: what one period
+takes is known by no formula within a factor of 3, how many there are is."""
+
+PATIENCE = 20.0
 """Longest time by the clock over the budget of processor time: others use the core, too."""
 
 ENOUGH = 8
@@ -40,10 +44,11 @@ GROWTH = 4
 UNFINISHED = 1.7
 """Factor on the price of a motion that has not repeated by the end of its trial."""
 
-BROKEN_OFF = 4.0
-"""Factor on the time so far of a cell that the budget breaks off in its first periods."""
+TELLING = 4.0
+"""Number of periods from which on it counts that the motion has not repeated; after one it tells
+nothing."""
 
-TRUST = 0.8
+TRUST = 0.9
 """Weight, as a power, of the time by some periods beside the price by formula."""
 
 SURPRISE = 3.0
@@ -133,19 +138,19 @@ class Trial:
         `prices` are the prices by formula of the cells for all periods [s].
         """
         each = mean = float(prices.mean())
+        scale = mean / float(prices[0])
         allowed = float(np.max(self._settings.get("max_periods", 0.0)))
         periods, spent = float(self.fewest_periods), 0.0
         outcome = _Followed(0.0, ended=False, repeats=False)
         while periods < allowed and (left := _budget(cells * each) - spent) > outcome.seconds:
-            part = float(self.price(periods)[0])
-            outcome = self._follow(0, 1, periods, left)
+            outcome = self._follow(0, 1, periods, left if spent else max(left, FIRST))
             spent += outcome.seconds
-            more = float(prices[0]) / part
-            if not outcome.ended:
-                return outcome, max(each, BROKEN_OFF * outcome.seconds * mean / float(prices[0]))
             if outcome.repeats:
-                return outcome, outcome.seconds * mean / float(prices[0])
-            told = outcome.seconds * min(UNFINISHED * more, allowed / periods)
+                return outcome, outcome.seconds * scale
+            more, most = float(prices[0] / self.price(periods)[0]), allowed / periods
+            if not outcome.ended:  # it takes longer than that
+                return outcome, max(each, outcome.seconds * min(more, most) * scale)
+            told = outcome.seconds * min(more * _unfinished(periods), most) * scale
             each = told**TRUST * mean ** (1.0 - TRUST)
             periods *= 2.0
         return outcome, each
@@ -192,6 +197,11 @@ class Trial:
             return _Followed(seconds, not watch.stopped(), repeats=False)
         ended = not any((one == STATUS["not_computed"]).any() for one in statuses)
         return _Followed(seconds, ended, all(np.isin(one, REPEATS).all() for one in statuses))
+
+
+def _unfinished(periods: float) -> float:
+    """Return the factor on the price of a motion that has not repeated after some periods [1]."""
+    return UNFINISHED ** float(np.clip(np.log(periods) / np.log(TELLING), 0.0, 1.0))
 
 
 def _budget(price: float) -> float:

@@ -20,7 +20,7 @@ from core.quantities import QUANTITIES
 from core.study.optimise_study import OptimiseStudy, Pareto
 
 QUICK = ("exact", "newton")  # without a search
-QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.6
+QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 1.2
 """Roughly what a design takes; one of motions besides what following them does."""
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 

@@ -187,8 +187,9 @@ class Prepared:
         """The likely time of the study on one core [s], after a trial; seldom a factor of 3 off.
 
         Where motion is followed and its code is compiled, the trial follows some cells for a tenth
-        of the time of the study, for 40 to 100 ms; to load the code, in the first trial of a
-        process, takes besides. Elsewhere it is the price by formula, `seconds`.
+        of the time of the study, for 0.1 to 0.3 s, of a long cell one period for up to half a
+        second; to load the code, in the first trial of a process, takes besides. Elsewhere it is
+        the price by formula, `seconds`.
         """
         return self.cells * self.tried_seconds_a_cell + self.seconds_to_verify
 

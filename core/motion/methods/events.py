@@ -302,9 +302,10 @@ def _price(cells: Priced) -> Price:
     `cells` tells settings, harmonics and contacts of the cells; the result holds likely and largest
     times.
     """
-    waves = cells.orders * (1.0 + cells.orders)
+    waves = 0.0 if cells.steps else cells.orders * (1.0 + cells.orders)
     flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3
     flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("max_periods")
+    flat = np.minimum(flat, 1.2e-5 + (1.0 + waves) * 2e-6 * cells.setting("max_periods"))
     wide = (1.0 + cells.orders) * (3.0 if cells.contacts.wall else 1.0) * 6e-6
     spatial = 2e-4 + 0.6 * wide * cells.periods(60.0)
     allowed = cells.setting("max_periods")

@@ -317,7 +317,7 @@ def _price(cells: Priced) -> Price:
     each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP
     drives = (2e-3 if cells.groups.wave is not None else 0.0) + 1e-7 * cells.orders * steps
     allowed = cells.setting("max_periods")
-    likely = 0.5 * (drives + steps * each * cells.periods(60.0))
+    likely = 0.42 * (drives + steps * each * cells.periods(60.0))
     return Price(likely, drives + 2.0 * steps * each * allowed)
 
 

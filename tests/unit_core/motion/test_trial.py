@@ -7,7 +7,7 @@ import pytest
 
 import core.kernel_cache
 from core.intake import prepare_content
-from core.motion.trial import LEAST, MOST, UNFINISHED, Trial, _Followed
+from core.motion.trial import FIRST, LEAST, MOST, UNFINISHED, Trial, _Followed
 from core.plan.prepared import TRIED_FROM
 
 CALL = 2e-3  # s of a call, besides its cells
@@ -57,7 +57,7 @@ def test_a_trial_is_bounded(formula, a_period, cells):
     told = trial(formula, count=min(cells, 256), a_period=a_period)
     each = told.seconds_a_cell(cells)
     assert 0 < each < np.inf
-    assert sum(seconds for *_, seconds in told.asked) <= 2 * MOST
+    assert sum(seconds for *_, seconds in told.asked) <= FIRST + 2 * MOST
     assert len(told.asked) < 12
 
 
@@ -82,6 +82,20 @@ def test_what_has_not_repeated_is_told_by_formula():
     told = trial(10.0, count=1, a_period=0.02)
     each = told.seconds_a_cell(1)
     assert 2.0 / UNFINISHED < each < 10.0  # in truth 2 s; by formula 10 s
+
+
+def test_one_period_of_a_long_cell_is_followed_to_its_end_and_tells_nothing_of_repeating():
+    """Where formula and measured time of a period differ, the measured one counts."""
+    told = trial(0.5, count=1, a_period=0.4)  # of 100 periods; 40 s in truth
+    each = told.seconds_a_cell(1)
+    assert [seconds for *_, seconds in told.asked] == [pytest.approx(CALL + 0.4)]
+    assert 20.0 < each <= 100 * (CALL + 0.4)
+
+
+def test_a_cell_takes_longer_than_what_is_broken_off_says():
+    told = trial(0.5, count=1, a_period=2.0)
+    assert told.seconds_a_cell(1) == pytest.approx(100 * FIRST)
+    assert [seconds for *_, seconds in told.asked] == [FIRST]
 
 
 def test_cells_that_take_too_long_are_not_waited_for():

@@ -267,10 +267,11 @@ def _price(cells: Priced) -> Price:
     drive of the cells; the result holds likely and largest times.
     """
     allowed = cells.setting("max_periods")
-    plain = 3e-3 + 1e-3 * cells.steps / 3.0 + (0.0 if cells.steps else 2.5e-3 * cells.orders)
+    plain = 2.3e-3 + 2.5e-4 * cells.steps + (0.0 if cells.steps else 2e-3 * cells.orders)
     period = plain * np.where(cells.across, 2.2, 1.0)
     repeats = np.minimum(allowed, FINDING)
-    likely = period * (cells.restless * allowed + (1.0 - cells.restless) * repeats)
+    moves = cells.restless * allowed + (1.0 - cells.restless) * repeats
+    likely = period * np.where(cells.rests, 1.0, moves)
     return Price(likely, np.maximum(likely, 4.0 * period * (FINDING + 2.0 * allowed)))
 
 

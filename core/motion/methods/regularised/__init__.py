@@ -343,5 +343,5 @@ def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
 
 
 RADAU = _by("regularised", "Radau", _pricing(1.2, 1.7, 3.3, 0.27, 0.14))
-BDF = _by("regularised-BDF", "BDF", _pricing(1.6, 0.4, 4.5, 0.12, 0.4))
-LSODA = _by("regularised-LSODA", "LSODA", _pricing(0.26, 0.5, 7.0, 0.05, 0.4))
+BDF = _by("regularised-BDF", "BDF", _pricing(1.0, 0.4, 4.5, 0.12, 0.4))
+LSODA = _by("regularised-LSODA", "LSODA", _pricing(0.12, 0.5, 7.0, 0.05, 0.4))
