@@ -41,10 +41,10 @@ they are beside the mean cell."""
 GROWTH = 4
 """Ratio of the sizes of a batch and the one before."""
 
-UNFINISHED = 1.7
+UNFINISHED = 2.5
 """Factor on the price of a motion that has not repeated by the end of its trial."""
 
-TELLING = 4.0
+TELLING = 8.0
 """Number of periods from which on it counts that the motion has not repeated; after one it tells
 nothing."""
 
@@ -124,6 +124,8 @@ class Trial:
             spent += outcome.seconds
             done += size
             if not outcome.ended:
+                if done == 1:  # longer than its price: how long, some of its periods tell
+                    each = self._some_periods(cells, prices)[1]
                 return max(each, UNFINISHED * spent / done)
             batches.append((size, outcome.seconds))
             each = _slope(batches)

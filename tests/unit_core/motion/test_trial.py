@@ -84,6 +84,13 @@ def test_what_has_not_repeated_is_told_by_formula():
     assert 2.0 / UNFINISHED < each < 10.0  # in truth 2 s; by formula 10 s
 
 
+def test_a_cell_that_is_longer_than_its_price_is_told_by_its_periods():
+    told = trial(0.09, count=1, a_period=0.02)  # 2 s in truth
+    each = told.seconds_a_cell(1)
+    assert told.asked[0][2] is None
+    assert 2.0 / 3 < each < 2.0 * 3
+
+
 def test_one_period_of_a_long_cell_is_followed_to_its_end_and_tells_nothing_of_repeating():
     """Where formula and measured time of a period differ, the measured one counts."""
     told = trial(0.5, count=1, a_period=0.4)  # of 100 periods; 40 s in truth
