@@ -2,7 +2,10 @@
 
 A client that sends its request, or reads its reply, too slowly is cut off; where there are too many
 connections, one without a request under way makes room for the next, so that whoever comes last is
-heard, /healthz too. A body in crumbs costs a thousand times what it holds, and is refused.
+heard, /healthz too. It is one of the address that has the most of them: an address that opens many
+closes its own. The application begins with a request when its body has come, since beginning costs
+more than all that a slow client sends. A body in crumbs costs a thousand times what it holds, and
+is refused.
 """
 
 from __future__ import annotations
@@ -11,10 +14,14 @@ import asyncio
 import heapq
 import re
 import resource
+from collections import Counter
 from typing import Any
 
 import h11
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from starlette.types import Receive, Scope, Send
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
+from uvicorn.protocols.http.flow_control import HIGH_WATER_LIMIT
+from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 
 HEAD_SECONDS = 10.0  # s for the head of a request, and before its body has to keep its rate
 BODY_RATE = 10_000.0  # bytes/s of a body, at least
@@ -108,16 +115,22 @@ class Connection(H11Protocol):
         """Begin a connection with the thrifty parser and the application's limits."""
         super().__init__(*arguments, **options)
         self.conn = ThriftyParser()
-        self._most = self.config.app.state.settings.max_requests + SPARE  # type: ignore[union-attr]
+        self._serve, self.app = self.app, self._serve_when_here
+        settings = self.config.app.state.settings  # type: ignore[union-attr]
+        self._most = settings.max_requests + SPARE
+        self._longest_body = settings.max_body_bytes
+        self._address = ""
+        self._is_stopping = False
         self._since = self._sent = self.loop.time()
         self._received = 0
         self._was_answered = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Accept a new connection; if there are too many, close the longest idle ones first."""
+        """Accept a new connection; if there are too many, close some idle ones first."""
         if len(self.connections) >= self._most:
             self._cut_others()
         super().connection_made(transport)
+        self._address = self.client[0] if self.client else ""
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Remove the connection from the list; `exc` is the error that ended it, None for a close.
@@ -127,6 +140,14 @@ class Connection(H11Protocol):
         """
         self._unset_keepalive_if_required()
         super().connection_lost(exc)
+        self.app = self._serve  # or it would refer to itself, and stay until memory is searched
+
+    def shutdown(self) -> None:
+        """Let a request whose body is awaited be answered now: the service stops."""
+        self._is_stopping = True
+        if self.cycle is not None:
+            self.cycle.message_event.set()
+        super().shutdown()
 
     def data_received(self, data: bytes) -> None:
         """Handle bytes from the client, and note the time."""
@@ -173,9 +194,59 @@ class Connection(H11Protocol):
                 return self._since + HEAD_SECONDS + self._received / BODY_RATE
         return float("inf")
 
+    async def _serve_when_here(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Run the application on a request once its body is here; not at all if the client left.
+
+        The arguments are those of ASGI.
+        """
+        cycle = self.cycle
+        self._address = self._told_address(scope)
+        while self._is_awaited(cycle):
+            cycle.message_event.clear()
+            await cycle.message_event.wait()
+        if not cycle.disconnected:
+            await self._serve(scope, receive, send)
+
+    def _is_awaited(self, cycle: RequestResponseCycle) -> bool:
+        """True while the rest of a request's body has to come before the application begins.
+
+        It begins at once with what is refused by its length, and with a client that asks whether to
+        send its body at all; of a long body, when as much of it is here as a connection takes.
+        """
+        if not cycle.more_body or cycle.disconnected or self._is_stopping:
+            return False
+        if cycle.waiting_for_100_continue or len(cycle.body) > HIGH_WATER_LIMIT:
+            return False
+        lengths = [value for name, value in self.headers if name == b"content-length"]
+        return not lengths or int(lengths[0]) <= self._longest_body
+
+    def _told_address(self, scope: Scope) -> str:
+        """Return the address of a request's client, as a trusted proxy tells it if one sent it.
+
+        `scope` is ASGI's description of the request.
+        """
+        peer = self.client[0] if self.client else ""
+        proxies = self._serve
+        if isinstance(proxies, ProxyHeadersMiddleware) and peer in proxies.trusted_hosts:
+            told = [value for name, value in scope["headers"] if name == b"x-forwarded-for"]
+            words = b", ".join(told).decode("latin1")
+            return proxies.trusted_hosts.get_trusted_client_address(words)[0] or peer
+        return peer
+
     def _cut_others(self) -> None:
-        """Close the connections that have waited longest, first those that sent nothing."""
-        idle = [one for one in self.connections if isinstance(one, Connection) and one._is_idle]
-        for one in heapq.nsmallest(CUT_AT_ONCE, idle, lambda one: (one._was_answered, one._since)):
+        """Close idle connections of the address that has most, first those that sent nothing.
+
+        Of those the ones that have waited longest. Few are closed of an address that has few, or
+        addresses would take turns in closing all of one another.
+        """
+        others = [one for one in self.connections if isinstance(one, Connection)]
+        idle = [one for one in others if one._is_idle]
+        if not idle:
+            return
+        count = Counter(one._address for one in others)
+        most = max((count[one._address], one._address) for one in idle)
+        own = [one for one in idle if one._address == most[1]]
+        number = min(CUT_AT_ONCE, 1 + most[0] // 4)
+        for one in heapq.nsmallest(number, own, lambda one: (one._was_answered, one._since)):
             self.connections.discard(one)
             one.transport.abort()

@@ -86,7 +86,7 @@ class Wire:
 def connect():
     """Return a function that opens a connection to one server; the clock is its attribute."""
     app = FastAPI()
-    app.state.settings = SimpleNamespace(max_requests=1)
+    app.state.settings = SimpleNamespace(max_requests=1, max_body_bytes=1_000_000)
     config = uvicorn.Config(app, log_config=None, ws="none")
     config.load()
     state, clock = uvicorn.server.ServerState(), Clock()
