@@ -52,6 +52,15 @@ class ZarrViews:
                 self._views.popitem(last=False)
         return view
 
+    def holds(self, key: str, path: str, chunks: str = "") -> bool:
+        """True if a path of a sweep's Zarr group is in memory, so that nothing is computed for it.
+
+        The arguments are those of `read`.
+        """
+        with self._lock:
+            is_laid_out = (key, chunks) in self._views
+            return is_laid_out and (path.endswith(".json") or (key, chunks, path) in self._chunks)
+
     def read(self, key: str, path: str, chunks: str = "") -> bytes:
         """Return the bytes at a path of a sweep's Zarr group; raise `KeyError` if there are none.
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Annotated
 
 import numpy as np
 from fastapi import APIRouter, Path, Query, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
 from app.jobs.errors import NotFoundError
@@ -13,6 +15,8 @@ from app.web.dependencies import SweepKey, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
 from app.web.outgoing import reserve_bytes
 from app.web.replies import BINARY, OBJECT, cached_replies, problems
+from app.web.shares import slot_of
+from app.web.zarr_views import ZarrViews
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
@@ -59,7 +63,7 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
     },
 )
 @router.head("/{key}/zarr/{path:path}", include_in_schema=False)
-def get_zarr(
+async def get_zarr(
     request: Request,
     key: SweepKey,
     path: ZarrKey,
@@ -82,6 +86,19 @@ def get_zarr(
     wanted = path
     if path.startswith(CHUNKS):
         chunks, _, path = path.removeprefix(CHUNKS).partition("/")
+    # Who reads many chunks takes no thread from another's small slice.
+    is_computed = not views.holds(key, path, chunks)
+    async with slot_of(request) if is_computed else nullcontext():
+        return await run_in_threadpool(_key_reply, request, views, key, wanted, path, chunks)
+
+
+def _key_reply(
+    request: Request, views: ZarrViews, key: str, wanted: str, path: str, chunks: str
+) -> Response:
+    """Return the reply to a request for a path of a sweep's group, with wishes for chunks.
+
+    `wanted` is the path with the wishes, as the client has it.
+    """
     view = views.view(key, chunks)
     missing = NotFoundError(
         f"This sweep has no Zarr key '{wanted[:80]}'. Open the address that ends in /zarr with a "

@@ -8,7 +8,10 @@ import threading
 from app.main import create_app
 from app.settings import Settings
 from app.web.shares import Shares
+from core.sweep.zarr_view import ZarrView
 from local_client import local_client
+from posted_sweeps import STUDY
+from waiting import PATIENCE, wait_for
 
 
 def order_of(asked: list[tuple[str, int]], *, places: int, of_one: int) -> list[int]:
@@ -121,3 +124,39 @@ def test_conversions_run_no_more_at_once_than_there_are_places(tmp_path):
             thread.join()
     assert [reply.text for reply in replies] == ["text"] * 4
     assert max(most) == 1
+
+
+def test_who_reads_many_chunks_takes_no_thread_from_small_slices(tmp_path, monkeypatch):
+    """Chunks that block keep others from starting; what is in memory and small slices do not."""
+    free, under_way, read = threading.Event(), [], ZarrView.read
+
+    def blocked(view, key):
+        if not key.endswith(".json"):
+            under_way.append(key)
+            assert free.wait(PATIENCE)
+        return read(view, key)
+
+    monkeypatch.setattr(ZarrView, "read", blocked)
+    app = create_app(Settings(data_directory=tmp_path))
+    with local_client(app) as client:
+        address = f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
+        most = int(client.app.state.shares._of_owner)
+        statuses = []
+        threads = [
+            threading.Thread(target=lambda path=path: statuses.append(client.get(path).status_code))
+            for path in [f"{address}/zarr/chunks=beta:1/acceleration_x/c/0/0/0/{n}" for n in range(2)]
+            + [f"{address}/zarr/acceleration_x/c/0/0/0/0"] * 3 * most
+        ]
+        assert client.get(f"{address}/zarr/zarr.json").status_code == 200
+        for thread in threads:
+            thread.start()
+        wait_for(lambda: len(under_way) >= most)
+        fixed = "amplitude=0.35 mm&frequency=20 Hz&alpha=0"
+        cut = client.get(f"{address}/slice?output=acceleration_x&axes=beta&{fixed}")
+        assert cut.status_code == 200
+        assert client.get(f"{address}/zarr/beta/zarr.json").status_code == 200
+        assert len(under_way) == most
+        free.set()
+        for thread in threads:
+            thread.join()
+    assert statuses == [200] * len(threads)
