@@ -75,6 +75,13 @@ def slow_bodies(server: Served, seconds: float) -> None:
     _crowd(server, [head + b"x" * 1000] * 1200, seconds, at_once=len(head), bytes_a_second=1)
 
 
+def slow_ends(server: Served, seconds: float) -> None:
+    """Attack: send 70 kB of 1,200 request bodies, which the application begins with, then wait."""
+    head = _request(server, "POST", "/sweeps", "Content-Length: 500000")
+    begun = head + b"x" * 70_000
+    _crowd(server, [begun + b"x" * 1000] * 1200, seconds, at_once=len(begun), bytes_a_second=1)
+
+
 def deaf_slices(server: Served, seconds: float) -> None:
     """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
     path = _slice_of(server, LARGE, "beta,gamma")
@@ -448,6 +455,7 @@ ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
     "silent": (silent, 20),
     "slow_heads": (slow_heads, 20),
     "slow_bodies": (slow_bodies, 20),
+    "slow_ends": (slow_ends, 20),
     "deaf_slices": (deaf_slices, 30),
     "deaf_downloads": (deaf_downloads, 20),
     "heads": (heads, 10),
