@@ -200,7 +200,7 @@ class Connection(H11Protocol):
         The arguments are those of ASGI.
         """
         cycle = self.cycle
-        self._address = self._told_address(scope)
+        self._address = self._client_address(scope)
         while self._is_awaited(cycle):
             cycle.message_event.clear()
             await cycle.message_event.wait()
@@ -220,7 +220,7 @@ class Connection(H11Protocol):
         lengths = [value for name, value in self.headers if name == b"content-length"]
         return not lengths or int(lengths[0]) <= self._longest_body
 
-    def _told_address(self, scope: Scope) -> str:
+    def _client_address(self, scope: Scope) -> str:
         """Return the address of a request's client, as a trusted proxy tells it if one sent it.
 
         `scope` is ASGI's description of the request.

@@ -184,4 +184,7 @@ def some_cells(
     known |= {name: np.asarray(value) for name, value in settings.items()}
     equations = [equation for equation in plan.equations if equation.gives in needed]
     with np.errstate(all="ignore"):
-        return Priced(run(equations, known | dict(chosen)), contacts)
+        found = run(equations, known | dict(chosen))
+    if "slip_groups" in long.inputs:  # the slip of a round part is followed as a block with these
+        found = {**found, "groups": found["slip_groups"]}
+    return Priced(found, contacts)

@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.prices import measured
 from core.intake import prepare_content
+from core.motion.systems import SYSTEMS
 
 HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
 SLIDES = {"frequency": 50, "amplitude": "0.1 mm", "beta": 30, "friction": 0.3}
@@ -119,3 +120,18 @@ def test_the_work_grows_as_the_price_does():
     assert said[1] > said[0]
     grew = (said[1] / said[0]) / (took[1] / took[0])
     assert 1 / 20 < grew < 20
+
+
+# Of round parts the slip is a motion of its own, with numbers of its own.
+ROUND = {"frequency": 50, "amplitude": "0.3 mm", "beta": 20, "friction": 0.3, "diameter": "8 mm"}
+VARIANTS = [
+    (scene, method)
+    for scene in ("roller-on-plane", "sphere-on-plane")
+    for method in SYSTEMS[scene].variants
+]
+
+
+@pytest.mark.parametrize(("scene", "method"), VARIANTS)
+def test_the_slip_of_a_round_part_has_a_price_without_its_motion(scene, method):
+    for name in ("slip_velocity", "backward_fraction", "conveying_velocity"):
+        assert price(method, scene, ROUND, outputs=[name]) > 0
