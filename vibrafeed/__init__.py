@@ -248,7 +248,7 @@ def plot(
     nearest : bool
         True if a value of `at` that the dataset does not have stands for the nearest one.
     dark : bool
-        Use light colours on a dark background.
+        Draw in light colours on a dark background.
     small : bool
         For a column of a document, some 11 cm wide.
 
@@ -339,7 +339,7 @@ def scenes(
     Parameters
     ----------
     name : str, optional
-        Name of a scene; all scenes by default.
+        Name of the scene to describe; by default all scenes are listed.
     variant : str, optional
         The variant that is described; the scene's default if left out.
     method : str, optional

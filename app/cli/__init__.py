@@ -82,7 +82,8 @@ app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.\n\n"
+    help="Compute how parts move on vibratory feeder tracks: sweeps over parameters, motion in "
+    "time, and best drives.\n\n"
     f"Kinds of study: {', '.join(KINDS)}.",
     **STYLE,
 )

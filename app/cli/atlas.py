@@ -30,18 +30,25 @@ SUFFIXES = (".nc", ".zarr")
 def atlas(
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="The atlas: .nc, or .zarr for a Zarr group."),
+        typer.Option(
+            "-o",
+            "--output",
+            help="File for the atlas, a table of computed motions: .nc, or .zarr for a Zarr group.",
+        ),
     ] = None,
     resolution: Annotated[
         str,
         typer.Option(
-            help="full, or coarse: made in seconds, with larger errors and "
+            help="full; or coarse, which is computed in seconds, but has larger errors and "
             "more cells without a value."
         ),
     ] = "full",
     charts: Annotated[
         Path | None,
-        typer.Option(help="Write the book of charts to this PDF, with or without the atlas."),
+        typer.Option(
+            help="Write charts of the conveying velocity to this PDF file; works with and "
+            "without -o."
+        ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
@@ -71,7 +78,13 @@ def _refuse_problems(
     problems = []
     if output is None and charts is None:
         fix = "Write -o atlas.nc, --charts book.pdf, or both"
-        problems.append(Problem("options", "neither an atlas nor charts are asked for", fix))
+        problems.append(
+            Problem(
+                "options",
+                "the command names no file to write, neither an atlas (-o) nor charts (--charts)",
+                fix,
+            )
+        )
     if resolution not in RESOLUTIONS:
         fix = f"Write {' or '.join(RESOLUTIONS)}"
         problems.append(Problem("resolution", f"'{resolution[:40]}' is not known", fix))
@@ -82,10 +95,16 @@ def _refuse_problems(
         try:
             needed_for_zarr()
         except MissingPackageError as error:
-            problems.append(Problem("output", str(error), "Or end it in .nc"))
+            problems.append(
+                Problem("output", str(error), "Or give the atlas a name that ends in .nc")
+            )
     if charts is not None and charts.suffix.lower() != ".pdf":
         problems.append(
-            Problem("charts", "the book of charts is written as PDF", "End the name in .pdf")
+            Problem(
+                "charts",
+                f"charts are written as PDF only, not as '{charts.suffix}'",
+                "Give the file of charts a name that ends in .pdf",
+            )
         )
     for option, path in (("output", output), ("charts", charts)):
         if path is None or not path.exists():

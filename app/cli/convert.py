@@ -19,14 +19,33 @@ if TYPE_CHECKING:
 
 
 def convert(
-    file: Annotated[Path, typer.Argument(help="A study, TOML or JSON; - reads standard input.")],
-    to: Annotated[str, typer.Option(help="toml, json, curl (a command) or python (a program).")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="Study file to convert, TOML or JSON; - reads the study from standard input."
+        ),
+    ],
+    to: Annotated[
+        str,
+        typer.Option(
+            help="Format to convert to: toml, json, curl (a command that posts the study) "
+            "or python (a program that runs it)."
+        ),
+    ],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="The output file; standard output by default."),
+        typer.Option(
+            "-o",
+            "--output",
+            help="Write the converted study to this file; by default to standard output.",
+        ),
     ] = None,
     service: Annotated[
-        str | None, typer.Option(help="Base URL of the service for the curl command.")
+        str | None,
+        typer.Option(
+            help="Base URL of the service that the curl command posts to, as in "
+            "http://localhost:8000."
+        ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
@@ -40,7 +59,11 @@ def convert(
         refuse(
             {
                 file: [
-                    Problem("to", f"'{to[:40]}' is not a format of studies", suggestion(to, FORMS))
+                    Problem(
+                        "to",
+                        f"a study cannot be converted to the format '{to[:40]}'",
+                        suggestion(to, FORMS),
+                    )
                 ]
             }
         )

@@ -22,7 +22,9 @@ from core.plots.problem import PlotError
 if TYPE_CHECKING:
     from core.measured import Fit, Recording
 
-COLUMN = "Column of the acceleration {}; a minus sign reverses it."
+COLUMN = (
+    "Name of the column that holds the acceleration {}; a minus sign before the name reverses it."
+)
 
 
 def drive(
@@ -37,49 +39,72 @@ def drive(
     sensor: Annotated[
         str | None,
         typer.Option(
-            help="Columns of the sensor's axes x, y and z, as in ax,ay,az; they replace --along, "
-            "--normal and --across."
+            help="Names of the three columns of a triaxial sensor (axes x, y, z), as in "
+            "ax,ay,az; give them instead of --along, --normal and --across."
         ),
     ] = None,
     mounting: Annotated[
-        str | None, typer.Option(help="Yaw, pitch, roll of the sensor in degrees, as in 0,0,90.")
+        str | None,
+        typer.Option(
+            help="How a triaxial sensor is turned against the track: yaw, pitch and roll "
+            "in degrees, as in 0,0,90."
+        ),
     ] = None,
     unit: Annotated[
         str | None,
-        typer.Option(help="Unit of the columns if their headers have none: g, mg, m s-2, mm s-2."),
+        typer.Option(
+            help="Unit of the accelerations where the column headings name none: g, mg, m "
+            "s-2 or mm s-2."
+        ),
     ] = None,
     rate: Annotated[
-        str | None, typer.Option(help="Samples per second, if there is no time column.")
+        str | None,
+        typer.Option(help="Samples per second; needed if the recording has no time column."),
     ] = None,
     time: Annotated[
-        str | None, typer.Option(help="Time column; `time` or `t` is found automatically.")
+        str | None,
+        typer.Option(
+            help="Name of the time column; a column named `time` or `t` is found automatically."
+        ),
     ] = None,
     line_frequency: Annotated[
         str | None,
-        typer.Option(help="True frequency of the drive; shows the error of the recorder's clock."),
+        typer.Option(
+            help="True frequency of the drive in Hz, if known; the fit then reports the "
+            "error of the recorder's clock."
+        ),
     ] = None,
     frequency: Annotated[
         str | None,
         typer.Option(
-            help="Approximate frequency of the motion [Hz]; found automatically by default."
+            help="Approximate frequency of the recorded motion in Hz; by default it is "
+            "found from the recording."
         ),
     ] = None,
     harmonics: Annotated[
         int | None,
         typer.Option(
-            help="Number of harmonic orders to fit; by default as many as the data support."
+            help="Number of harmonics of the drive to fit; by default as many as the "
+            "recording can resolve."
         ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw the fit to this file: PNG, SVG or PDF.")
+        Path | None,
+        typer.Option(
+            help="Draw the recording and the fitted drive to this file: .png, .svg or .pdf."
+        ),
     ] = None,
     toml: Annotated[
-        bool, typer.Option("--toml", help="Print only the parameters, as TOML for a study.")
+        bool,
+        typer.Option(
+            "--toml", help="Print only the fitted drive parameters, as TOML lines for a study."
+        ),
     ] = False,
     units: Units = None,
     as_json: Json = False,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Write the parameters to this TOML file.")
+        Path | None,
+        typer.Option("-o", "--output", help="Write the fitted drive parameters to this TOML file."),
     ] = None,
 ) -> None:
     """Fit the harmonics of a drive, with errors, to an accelerometer recording.
@@ -136,7 +161,13 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
         if not (asked.along or asked.across or asked.normal or asked.sensor):
             columns = ", ".join(read_table(recording).columns)
             fix = "Give --along and --normal, or --sensor with three columns"
-            problems.append(Problem("--along", f"no column is named; the file has {columns}", fix))
+            problems.append(
+                Problem(
+                    "--along",
+                    f"the command names no acceleration column; the file has the columns {columns}",
+                    fix,
+                )
+            )
             refuse({recording: problems})
         fit = fit_drive(recording, asked)
     except StudyError as error:

@@ -16,7 +16,7 @@ from core.sweep.targets import attributes_there, is_complete, is_zarr
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
 
-REMOVE = "Remove it, or give another name"
+REMOVE = "Remove the existing output, or give another name"
 
 
 def complete_already(

@@ -28,20 +28,25 @@ def export(
     file: Annotated[
         str,
         typer.Argument(
-            help="A NetCDF file or Zarr group written by `vibrafeed run`.", show_default=False
+            help="Result to convert: a NetCDF file or Zarr group written by `vibrafeed run`.",
+            show_default=False,
         ),
     ],
     output: Annotated[
         str,
         typer.Option(
-            "-o", "--output", help="File .csv, .xlsx, .parquet, .mat or .nc, or group .zarr."
+            "-o",
+            "--output",
+            help="File to write; its suffix sets the format: .csv, .xlsx, .parquet, .mat, "
+            ".nc, or .zarr for a Zarr group.",
         ),
     ],
     units: Annotated[
         str | None,
         typer.Option(
-            help="Units of the values in CSV, XLSX and Parquet: trade (mm, mm/s, g), or such as "
-            "'m/min, mm'; left out, those of the file. Other formats keep theirs."
+            help="Units of the values, for CSV, XLSX and Parquet only: trade (mm, mm/s, "
+            "g), si, or a list such as 'm/min, mm'; by default the units of the "
+            "result."
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,

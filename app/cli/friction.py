@@ -20,7 +20,10 @@ REBOUNDS = ("pair", "restitution", "note", "from")
 def friction(
     words: Annotated[
         list[str] | None,
-        typer.Argument(help="Show only rows that contain all of these words, as in: steel abs."),
+        typer.Argument(
+            help="Show only pairs of materials whose row contains all of these words, as "
+            "in: steel abs."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -15,18 +15,33 @@ from core.errors import Problem
 
 
 def join(
-    file: Annotated[Path, typer.Argument(help="The study, TOML or JSON.", show_default=False)],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="Study file (TOML or JSON) whose parts are joined.", show_default=False
+        ),
+    ],
     output: Annotated[
         str,
         typer.Option(
-            "-o", "--output", help="The result's path, as given to `vibrafeed run --part`."
+            "-o",
+            "--output",
+            help="Path of the joined result: the same -o as in `vibrafeed run --part`.",
         ),
     ],
     parts: Annotated[
-        int | None, typer.Option(min=1, help="Number of parts; by default read from the folder.")
+        int | None,
+        typer.Option(
+            min=1,
+            help="Number of parts into which the study was divided; by default read from "
+            "the folder of parts.",
+        ),
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Replace a file with the result of another study.")
+        bool,
+        typer.Option(
+            "--force", help="Replace the output file even if it holds the result of another study."
+        ),
     ] = False,
 ) -> None:
     """Join the parts computed by `vibrafeed run --part` into one result.

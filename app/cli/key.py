@@ -29,29 +29,57 @@ from core.errors import Problem
 if TYPE_CHECKING:
     from app.jobs.database import Database
 
-key = typer.Typer(no_args_is_help=True, help="Keys for the HTTP interface.")
+key = typer.Typer(
+    no_args_is_help=True,
+    help="Manage the access keys of the HTTP service: make, list and withdraw them.",
+)
 
 LIMITS = ("requests", "jobs", "cells", "bytes")
-Name = Annotated[str, typer.Argument(help="Letters, digits, '.', '_' and '-', 40 at most.")]
+Name = Annotated[
+    str, typer.Argument(help="Name of the key: up to 40 letters, digits, '.', '_' and '-'.")
+]
 
 
 @key.command()
 def add(
     name: Name,
     role: Annotated[
-        str, typer.Option(help="read; run, which also posts and dismisses its own; or admin.")
+        str,
+        typer.Option(
+            help="What the key may do. read: read results; run: also post studies and "
+            "dismiss its own jobs; admin: everything."
+        ),
     ] = "run",
-    requests: Annotated[float | None, typer.Option(help="Maximum requests per second.")] = None,
+    requests: Annotated[
+        float | None,
+        typer.Option(help="Maximum number of requests per second; by default no limit."),
+    ] = None,
     jobs: Annotated[
-        float | None, typer.Option(help="Maximum number of jobs that run or wait.")
+        float | None,
+        typer.Option(
+            help="Maximum number of jobs of this key that run or wait at once; by default no limit."
+        ),
     ] = None,
     cells: Annotated[
-        float | None, typer.Option(help="Maximum number of cells of one study.")
+        float | None,
+        typer.Option(
+            help="Maximum number of cells (grid points) of one study; by default no limit."
+        ),
     ] = None,
     most_bytes: Annotated[
-        float | None, typer.Option("--bytes", help="Maximum bytes of results on the disk.")
+        float | None,
+        typer.Option(
+            "--bytes",
+            help="Maximum size in bytes of the results that the service stores for this "
+            "key; by default no limit.",
+        ),
     ] = None,
-    days: Annotated[float | None, typer.Option(help="Days until the key expires.")] = None,
+    days: Annotated[
+        float | None,
+        typer.Option(
+            help="Number of days until the key expires; by default the key does not expire."
+        ),
+    ] = None,
 ) -> None:
     """Make a key and print it; a service that runs takes it within seconds.
 
@@ -132,7 +160,8 @@ def withdraw(name: Name) -> None:
 @key.command("audit")
 def tell_audit(
     most: Annotated[
-        int, typer.Option(help="Number of entries to show, newest first.", min=1)
+        int,
+        typer.Option(help="Number of entries of the audit log to print: the newest ones.", min=1),
     ] = 100,
 ) -> None:
     """Print the audit log: posts, dismissals, sharing, and keys made, withdrawn and refused."""

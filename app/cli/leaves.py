@@ -18,7 +18,10 @@ HEADING = ("material", "form", "elastic modulus (GPa)", "density (kg/m³)", "fro
 def leaves(
     words: Annotated[
         list[str] | None,
-        typer.Argument(help="Show only rows that contain all of these words, as in: glass epoxy."),
+        typer.Argument(
+            help="Show only spring materials whose row contains all of these words, as in: "
+            "glass epoxy."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -40,28 +40,36 @@ def lookup(
         list[str] | None,
         typer.Argument(
             metavar="[NAME=VALUE]...",
-            help='Parameters as in a study: frequency="50 Hz" amplitude="0.4 mm" beta=25 '
+            help='Parameters of the motion to look up, as in a study: frequency="50 Hz" '
+            'amplitude="0.4 mm" beta=25 '
             "friction=0.3.",
         ),
     ] = None,
     atlas: Annotated[
-        Path, typer.Option("--atlas", help="Atlas file written by `vibrafeed atlas`.")
+        Path,
+        typer.Option(
+            "--atlas", help="Atlas to look the values up in: a file written by `vibrafeed atlas`."
+        ),
     ] = Path("atlas.nc"),
     rows: Annotated[
         Path | None,
         typer.Option(
-            help="CSV with a parameter a column and a case a row; a heading may name a unit, as in "
-            "amplitude [mm]. NAME=VALUE is then for all rows."
+            help="CSV file of cases to look up: one row per case, one column per "
+            "parameter. A heading may name a unit, as in amplitude [mm]. NAME=VALUE "
+            "then applies to all rows."
         ),
     ] = None,
     simulate: Annotated[
         bool,
-        typer.Option("--simulate", help="Simulate the cells for which the atlas has no value."),
+        typer.Option("--simulate", help="Simulate the cases for which the atlas has no value."),
     ] = False,
     output: Annotated[
         str | None,
         typer.Option(
-            "-o", "--output", help="Write the values to this file: .csv, .nc or another format."
+            "-o",
+            "--output",
+            help="Write the values to this file; its suffix sets the format: .csv, .nc or "
+            "another one.",
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
@@ -114,7 +122,7 @@ def _look_up_or_exit(
     try:
         opened = open_atlas(path)
     except FileNotFoundError:
-        refused[path] = [Problem("atlas", "there is no such file", MAKE)]
+        refused[path] = [Problem("atlas", "the atlas file does not exist", MAKE)]
     except OSError as error:
         message = f"it cannot be read: {error.strerror or error}"
         refused[path] = [Problem("atlas", message, MAKE)]

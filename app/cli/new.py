@@ -35,12 +35,12 @@ def _option(name: str) -> Any:
 def new(
     context: typer.Context,
     file: Annotated[
-        Path, typer.Argument(help="The file to write; - means standard output.")
+        Path, typer.Argument(help="Study file to write; - writes the study to standard output.")
     ] = Path("study.toml"),
     kind: Annotated[
         str | None,
         typer.Option(
-            help=f"Write the example study of a kind, without questions: {', '.join(KINDS)}."
+            help=f"Write the example study of this kind and ask no questions: {', '.join(KINDS)}."
         ),
     ] = None,
     question: Annotated[Answer, _option("question")] = None,
@@ -74,7 +74,9 @@ def new(
     yes: Annotated[
         bool,
         typer.Option(
-            "--yes", "-y", help="Ask no questions; use defaults for all options that are not given."
+            "--yes",
+            "-y",
+            help="Ask no questions: use the default for every option that is not given.",
         ),
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
@@ -111,15 +113,21 @@ def _check_name(file: Path, force: bool) -> None:
     `force` allows replacing one.
     """
     if file.suffix.lower() == ".json":
-        fix = f"Name it {file.stem}.toml; `vibrafeed convert` makes JSON of it"
-        refuse({file: [Problem("file", "JSON has no comments, and a starter has", fix)]})
+        fix = f"Name the file {file.stem}.toml; `vibrafeed convert` makes JSON of it later"
+        refuse(
+            {
+                file: [
+                    Problem("file", "a new study has comments, which a JSON file cannot hold", fix)
+                ]
+            }
+        )
     if file != STANDARD:
         refuse_taken(file, "file", force=force)
 
 
 def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
     """Exit if the kind is unknown, or if answers were given, which its example does not use."""
-    message = "the example of a kind asks nothing"
+    message = "the example study of --kind uses no answers"
     problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
     if kind not in KINDS:
         fix = suggestion(kind, KINDS)
@@ -189,12 +197,16 @@ def _problem_of_unused(name: str, answers: dict[str, str]) -> Problem:
     """
     question = _BY_NAME[name]
     if question.unless in answers:
-        message = f"{_flag(question.unless)} says it already"
-        return Problem(_flag(name), message, "Give one of them")
+        message = f"{_flag(question.unless)} gives the same quantity"
+        return Problem(_flag(name), message, "Leave out one of the two options")
     needs = [
         f"{_flag(other)} {' or '.join(words.split())}" for other, words in question.needs.items()
     ]
-    return Problem(_flag(name), f"it goes with {' and '.join(needs)}", "Add that, or leave it out")
+    return Problem(
+        _flag(name),
+        f"{_flag(name)} applies only together with {' and '.join(needs)}",
+        f"Add the missing option, or leave out {_flag(name)}",
+    )
 
 
 def _flag(name: str) -> str:

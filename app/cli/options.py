@@ -11,12 +11,15 @@ FAILED = 1
 NO_SOLUTION = 3
 
 Json = Annotated[
-    bool, typer.Option("--json", help="Print one JSON document, in the units of files.")
+    bool,
+    typer.Option(
+        "--json", help="Print one JSON document, with values in the units of result files."
+    ),
 ]
 Units = Annotated[
     str | None,
     typer.Option(
-        help="Units of the values shown: trade (mm, mm/s, g: the default), si, or such as "
-        "'m/min, mm'. Files and --json keep their own.",
+        help="Units of the printed values: trade (mm, mm/s, g; the default), si, or a "
+        "list such as 'm/min, mm'. Result files and --json are not affected.",
     ),
 ]

@@ -74,7 +74,11 @@ def join_parts(path: Path, parts: Parts, history: str) -> None:
 def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tuple[Path, str]:
     """Return file and target of the study of a command that takes one; exit if there are more."""
     if len(studies) > 1:
-        problem = Problem("part", "parts are of one study", "Give one file")
+        problem = Problem(
+            "part",
+            f"this command computes the parts of one study, not of {len(studies)} studies",
+            "Give one study file",
+        )
         refuse({path: [problem] for path in studies})
     return next(iter(targets.items()))
 
@@ -86,12 +90,25 @@ def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
     """
     problem = None
     if not prepared.part_of:
-        problem = Problem("kind", "only sweeps are computed in parts", "Leave --part out")
+        problem = Problem(
+            "kind",
+            "only sweeps can be computed in parts, not studies of this kind",
+            "Leave out --part or --scheduler",
+        )
     elif prepared.part_of == SHARDS and not is_zarr(target):
-        message = "the parts of a sweep are shards of a Zarr group"
-        problem = Problem("output", message, "Write -o result.zarr, or s3://bucket/key")
+        message = "the parts of a sweep are written as shards of one Zarr group"
+        problem = Problem(
+            "output",
+            message,
+            "Write the result to a Zarr group: -o result.zarr, or -o s3://bucket/key",
+        )
     elif prepared.part_of == ARRAYS and is_zarr(target):
-        problem = Problem("output", "what is reduced goes to NetCDF", "Write -o result.nc")
+        problem = Problem(
+            "output",
+            "the parts of a reduced sweep ([reduce]) are joined in a NetCDF file, not "
+            "in a Zarr group",
+            "Write -o result.nc",
+        )
     elif not 1 <= count <= MAX_PARTS:
         problem = Problem("part", f"{count:,} parts", f"Take 1 to {MAX_PARTS:,}")
     else:

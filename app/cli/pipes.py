@@ -33,10 +33,16 @@ def standard_output(output: str, studies: int) -> Iterator[str]:
     suffix = output[1:] or FORM
     problem = None
     if studies > 1:
-        problem = Problem("output", "standard output takes one study", "Give a folder")
+        problem = Problem(
+            "output",
+            f"standard output takes the result of one study, not of {studies} studies",
+            "Give a folder for the results, such as -o results/",
+        )
     elif suffix == ".zarr":
         fix = "Give a name that ends in .zarr, or write -o - for CSV"
-        problem = Problem("output", "a Zarr group is not a single file", fix)
+        problem = Problem(
+            "output", "a Zarr group consists of many files, which standard output cannot take", fix
+        )
     elif suffix != FORM and sys.stdout.isatty():
         fix = f"Write -o - for CSV, or send it on: -o {output} > result{suffix}"
         problem = Problem("output", f"a terminal cannot show {suffix}", fix)

@@ -19,7 +19,8 @@ def plot(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="NetCDF files written by `vibrafeed run`; several are drawn in one picture."
+            help="Result files (NetCDF) written by `vibrafeed run`; several are drawn in "
+            "one picture."
         ),
     ],
     output: Annotated[
@@ -27,38 +28,52 @@ def plot(
         typer.Option(
             "-o",
             "--output",
-            help="PNG, SVG or PDF; GIF or MP4 for an animation. If left out: in the file's "
-            "folder, named after it, the kind and the output.",
+            help="Picture to write: .png, .svg or .pdf; .gif or .mp4 for an animation. By "
+            "default .png and .svg (an animation: .gif) in the folder of the result, "
+            "named after the result, --variable and --kind.",
         ),
     ] = None,
     variable: Annotated[
         str | None,
-        typer.Option("--variable", "-v", help="The output to draw; the first one by default."),
+        typer.Option(
+            "--variable",
+            "-v",
+            help="Name of the output to draw, such as conveying_velocity; by default the "
+            "first one of the result.",
+        ),
     ] = None,
     axes: Annotated[
         str | None,
         typer.Option(
             "--axes",
             "-a",
-            help="One or two dimensions, as in beta,alpha; by default the longest ones.",
+            help="Names of one or two axes of the picture, as in beta,alpha; by default "
+            "the axes with most values.",
         ),
     ] = None,
     at: Annotated[
         list[str] | None,
-        typer.Option("--at", help="Fix another dimension at a value, as in `frequency=60 Hz`."),
+        typer.Option(
+            "--at", help="Draw the result at this value of another axis, as in `frequency=60 Hz`."
+        ),
     ] = None,
     kind: Annotated[
         str | None,
         typer.Option(
             "--kind",
             "-k",
-            help="; ".join(f"{one.name}: {one.says}" for one in PICTURES.values())
-            + ". By default the first that fits the result.",
+            help="Kind of picture. "
+            + "; ".join(f"{one.name}: {one.says}" for one in PICTURES.values())
+            + ". By default the first kind that fits the result.",
         ),
     ] = None,
     slow: Annotated[
         float | None,
-        typer.Option("--slow", help="Slow-motion factor of an animation.", show_default=False),
+        typer.Option(
+            "--slow",
+            help="Slow-motion factor of an animation: 50 shows 20 ms of motion in 1 s.",
+            show_default=False,
+        ),
     ] = None,
     title: Annotated[
         str | None, typer.Option("--title", help="Title of the picture.", show_default=False)
@@ -66,18 +81,24 @@ def plot(
     units: Annotated[
         str | None,
         typer.Option(
-            "--units", help="trade (mm, mm/s), si, or units, as in m/min,rad; those of the study."
+            "--units",
+            help="Units of the picture: trade (mm, mm/s), si, or a list such as m/min,rad; "
+            "by default the units that the study names.",
         ),
     ] = None,
     nearest: Annotated[
-        bool, typer.Option("--nearest", help="Use the nearest value if --at is not on the axis.")
+        bool,
+        typer.Option(
+            "--nearest",
+            help="If the value of --at is not on its axis, use the nearest value that is.",
+        ),
     ] = False,
     dark: Annotated[
-        bool, typer.Option("--dark", help="Use light colours on a dark background.")
+        bool, typer.Option("--dark", help="Draw in light colours on a dark background.")
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing picture.")] = False,
     small: Annotated[
-        bool, typer.Option("--small", help="Make a small picture for one text column, 11 cm wide.")
+        bool, typer.Option("--small", help="Draw a small picture, 11 cm wide, for one text column.")
     ] = False,
 ) -> None:
     """Draw a result: an output with its regimes, a map of regimes, or the motion of one part."""

@@ -17,31 +17,41 @@ from core.errors import Problem, StudyError
 
 def report(
     files: Annotated[
-        list[Path] | None, typer.Argument(help="Study files, TOML or JSON.", show_default=False)
+        list[Path] | None,
+        typer.Argument(
+            help="Study files (TOML or JSON) to measure the accuracy of.", show_default=False
+        ),
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Output folder; by default `accuracy` in the study's folder."
+            "-o",
+            "--output",
+            help="Folder for the report; by default `accuracy` in the folder of the first study.",
         ),
     ] = None,
     only: Annotated[
         list[str] | None,
         typer.Option(
-            help="A family of measurements: closed_forms, model, motion, storage or optimisers; "
-            "all that a study has if left out."
+            help="Measure only this family: closed_forms, model, motion, storage or "
+            "optimisers; repeat the option for several. By default all families that "
+            "apply to a study."
         ),
     ] = None,
     extremes: Annotated[
         bool,
         typer.Option(
             "--extremes",
-            help="Also run about 200 hard cases, and count what each scene leaves out.",
+            help="Also run about 200 hard cases, and list what a study of each scene does "
+            "not load.",
         ),
     ] = False,
     seconds: Annotated[
         float,
-        typer.Option(help="Seconds after which a family starts no further measurement.", min=0),
+        typer.Option(
+            help="Time limit of each family in seconds: after it no further measurement starts.",
+            min=0,
+        ),
     ] = 60.0,
 ) -> None:
     """Measure accuracy and run time of methods; write a page, pictures and datasets.
@@ -53,8 +63,8 @@ def report(
     """
     files = files or []
     if not files and not extremes:
-        fix = "Name studies, or add --extremes, which needs none"
-        refuse({Path("report"): [Problem("files", "there is nothing to measure", fix)]})
+        fix = "Name study files, or add --extremes, which needs no study"
+        refuse({Path("report"): [Problem("files", "the command names no study to measure", fix)]})
     studies = prepare_all(files)
     invalid = {}
     for path, prepared in studies.items():

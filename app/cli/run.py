@@ -30,7 +30,7 @@ def run(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="Study files, TOML or JSON; - reads one study from standard input.",
+            help="Study files (TOML or JSON) to run; - reads one study from standard input.",
             show_default=False,
         ),
     ],
@@ -39,28 +39,32 @@ def run(
         typer.Option(
             "-o",
             "--output",
-            help="Of one study a file .nc, .csv, .xlsx, .parquet or .mat, or a group .zarr or "
-            "s3://bucket/key; or a folder. In the study's folder if left out. - writes CSV to "
-            "standard output, -.nc NetCDF.",
+            help="Where to write. For one study: a file (.nc, .csv, .xlsx, .parquet, .mat) "
+            "or a Zarr group (.zarr, s3://bucket/key); - writes CSV to standard "
+            "output, -.nc NetCDF. For any number of studies: a folder. By default the "
+            "folder of each study.",
         ),
     ] = None,
     dry_run: Annotated[
         bool,
         typer.Option(
-            "--dry-run", help="Print what would be computed and its size, without running it."
+            "--dry-run",
+            help="Print what would be computed and the size of the result, without computing it.",
         ),
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace existing results.")] = False,
     plain: Annotated[
         bool,
-        typer.Option("--plain", help="Do not compress NetCDF and MAT files: faster, but larger."),
+        typer.Option(
+            "--plain", help="Write NetCDF and MAT files without compression: faster, but larger."
+        ),
     ] = False,
     resume: Annotated[
         bool,
         typer.Option(
             "--resume",
-            help="Continue runs that were stopped or killed, from where they were. Finished "
-            "results stay as they are.",
+            help="Continue runs that were stopped or killed, from where they ended. "
+            "Complete results are kept.",
         ),
     ] = False,
     units: Units = None,
@@ -71,37 +75,47 @@ def run(
         typer.Option(
             "-v",
             "--verbose",
-            help="Also print timings, equations, kernels, and how an optimum was found.",
+            help="Also print run times, equations, compiled kernels, and how an optimum was found.",
         ),
     ] = False,
     max_cells: Annotated[
-        int | None, typer.Option(help="Refuse studies with more cells than this.")
+        int | None,
+        typer.Option(help="Refuse studies with more cells (grid points) than this number."),
     ] = None,
     max_bytes: Annotated[
-        int | None, typer.Option(help="Refuse studies whose result has more bytes than this.")
+        int | None,
+        typer.Option(help="Refuse studies whose result takes more bytes than this number."),
     ] = None,
     time_limit: Annotated[
         float | None,
         typer.Option(
-            help="Start no further grid point, and verify none, after this many seconds. A sweep "
-            "of closed forms that fits in memory is computed in one go, whatever the limit.",
+            help="Time limit in seconds: after it no further grid point is computed or "
+            "verified. A sweep of closed forms that fits in memory is always computed "
+            "in full.",
             min=0,
         ),
     ] = None,
     part: Annotated[
         str | None,
         typer.Option(
-            help="Compute one part of a sweep, such as 17/4096, from 0 on; `vibrafeed join` makes "
-            "the result of all."
+            help="Compute one part of a sweep: 17/4096 is part 17, counted from 0, of "
+            "4096. `vibrafeed join` joins all parts."
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(help="Have the parts of a sweep computed by the Dask scheduler there."),
+        typer.Option(
+            help="Compute the parts of a sweep on the Dask scheduler at this address, as "
+            "in tcp://host:8786."
+        ),
     ] = None,
     parts: Annotated[
         int | None,
-        typer.Option(min=1, help="Number of parts into which --scheduler cuts the sweep."),
+        typer.Option(
+            min=1,
+            help="Number of parts into which --scheduler divides the sweep; by default set "
+            "by the size of the sweep.",
+        ),
     ] = None,
 ) -> None:
     """Run studies and write one result file each: NetCDF, or the format of the output's suffix.
@@ -174,10 +188,18 @@ def _refuse_together(*, as_json: bool, to_standard: bool, in_parts: bool) -> Non
     """
     problem = None
     if to_standard and as_json:
-        message = "the document and the result would both go to standard output"
-        problem = Problem("--json", message, "Leave --json out, or write -o result.csv")
+        message = (
+            "standard output cannot take both the JSON document (--json) and the result (-o -)"
+        )
+        problem = Problem(
+            "--json", message, "Leave out --json, or write the result to a file: -o result.csv"
+        )
     elif in_parts and (as_json or to_standard):
         option = "--json" if as_json else "--output"
-        problem = Problem(option, "it is not for parts of a sweep", "Leave it out")
+        problem = Problem(
+            option,
+            "a part of a sweep (--part, --scheduler) is not written to standard output",
+            "Leave it out",
+        )
     if problem is not None:
         refuse({Path("options"): [problem]})

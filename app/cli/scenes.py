@@ -24,16 +24,23 @@ def _names(begun: str) -> list[str]:
 def scenes(
     name: Annotated[
         str | None,
-        typer.Argument(help="Name of a scene; all scenes by default.", autocompletion=_names),
+        typer.Argument(
+            help="Name of the scene to describe; by default all scenes are listed.",
+            autocompletion=_names,
+        ),
     ] = None,
     variant: Annotated[
         str | None,
-        typer.Option(help="Variant of the closed forms; the scene's default if omitted."),
+        typer.Option(
+            help="Variant of the closed-form equations to describe, such as derived; by "
+            "default that of the scene."
+        ),
     ] = None,
     method: Annotated[
         str | None,
         typer.Option(
-            help="Describe the simulated motion by this method instead of the closed forms."
+            help="Describe the motion simulated by this method, such as events, instead of "
+            "the closed-form equations."
         ),
     ] = None,
     units: Units = None,

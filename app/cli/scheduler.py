@@ -66,7 +66,9 @@ def run_on_scheduler(
         for future, record in done:
             if interrupted():
                 client.cancel(list(numbers))
-                raise StoppedError("it was stopped; the same command goes on with what is done")
+                raise StoppedError(
+                    "the sweep was stopped; run the same command again to compute the missing parts"
+                )
             parts.keep(numbers.pop(future), record)
             advance(1 / len(missing))
     join_parts(path, parts, history)

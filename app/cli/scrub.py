@@ -24,13 +24,15 @@ def scrub(
     directory: Annotated[
         Path | None,
         typer.Argument(
-            help="The data directory of the service; VIBRAFEED_DATA_DIRECTORY by default."
+            help="Data directory of the service to check; by default that of "
+            "VIBRAFEED_DATA_DIRECTORY."
         ),
     ] = None,
     repair: Annotated[
         bool,
         typer.Option(
-            "--repair", help="Remove damaged results; they are computed again on request."
+            "--repair",
+            help="Remove damaged results; the service computes them again when they are requested.",
         ),
     ] = False,
     as_json: Json = False,

@@ -37,7 +37,11 @@ def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port to listen on.", min=0, max=65535)] = 8000,
     show_settings: Annotated[
-        bool, typer.Option("--show-settings", help="Print the current settings and exit.")
+        bool,
+        typer.Option(
+            "--show-settings",
+            help="Print the settings in force and exit, without starting the service.",
+        ),
     ] = False,
 ) -> None:
     """Serve the HTTP interface.

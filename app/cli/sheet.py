@@ -15,18 +15,23 @@ from core.extras import installing
 
 def sheet(
     file: Annotated[
-        Path, typer.Argument(help="A NetCDF file written by `vibrafeed run`.", show_default=False)
+        Path,
+        typer.Argument(
+            help="Result to show on the sheet: a NetCDF file written by `vibrafeed run`.",
+            show_default=False,
+        ),
     ],
     output: Annotated[
         Path | None,
         typer.Option(
             "-o",
             "--output",
-            help="Output file: PDF, PNG or SVG; by default a PDF beside the result.",
+            help="Sheet to write: .pdf, .png or .svg; by default a PDF in the folder of "
+            "the result.",
         ),
     ] = None,
     title: Annotated[
-        str | None, typer.Option(help="Title of the page; by default that of the study.")
+        str | None, typer.Option(help="Title of the sheet; by default the title of the study.")
     ] = None,
     units: Units = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,

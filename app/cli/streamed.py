@@ -22,7 +22,7 @@ from core.sweep.stream import outline_table, stream
 from core.sweep.targets import is_complete, is_zarr, open_target
 from core.watch import Watch
 
-OTHERWISE = "Remove it, or give another name"
+OTHERWISE = "Remove the existing output, or give another name"
 
 
 def run_streamed(
@@ -81,7 +81,13 @@ def run_streamed(
             console.fail(f"{target} cannot be written: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
         except VibrafeedError as error:
-            refuse({path: [Problem("output", str(error), "Or write NetCDF: -o result.nc")]})
+            refuse(
+                {
+                    path: [
+                        Problem("output", str(error), "Or write the result as NetCDF: -o result.nc")
+                    ]
+                }
+            )
         begun, tiles = growing.done, growing.tiles
         if begun:
             console.say(f"  continuing: {begun:,} of {len(tiles):,} tiles were done before")

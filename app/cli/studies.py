@@ -89,7 +89,9 @@ def content_of(path: Path) -> object:
     try:
         text = typer.get_binary_stream("stdin").read().decode("utf-8-sig")
     except UnicodeDecodeError:
-        problem = Problem("file", "it is not UTF-8 text", "Send it as UTF-8")
+        problem = Problem(
+            "file", "standard input is not UTF-8 text", "Send the study encoded in UTF-8"
+        )
         raise StudyError([problem]) from None
     return intake.read_json(text) if text.lstrip().startswith("{") else intake.read_toml(text)
 

@@ -62,7 +62,9 @@ def check_suffix(output: str) -> None:
         try:
             FORMATS[suffix].needs()
         except MissingPackageError as error:
-            problem = Problem("output", str(error), "Or end it in .nc or .csv")
+            problem = Problem(
+                "output", str(error), "Or give the output a name that ends in .nc or .csv"
+            )
     if problem is not None:
         refuse({Path(output): [problem]})
 
@@ -110,7 +112,15 @@ def write_or_exit(
     except LimitError as error:
         refuse({path: [Problem("output", error.message, error.fix)]})
     except FileExistsError as error:
-        refuse({path: [Problem("output", str(error), "Remove it, or give another name")]})
+        refuse(
+            {
+                path: [
+                    Problem(
+                        "output", str(error), "Remove the existing output, or give another name"
+                    )
+                ]
+            }
+        )
     except OSError as error:
         console.fail(f"{target} cannot be written: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None

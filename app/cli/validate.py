@@ -53,24 +53,37 @@ def validate(
     family: Annotated[
         list[str] | None,
         typer.Option(
-            help="Letters of families, such as Q or Q,W; all if left out. Their problems are "
-            "listed one by one."
+            help="Letters of the families of problems to solve, such as Q or Q,W, whose "
+            "problems are then listed one by one; by default all families."
         ),
     ] = None,
     form: Annotated[
         Form | None,
-        typer.Option("--format", help="text, json or markdown; by the suffix of -o if left out."),
+        typer.Option(
+            "--format",
+            help="Format of the report: text, json or markdown; by default given by the "
+            "suffix of -o, else text.",
+        ),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="The output file; standard output by default."),
+        typer.Option(
+            "-o", "--output", help="Write the report to this file; by default to standard output."
+        ),
     ] = None,
     random: Annotated[
         int,
-        typer.Option(min=0, max=10_000, help="Number of random problems of each form."),
+        typer.Option(
+            min=0,
+            max=10_000,
+            help="Number of problems with random inputs to add for each form of problem.",
+        ),
     ] = 20,
     seed: Annotated[
-        int, typer.Option(min=0, max=10**9 - 1, help="Seed of the random problems.")
+        int,
+        typer.Option(
+            min=0, max=10**9 - 1, help="Seed of the random inputs: equal seeds give equal problems."
+        ),
     ] = 1,
     problems: Annotated[
         bool, typer.Option("--problems", help="Write the problems as JSON without solving them.")
@@ -78,8 +91,8 @@ def validate(
     answers: Annotated[
         Path | None,
         typer.Option(
-            help="Judge the answers of another program, given as a JSON file, "
-            "by the same tolerances.",
+            help="JSON file with the answers of another program, which are judged by the "
+            "same tolerances.",
             show_default=False,
         ),
     ] = None,
@@ -92,7 +105,9 @@ def validate(
     """
     if problems and (answers or form in (Form.TEXT, Form.MARKDOWN)):
         fix = "Leave --answers and --format out"
-        _refuse([Problem("problems", "the problems themselves are JSON", fix)])
+        _refuse(
+            [Problem("problems", "--problems writes problems as JSON and judges no answers", fix)]
+        )
     if output:
         refuse_taken(output, "output", force=force)
     try:
@@ -155,7 +170,13 @@ def _outcomes_of_other_program(
     asked = [problem for problem in program.cases if problem.family in letters]
     if not asked:
         fix = f"Families that it answers: {', '.join(sorted({p.family for p in program.cases}))}"
-        _refuse([Problem("family", "it answers no problem of these", fix)])
+        _refuse(
+            [
+                Problem(
+                    "family", "the file has no answer to a problem of the requested families", fix
+                )
+            ]
+        )
     return judge_results(asked, program.values), program.program
 
 

@@ -220,4 +220,4 @@ def test_hard_cases_stand_after_the_studies_and_alone_decide(few_extremes, study
 def test_nothing_to_measure_is_refused():
     result = run("report")
     assert result.exit_code == 2
-    assert "there is nothing to measure" in result.output
+    assert "the command names no study to measure" in result.output

@@ -93,7 +93,7 @@ def test_every_problem_is_told(atlas, tmp_path):
     for words in ("3 problems", "coarse or full", ".nc or .zarr", "taken.pdf exists already"):
         assert words in result.stderr
     result = run("atlas")
-    assert "neither an atlas nor charts" in result.stderr
+    assert "neither an atlas (-o) nor charts" in result.stderr
 
 
 def test_a_file_that_is_no_atlas_is_refused(tmp_path):

@@ -330,16 +330,16 @@ def test_a_study_comes_from_standard_input_and_a_result_goes_to_standard_output(
     assert binary.stdout_bytes[1:4] == b"HDF"
     wrong = run("run", "-", input=b"\xff\xfe")
     assert wrong.exit_code == 2
-    assert "standard input: 1 problem\n  file: it is not UTF-8 text." in wrong.output
+    assert "standard input: 1 problem\n  file: standard input is not UTF-8 text." in wrong.output
 
 
 def test_what_cannot_go_to_standard_output_is_refused(study, tmp_path, monkeypatch):
     other = tmp_path / "other.toml"
     other.write_text(STUDY)
     for arguments, told in (
-        ((study, other, "-o", "-"), "standard output takes one study"),
-        ((study, "-o", "-.zarr"), "a Zarr group is not a single file"),
-        ((study, "-o", "-", "--json"), "would both go to standard output"),
+        ((study, other, "-o", "-"), "standard output takes the result of one study"),
+        ((study, "-o", "-.zarr"), "a Zarr group consists of many files"),
+        ((study, "-o", "-", "--json"), "standard output cannot take both"),
     ):
         refused = run("run", *arguments)
         assert refused.exit_code == 2

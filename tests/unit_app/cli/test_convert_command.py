@@ -48,7 +48,7 @@ def test_standard_input_is_toml_or_json(study):
     assert 'beta = "20 deg"' in convert("-", "--to", "toml", input=text).stdout
     wrong = convert("-", "--to", "toml", input=b"\xff")
     assert "standard input: 1 problem" in wrong.stderr
-    assert "it is not UTF-8 text" in wrong.stderr
+    assert "standard input is not UTF-8 text" in wrong.stderr
 
 
 def test_the_program_runs(study, tmp_path):
@@ -88,7 +88,8 @@ def test_what_is_wrong_is_said(study, tmp_path):
     unknown = convert(study, "--to", "yaml")
     assert unknown.exit_code == 2
     assert (
-        "to: 'yaml' is not a format of studies. Known: curl, json, python, toml." in unknown.stderr
+        "to: a study cannot be converted to the format 'yaml'. Known: curl, json, python, toml."
+        in unknown.stderr
     )
     study.write_text(STUDY.replace("friction", "mu"))
     assert "Did you mean 'friction'?" in convert(study, "--to", "json").stderr

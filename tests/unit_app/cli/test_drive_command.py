@@ -36,7 +36,9 @@ def test_the_table_tells_numbers_and_errors():
 def test_without_a_column_the_options_and_the_columns_are_named():
     result = run("drive", RECORDING)
     assert result.exit_code == 2
-    assert "no column is named; the file has time, ax, ay, az. Give --along" in result.output
+    assert (
+        "no acceleration column; the file has the columns time, ax, ay, az. Give" in result.output
+    )
 
 
 def test_the_toml_is_the_parameters_of_a_study(tmp_path):

@@ -163,7 +163,7 @@ def test_a_package_that_is_missing_is_told_before_anything_is_computed(tmp_path,
     result = run("run", study, "-o", tmp_path / "x.xlsx")
     assert result.exit_code == 2
     assert installing("openpyxl") in result.output
-    assert "Or end it in .nc or .csv" in result.output
+    assert "Or give the output a name that ends in .nc or .csv" in result.output
 
 
 def test_export_refuses_what_is_no_result(tmp_path):
@@ -186,7 +186,7 @@ def test_export_keeps_the_history_and_replaces_no_group(tmp_path):
     assert first.endswith("vibrafeed run study.json")
     result = run("export", tmp_path / "x.nc", "-o", tmp_path / "x.zarr")
     assert result.exit_code == 2
-    assert "exists already. Remove it, or give another name." in result.output
+    assert "exists already. Remove the existing output, or give another name." in result.output
 
 
 def test_an_export_replaces_nothing_unasked(tmp_path):

@@ -138,9 +138,9 @@ def test_a_file_is_replaced_when_told_to_only(tmp_path):
          "--frequency: 'fast' is not a number with a unit."),
         (["--frequency", "fast", "--friction", "-1"], "--friction: friction is -1. It must be"),
         (["--question", "xyz"], "--question: 'xyz' is not one of the answers. Please answer speed"),
-        (["--radius", "1 m"], "--radius: it goes with --track bowl. Add that, or leave it out."),
+        (["--radius", "1 m"], "--radius: --radius applies only together with --track bowl."),
         (["--amplitude", "1 mm", "--peak-to-peak", "2 mm"],
-         "--amplitude: --peak-to-peak says it already. Give one of them."),
+         "--amplitude: --peak-to-peak gives the same quantity. Leave out"),
     ],
 )  # fmt: skip
 def test_wrong_options_are_all_said_at_once(tmp_path, words, message):
@@ -153,7 +153,7 @@ def test_wrong_options_are_all_said_at_once(tmp_path, words, message):
 def test_a_starter_is_toml(tmp_path):
     result = command(tmp_path / "x.json", "--yes")
     assert result.exit_code == 2
-    assert "Name it x.toml; `vibrafeed convert` makes JSON of it." in result.stderr
+    assert "Name the file x.toml; `vibrafeed convert` makes JSON of it later." in result.stderr
     nowhere = command(tmp_path / "no" / "x.toml", "--yes")
     assert nowhere.exit_code == 1
     assert "No such file or directory" in nowhere.stderr

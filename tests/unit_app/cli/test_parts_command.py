@@ -200,7 +200,7 @@ def test_the_command_line_computes_parts_and_joins_them(study: Path, tmp_path: P
         ("3/3", "r.nc", "part: '3/3' is not a part. Parts are numbered from 0"),
         ("x", "r.nc", "part: 'x' is not a part"),
         ("0/0", "r.nc", "part: '0/0' is not a part"),
-        ("0/3", "r.zarr", "output: what is reduced goes to NetCDF"),
+        ("0/3", "r.zarr", "output: the parts of a reduced sweep ([reduce]) are joined"),
         ("0/999999", "r.nc", "part: 999,999 parts. Take 1 to 100,000."),
     ],
 )
@@ -217,7 +217,7 @@ def test_what_has_no_parts_says_so(study: Path, tmp_path: Path) -> None:
     study.write_text(json.dumps(SWEEP))
     done = run("run", study, "--part", "0/2", "-o", tmp_path / "r.nc")
     assert done.exit_code == 2
-    assert "the parts of a sweep are shards of a Zarr group" in done.output
+    assert "the parts of a sweep are written as shards of one Zarr group" in done.output
 
 
 def test_parts_of_another_study_are_not_taken(tmp_path: Path) -> None:

@@ -205,7 +205,9 @@ def test_zarr_is_for_one_study_and_replaces_nothing(study, tmp_path):
     (tmp_path / "a.zarr").mkdir()
     result = run(study, "-o", tmp_path / "a.zarr")
     assert result.exit_code == 2
-    assert "a.zarr exists already. Remove it, or give another name." in words(result.output)
+    assert "a.zarr exists already. Remove the existing output, or give another name." in words(
+        result.output
+    )
     other.write_text(
         'kind = "simulate"\nscene = "rectangle-on-plane"\n[parameters]\nfrequency = 50\n'
         'amplitude = "0.1 mm"\nbeta = 30\nfriction = 0.4\n'
@@ -214,7 +216,9 @@ def test_zarr_is_for_one_study_and_replaces_nothing(study, tmp_path):
     for more in ((), ("--force",)):
         refused = run(other, "-o", tmp_path / "b.zarr", *more)
         assert refused.exit_code == 2
-        assert "b.zarr exists already. Remove it, or give another name." in words(refused.output)
+        assert "b.zarr exists already. Remove the existing output, or give another name." in words(
+            refused.output
+        )
     again = run(other, "-o", tmp_path / "b.zarr", "--resume")
     assert "is complete already" in words(again.output)
 

@@ -66,7 +66,8 @@ def test_answers_of_another_program_are_judged(tmp_path):
     told = json.loads(run("--answers", file, "--format", "json", code=1).stdout)
     assert (told["judged"], told["right"]) == (2, 1)
     assert (
-        "it answers no problem of these" in run("--answers", file, "--family", "Z", code=2).stderr
+        "the file has no answer to a problem of the requested families"
+        in run("--answers", file, "--family", "Z", code=2).stderr
     )
 
 
@@ -74,7 +75,10 @@ def test_answers_of_another_program_are_judged(tmp_path):
     ("words", "said"),
     [
         (("--family", "K"), "'K' is not a family. Known: Q"),
-        (("--problems", "--format", "text"), "the problems themselves are JSON"),
+        (
+            ("--problems", "--format", "text"),
+            "--problems writes problems as JSON and judges no answers",
+        ),
         (("--answers", "nothing.json"), "No such file"),
         (("--random", -1), "--random"),
     ],
