@@ -166,7 +166,7 @@ def test_the_best_tells_its_margins_its_neighbours_and_its_band(page, address):
     field.fill("0.3")
     field.press("Tab")
     expect(page.locator("#extra [role=status]").first).to_have_text(
-        "The best drive belongs to other values: search again."
+        "The values changed after the best drive was found: search again."
     )
     expect(page.locator("#picture .mark:not(.dragged)")).to_have_count(0)
     # A limit that cannot be: the service's sentence stands beside it.

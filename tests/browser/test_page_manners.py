@@ -64,7 +64,7 @@ def asked(service, path, study=None, method=None):
 def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     page.goto(f"{service.address}/{MOTION}")
     said = page.locator("#notice p")
-    expect(said).to_have_text("The service asks for a key.")
+    expect(said).to_have_text("The service needs an access key: enter yours.")
     for wrong, sentence in [
         ("wrong", "The access key is unknown."),
         ("ключ", "A key consists of English letters, digits and punctuation, without spaces."),
@@ -162,7 +162,7 @@ def test_a_service_that_starts_again_is_waited_for(page, service, browser):
     looking.keyboard.press("Tab")
     said = looking.locator("#notice p")
     expect(said).to_have_text("The service does not answer. Asking again ...")
-    expect(page.locator("#stale")).to_contain_text("The service does not answer; asking again.")
+    expect(page.locator("#stale")).to_contain_text("The service does not answer; the page asks again.")
     service.start()
     shown(looking)
     expect(said).to_have_count(0)

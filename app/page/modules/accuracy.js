@@ -44,7 +44,7 @@ export class Accuracy {
         );
       }
       this.said.textContent =
-        "Each mark is a method: the further left the faster, the further down the more exact.";
+        "Each mark is a method of computation: further left is faster, further down is more accurate.";
     } catch (error) {
       this.said.textContent = error.message;
     }

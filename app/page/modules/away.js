@@ -78,7 +78,7 @@ export class Away {
     try {
       const written = await text(`/convert?to=${form}`, this.chosen());
       this.show(name, form === "curl" && key.get() ? withKey(written) : written);
-      if (form === "curl" && key.get()) this.said.textContent = "Set VIBRAFEED_KEY to your key before it is run.";
+      if (form === "curl" && key.get()) this.said.textContent = "Set VIBRAFEED_KEY to your key before you run the command.";
     } catch (error) {
       this.said.textContent = [error.message, ...(error.errors ?? []).map((one) => one.message)].join(" ");
     }
@@ -90,7 +90,7 @@ export class Away {
       await navigator.clipboard.writeText(location.href);
       this.said.textContent = "The link is copied.";
     } catch {
-      this.said.textContent = "This link shows the same again:";
+      this.said.textContent = "This link opens the page with the same settings:";
     }
   }
 
@@ -102,7 +102,7 @@ export class Away {
   }
 
   async numbers(suffix) {
-    this.said.textContent = "The file is being made ...";
+    this.said.textContent = "The service is making the file ...";
     const [, type] = FORMS[suffix];
     try {
       const study = this.chosen();

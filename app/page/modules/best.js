@@ -18,18 +18,18 @@ export function completeBest(view, scene) {
     });
   const others = scene.outputs.filter(({ name }) => name !== view.output);
   if (!others.some(({ name }) => name === best.against)) {
-    if (best.against) complaints.push(`The output ${words(best.against).slice(0, 60)} does not exist, so it cannot be weighted.`);
+    if (best.against) complaints.push(`The output ${words(best.against).slice(0, 60)} does not exist, so the criterion cannot weight it: choose another.`);
     best.against = others.find(({ name }) => name === "acceleration_y")?.name ?? others[0]?.name ?? "";
   }
   best.limits = keep(
     best.limits,
     ({ output }) => outputs.has(output),
-    ({ output }) => `The output ${words(output).slice(0, 60)} does not exist, so it cannot be limited.`,
+    ({ output }) => `The output ${words(output).slice(0, 60)} does not exist, so its limit was removed.`,
   );
   best.vary = keep(
     best.vary,
     ({ name }) => parameters.has(name) && (axes.includes(name) || name in view.values),
-    ({ name }) => `${capital(words(name).slice(0, 60))} cannot be a variable here.`,
+    ({ name }) => `The search cannot vary the ${words(name).slice(0, 60)} here: choose another variable.`,
   ).filter(({ name }) => !axes.includes(name));
   const further = furtherOf({ ...view, best }, scene);
   best.given = Object.fromEntries(further.map((one) => [one.name, best.given[one.name] ?? typical(one)]));

@@ -103,7 +103,7 @@ export class Computing {
         if (!isCancelled || this.waiting) return null;
         if (isShown) this.picture.undim();
         else this.picture.dim("Cancelled.", again);
-        byId("progress").textContent = isShown ? "Cancelled: this is a first picture, with fewer values." : "";
+        byId("progress").textContent = isShown ? "Cancelled: the picture is a preview with fewer values." : "";
         reveal();
         return null;
       }

@@ -155,7 +155,7 @@ export class Controls {
         axis[which],
         parameter.unit,
         (value) => this.change({ [place]: { ...axis, [which]: value } }),
-        { check: (value) => (isOrdered[which](value) ? "" : "The first end has to be below the second") },
+        { check: (value) => (isOrdered[which](value) ? "" : "The lower end of the range has to be below the upper end") },
       );
     field.append(
       element("div", { class: "ends" }, end("from"), "to", end("to")),
@@ -239,7 +239,7 @@ export class Controls {
         100 * view.band.share,
         "%",
         (value) => this.change({ band: { ...view.band, share: value / 100 } }),
-        { check: (value) => (value > 0 && value <= 90 ? "" : "Give more than 0 % and at most 90 %") },
+        { check: (value) => (value > 0 && value <= 90 ? "" : "The uncertainty has to be more than 0 % and at most 90 %") },
       );
       field.append(element("div", { class: "ends" }, "within ±", share, "%"));
     }

@@ -3,9 +3,9 @@
 export const CRITERIA = {
   maximise: "As large as possible",
   minimise: "As small as possible",
-  weighted: "Large, little of another output (weighted)",
-  limit: "Large, another output below a limit",
-  pareto: "The whole trade-off with another output",
+  weighted: "Output large, another output small (weighted)",
+  limit: "Output large, another output below a limit",
+  pareto: "All best trade-offs with another output",
 };
 export const NEEDS_OTHER = new Set(["weighted", "limit", "pareto"]);
 // The figure that a criterion asks for.
@@ -50,13 +50,13 @@ export function bestFromQuery(query, complaints) {
   if (kind === null) return null;
   const best = usualBest();
   if (Object.hasOwn(CRITERIA, kind)) best.kind = kind;
-  else complaints.push("The link names an unknown criterion.");
+  else complaints.push("The link names an unknown criterion: the output is maximised.");
   best.against = query.get("against") ?? "";
   for (const name of Object.values(FIGURES)) {
     const given = query.get(name);
     if (given === null) continue;
     if (given !== "" && Number.isFinite(Number(given)) && Number(given) >= 0) best[name] = Number(given);
-    else complaints.push(`The link gives the ${name} a value that is not 0 or more.`);
+    else complaints.push(`The link gives a ${name} that is not a number of 0 or more: the default is used.`);
   }
   best.points = Math.max(2, Math.round(best.points));
   const numeric = (text) => (text === "" || text === undefined ? null : Number(text));
@@ -65,18 +65,18 @@ export function bestFromQuery(query, complaints) {
     const ends = [numeric(lower), numeric(upper)];
     if (ends.every((end) => end === null || Number.isFinite(end))) {
       best.limits.push({ output, lower: ends[0], upper: ends[1], absolute: size === "size" });
-    } else complaints.push("The link limits an output by a value that is not a number.");
+    } else complaints.push("The link limits an output by a value that is not a number: the limit is ignored.");
   }
   for (const text of query.getAll("vary").slice(0, 8)) {
     const [name, from, to] = text.split(":");
     const ends = [numeric(from), numeric(to)];
     if (ends.every(Number.isFinite) && ends[0] < ends[1]) best.vary.push({ name, from: ends[0], to: ends[1] });
-    else complaints.push("The link gives a variable without a range.");
+    else complaints.push("The link gives a variable of the search without a range: the variable is ignored.");
   }
   for (const text of query.getAll("given")) {
     const [name, value] = text.split(":");
     if (value && Number.isFinite(Number(value))) best.given[name] = Number(value);
-    else complaints.push("The link gives a limit that is not a number.");
+    else complaints.push("The link gives a parameter of the search a value that is not a number: the default is used.");
   }
   best.isInContact = query.get("contact") !== "0";
   best.isRobust = query.get("robust") === "1";

@@ -44,7 +44,7 @@ export class Jobs {
         } catch (error) {
           if (!(error instanceof Refusal)) continue; // the service is away
           const job = this.jobs.get(jobID);
-          if (error.status === 404) this.note({ ...job, status: "dismissed", message: "The service no longer has the job." });
+          if (error.status === 404) this.note({ ...job, status: "dismissed", message: "The service has removed the job." });
         }
       }
       left = left.filter(({ jobID }) => ACTIVE.has(this.jobs.get(jobID)?.status));

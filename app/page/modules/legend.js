@@ -31,7 +31,7 @@ export function barDrawn({ low, high, lut, steps }, unit) {
 
 // What the colours of a scale mean: a bar with ticks, how far contours lie apart, what is cut.
 export function scaleTold(range, { name, unit }, values) {
-  if (!range) return [`No ${words(name)} has a value here.`];
+  if (!range) return [`The ${words(name)} has no value anywhere in this picture.`];
   const [factor, unitShown] = shown(unit);
   const { low, high } = range;
   const svg = drawn("svg", { viewBox: "0 0 308 32", width: 308, height: 32, "aria-hidden": "true" }, barDrawn(range, unit));

@@ -140,7 +140,7 @@ class Page {
       return;
     }
     const known = this.catalogue.scene(wanted.scene);
-    if (wanted.scene && !known) complaints.push("The link names an unknown system.");
+    if (wanted.scene && !known) complaints.push("The link names an unknown system: the default is shown.");
     const begin = begun(question);
     // What a question begins with need not be there in another system, or the other way to look.
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
@@ -212,13 +212,13 @@ class Page {
       scene = await this.catalogue.describe(wanted);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      complaints.push(`There is no ${wanted.kind === "sweep" ? "variant" : "method"} of that name here.`);
+      complaints.push(`There is no ${wanted.kind === "sweep" ? "variant" : "method"} of that name for this system: the default is used.`);
       wanted = { ...wanted, choice: "" };
       scene = await this.catalogue.describe(wanted);
     }
     if (isLeft()) return;
     if (wanted.set === "recorded" && !wanted.recording) {
-      complaints.push("A recording is not kept in a link: choose its file again.");
+      complaints.push("A link does not hold the recording: choose its file again.");
       wanted = { ...wanted, set: "ellipse", x: undefined, y: undefined };
     }
     const takes = (set) => isSet(set) && (set === STROKE ? takesBoth(scene) : wanted.kind !== "sweep");

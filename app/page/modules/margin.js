@@ -6,12 +6,12 @@ import { capital, number, withUnit, words } from "./words.js";
 
 const STATUSES = {
   optimal: "The search found nothing better within the bounds.",
-  flat: "The choice does not matter here.",
-  no_motion: "No choice moves the part forwards.",
-  only_backward: "Every choice moves the part backwards.",
-  not_attained: "Static friction still holds the part there; next to it the output jumps to this value.",
-  infeasible: "No choice keeps the limits and contacts: loosen one of them.",
-  suboptimal: "A grid has a better point, which the search missed.",
+  flat: "The output is the same for all drives within the bounds.",
+  no_motion: "No drive within the bounds moves the part forwards.",
+  only_backward: "Every drive within the bounds moves the part backwards.",
+  not_attained: "At the optimum itself, static friction still holds the part; just beside it, the output jumps to this value.",
+  infeasible: "No drive within the bounds keeps all limits and contacts: relax one of them.",
+  suboptimal: "The search missed a better drive, which a check on a grid found: search again within narrower bounds.",
   no_value: "The output has no value anywhere within the bounds.",
 };
 
@@ -66,7 +66,7 @@ export function marginsTold(design, scene) {
 function limitTold(name, scene) {
   const [, output, end] = name.match(/^(.*)_(lower|upper)$/) ?? [];
   if (scene.outputs.some((one) => one.name === output)) return `the ${end} limit of the ${words(output)}`;
-  return name === "limit" ? "the limit of the other output" : `the ${words(name)}`;
+  return name === "limit" ? "the limit of the second output" : `the ${words(name)}`;
 }
 
 // What one per cent more of each parameter does to the criterion.
@@ -74,7 +74,7 @@ export function ratesTold(design) {
   const rows = design.rates.map(({ name, value }) => {
     const isNone = Math.abs(value) < 1e-6;
     const change = isNone ? "no change" : `${value > 0 ? "+" : ""}${number(value, 2)} %`;
-    const told = Number.isFinite(value) ? change : "no rate: the criterion jumps or has a kink there";
+    const told = Number.isFinite(value) ? change : "no rate of change: the criterion jumps or has a kink at the optimum";
     return row(capital(words(name)), told);
   });
   if (!rows.length) return null;

@@ -24,7 +24,7 @@ export class Matters {
     this.for = null;
     fill(this.host, this.said, this.bars);
     fill(this.bars);
-    this.said.textContent = "What matters most? Asking the service ...";
+    this.said.textContent = "Computing which parameters matter most ...";
   }
 
   // The ranges of what is uncertain: the band of the view, and what drives are usually known to.
@@ -63,7 +63,7 @@ export class Matters {
     } catch (error) {
       if (error.name === "AbortError" || this.for !== text) return;
       if (!(error instanceof Refusal)) throw error;
-      this.said.textContent = `The most important parameters are unknown here: ${error.errors[0]?.message ?? error.message}.`;
+      this.said.textContent = `Which parameters matter most cannot be computed here: ${error.errors[0]?.message ?? error.message}.`;
     }
   }
 

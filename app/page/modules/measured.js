@@ -35,7 +35,7 @@ export class Measured {
     const list = (id, text, value) =>
       element("span", {}, element("label", { for: id }, text), element("input", { id, value, autocomplete: "off", onchange: () => this.read(unit) }));
     const error = numberInput("Error of each speed, in per cent", 100 * this.error, "%", (value) => (this.error = value / 100), {
-      check: (value) => (value > 0 && value < 100 ? "" : "The error has to be between 0 and 100 %"),
+      check: (value) => (value > 0 && value < 100 ? "" : "The error of the speeds has to be between 0 and 100 %"),
     });
     fill(
       this.host,
@@ -53,7 +53,7 @@ export class Measured {
       this.wrong,
       this.said,
     );
-    this.said.textContent = "Type what you measured, or try these five runs of an M4 nut.";
+    this.said.textContent = "Enter your measured speeds, or use these five runs of an M4 nut.";
   }
 
   follow(view) {
@@ -69,7 +69,7 @@ export class Measured {
     const numbers = [[xs, unit], [speeds, SPEED]].map(([list, one]) => list.map((text) => readNumber(text, one)));
     const bad = numbers.flat().find((one) => one.problem);
     if (bad) return problem(bad.problem);
-    if (xs.length !== speeds.length) return problem(`There are ${xs.length} places and ${speeds.length} speeds: each run has both`);
+    if (xs.length !== speeds.length) return problem(`You gave ${xs.length} settings and ${speeds.length} speeds: give one speed for each setting`);
     if (xs.length < LEAST || xs.length > 50) return problem("Give from 2 to 50 runs");
     this.wrong.textContent = "";
     this.onruns(numbers[0].map(({ value }, i) => [value, numbers[1][i].value]));
@@ -91,7 +91,7 @@ export class Measured {
       ],
       unknowns: { [this.unknown]: { lower, upper } },
     };
-    this.said.textContent = "Comparing motions with what was measured ...";
+    this.said.textContent = "Comparing simulated motions with the measured speeds ...";
     try {
       const tell = (job) => {
         this.tellJob(job);
@@ -119,7 +119,7 @@ export class Measured {
     fill(
       this.said,
       element("strong", {}, `${capital(words(name))} ${withUnit(value("best"), unit, 3)}`),
-      ` (${told} with 95 %). The speeds differ from the curve by ${number(rms * shown(SPEED)[0], 2)} mm/s.`,
+      ` (${told} with 95 %). The measured speeds differ from the computed curve by ${number(rms * shown(SPEED)[0], 2)} mm/s.`,
     );
     this.onvalue(name, Number(value("best").toPrecision(4)));
   }

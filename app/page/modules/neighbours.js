@@ -36,10 +36,10 @@ export function neighboursTold(view, found, units) {
   const breaking = all.filter(({ broken }) => broken.length);
   return [
     `One step of the picture is ${size("x")}${view.y ? ` and ${size("y")}` : ""}.`,
-    worst && worst.fall >= SAME ? `Of its neighbours that keep the limits the worst is ${told(worst)} (${worst.where}).` : "",
-    worst && worst.fall < SAME ? "None of its neighbours that keep the limits is worse." : "",
+    worst && worst.fall >= SAME ? `Of the neighbouring drives that keep the limits the worst is ${told(worst)} (${worst.where}).` : "",
+    worst && worst.fall < SAME ? "No neighbouring drive that keeps the limits is worse." : "",
     breaking.length
-      ? `${breaking.length} of ${all.length} neighbours break a limit: ${[...new Set(breaking.flatMap((one) => one.broken))].map(words).join(", ")}.`
+      ? `${breaking.length} of ${all.length} neighbouring drives break a limit: ${[...new Set(breaking.flatMap((one) => one.broken))].map(words).join(", ")}.`
       : "",
   ].filter(Boolean);
 }

@@ -58,7 +58,7 @@ export class Notice {
   askForKey(error) {
     return new Promise((done) => {
       const field = element("input", { type: "password", id: "key", autocomplete: "off" });
-      const said = element("p", {}, key.get() ? error.message : "The service asks for a key.");
+      const said = element("p", {}, key.get() ? error.message : "The service needs an access key: enter yours.");
       const use = (event) => {
         event.preventDefault();
         const given = field.value.trim();

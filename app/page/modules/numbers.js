@@ -23,9 +23,9 @@ const TYPED = {
 export function readNumber(text, unit) {
   const typed = text.trim().replaceAll("\u2212", "-");
   if (typed === "") return { problem: "No number is given" };
-  if (typed.length > MAX_CHARACTERS) return { problem: "The text is too long to be a number" };
+  if (typed.length > MAX_CHARACTERS) return { problem: "The text is too long to be a number: shorten it" };
   if (/^[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])/.test(typed)) {
-    return { problem: `"${typed}" may mean two numbers: leave the comma out, or write a point` };
+    return { problem: `"${typed}" may mean two numbers: remove the comma, or write a decimal point` };
   }
   const [perUnit] = shown(unit);
   const bare = evaluated(typed);
@@ -34,7 +34,7 @@ export function readNumber(text, unit) {
     const known = Object.keys(TYPED[unit] ?? {}).join(", ");
     return { problem: `"${typed}" is not a number${known ? `, alone or with ${known}` : ""}` };
   }
-  return Number.isFinite(value) ? { value } : { problem: `"${typed}" is too large a number` };
+  return Number.isFinite(value) ? { value } : { problem: `"${typed}" is too large: give a smaller number` };
 }
 
 // The value of a number and a unit that fits, in the unit of the service; else null.

@@ -39,7 +39,7 @@ export function complete(wanted, scene) {
     foreign.push(view.band.name);
     view.band = null;
   }
-  return { view, complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
+  return { view, complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter of this system.`) };
 }
 
 // The point whose motion is shown to begin with: what is typical, within the axes.
@@ -60,8 +60,8 @@ function chooseOutput(view, scene) {
   const isConstant = scene.outputs.some(({ name }) => name === asked);
   return [
     isConstant
-      ? `${capital(words(asked))} depends on no parameter: there is no picture of it.`
-      : `There is no output ${told(asked)} here.`,
+      ? `${capital(words(asked))} depends on no parameter, so it cannot be drawn: choose another output.`
+      : `This system has no output ${told(asked)}.`,
   ];
 }
 
@@ -87,10 +87,10 @@ function chooseAxes(view, byName) {
   for (const place of ["x", "y"]) {
     const axis = view[place];
     if (axis && !byName[axis.name]) {
-      complaints.push(`${capital(told(axis.name))} cannot be an axis here.`);
+      complaints.push(`${capital(told(axis.name))} is not a parameter of this system, so it cannot be an axis.`);
       view[place] = undefined;
     } else if (axis && place === "y" && axis.name === view.x.name) {
-      complaints.push(`${capital(told(axis.name))} cannot run across and up.`);
+      complaints.push(`${capital(told(axis.name))} cannot be both the horizontal and the vertical axis.`);
       view.y = undefined;
     }
     if (view[place] === undefined || (place === "x" && !view.x)) {

@@ -118,7 +118,7 @@ export class Optimum {
     if (!this.found || this.found === JSON.stringify(this.study())) return;
     this.forget();
     if (this.view.best.isFound) this.onwish({ ...this.view.best, isFound: false });
-    this.said.textContent = "The best drive belongs to other values: search again.";
+    this.said.textContent = "The values changed after the best drive was found: search again.";
   }
 
   // `isShown` where the drive that is found becomes the design.
@@ -147,7 +147,7 @@ export class Optimum {
       const rest = this.wishes.complain(error.errors);
       const told = error.errors.length ? rest : [error.message];
       fill(this.said, ...told.map((text) => element("p", { class: "wrong" }, text)));
-      if (!told.length) this.said.textContent = "Some inputs are invalid: see above.";
+      if (!told.length) this.said.textContent = "Some inputs are invalid: correct those marked above.";
     }
   }
 
@@ -207,17 +207,17 @@ export class Optimum {
     const units = (name) => this.units(name);
     const others = view.best.vary.map(({ name }) => words(name)).join(" and ");
     this.said.textContent =
-      `${designs.length} drives that nothing beats in both outputs. Point at one to see where it lies in the ` +
+      `${designs.length} drives: no other drive is better in both outputs. Point at a drive to see where it lies in the ` +
       "picture; a click or Enter shows it." +
-      (others ? ` The picture is that of one ${others} only: it is drawn anew for the drive that is shown.` : "");
+      (others ? ` The picture holds for one value of ${others}: it is drawn again for the drive that you select.` : "");
     const plots = [element("div", {}), element("div", {})];
     this.beside.hidden = false;
     fill(this.beside, element("h3", {}, "The trade-off"), plots[0]);
     this.details = element("div", { class: "details" });
     fill(
       this.answer,
-      element("h3", {}, "All designs side by side"),
-      element("p", { class: "unit" }, "Drag along an axis, or move its handles, to leave the other drives out."),
+      element("h3", {}, "All drives of the trade-off, side by side"),
+      element("p", { class: "unit" }, "Drag along an axis, or move its handles, to select the drives within that range."),
       plots[1],
       this.details,
     );

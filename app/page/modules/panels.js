@@ -64,7 +64,7 @@ export class Panels {
   curves({ along, height, wall, partVelocity, trackVelocity, modes, row, unit }) {
     if (row) {
       const lines = row.ahead.map((values, i) => ({ values, stroke: PARTS[i % PARTS.length] }));
-      return [{ name: "each part, ahead of the rear's mean travel", unit: "m", lines }];
+      return [{ name: "each part's position, less the mean travel of the rear part", unit: "m", lines }];
     }
     const found = [
       { name: "position on the track", unit, lines: [{ values: along, modes }] },

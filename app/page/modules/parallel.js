@@ -31,7 +31,7 @@ export class Parallel {
     this.onpick = onpick;
     this.onbrush = onbrush;
     this.room = ROOM[0];
-    this.svg = drawn("svg", { class: "parallel", role: "group", "aria-label": "Parallel coordinates of the drives" });
+    this.svg = drawn("svg", { class: "parallel", role: "group", "aria-label": "All drives in parallel coordinates: one line per drive, one axis per quantity" });
     this.said = element("p", { class: "said", role: "status" });
     this.svg.addEventListener("pointermove", (event) => this.point(event));
     this.svg.addEventListener("click", (event) => this.click(event));

@@ -13,7 +13,7 @@ export class PartHere {
   constructor(host, { onpoint, onpin }) {
     this.host = host;
     this.onpoint = onpoint;
-    this.pin = element("button", { type: "button", onclick: onpin, title: "Keep this design beside others" }, "Pin");
+    this.pin = element("button", { type: "button", onclick: onpin, title: "Keep this design to compare it with others" }, "Pin");
     this.answer = element("p", { class: "answer", "aria-live": "polite" });
     this.more = element("p", { class: "more" });
   }
@@ -46,7 +46,7 @@ export class PartHere {
       element("div", { class: "here" }, element("strong", {}, "My part, here:"), ...axes.map(field), this.pin),
     );
     this.pin.hidden = view.kind !== "simulate";
-    fill(this.answer, view.point ? "Simulating the part ..." : "Type a point, or click one in the picture.");
+    fill(this.answer, view.point ? "Simulating the part ..." : "Type the values of a point, or click a point in the picture.");
     fill(this.more);
   }
 
@@ -63,7 +63,7 @@ export class PartHere {
   async tell(view, course) {
     this.told = view;
     if (!course) {
-      fill(this.answer, "There is no motion at this point: see below.");
+      fill(this.answer, "The motion at this point could not be computed: see the reason below.");
       fill(this.more);
       return;
     }

@@ -91,8 +91,8 @@ export class Picture {
   }
 
   hint() {
-    const motion = this.scene.methods.length ? " Click, press Enter, or drag the ring, and the motion is that of the point." : "";
-    return `Point at the picture to read it.${motion}`;
+    const motion = this.scene.methods.length ? " Click, press Enter, or drag the ring to show the motion at that point." : "";
+    return `Point at the picture to read its values.${motion}`;
   }
 
   // What is not known exactly: a band about each line, or maps of the least value and of the spread, in

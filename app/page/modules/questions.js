@@ -26,7 +26,7 @@ export const QUESTIONS = {
     extra: "measured",
   },
   waves: {
-    title: "My drive is no sine",
+    title: "My drive is not a sine: how do parts travel?",
     begin: { ...MOTION, set: "ellipse" },
     extra: "waves",
   },
@@ -77,7 +77,7 @@ export const QUESTIONS = {
       values: { length: 0.03, width: 0.02, height: 0.01, wanted_aspect: 1 },
     },
   },
-  thesis: { title: "What did the thesis draw?", begin: MOTION, extra: "figures" },
+  thesis: { title: "What do the figures of the thesis show?", begin: MOTION, extra: "figures" },
   all: { title: "Everything", begin: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" } },
 };
 

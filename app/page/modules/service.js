@@ -189,7 +189,7 @@ export async function follow(job, tell, signal) {
     } catch (error) {
       const isBroken = error instanceof TypeError; // of the stream
       if (!isPassing(error) && !isBroken) throw error;
-      tell({ ...job, message: "The service does not answer; asking again." });
+      tell({ ...job, message: "The service does not answer; the page asks again." });
       await new Promise((done) => setTimeout(done, PAUSE));
     }
     signal?.throwIfAborted();

@@ -44,7 +44,7 @@ export const SETS = {
       acceleration_along_1: { ...LEVEL, label: "Acceleration of step 1", begin: 2.5, usual: [0.5, 10] },
       acceleration_along_3: { ...LEVEL, label: "Acceleration of step 3", begin: 2.5, usual: [0.5, 10] },
       duration_1: { ...SHARE, label: "Duration of step 1", begin: 5 },
-      duration_2: { ...SHARE, label: "Duration of step 2, which closes the wave", begin: 2 },
+      duration_2: { ...SHARE, label: "Duration of step 2, whose acceleration balances the others", begin: 2 },
       duration_3: { ...SHARE, label: "Duration of step 3", begin: 5 },
     },
     x: "acceleration_along_1",

@@ -84,14 +84,14 @@ export function fromLink(hash) {
   const text = hash.replace(/^#/, "");
   if (!text) return { wanted: {}, complaints };
   if (text.length > MAX_CHARACTERS) {
-    return { wanted: {}, complaints: ["The link is too long for this page."] };
+    return { wanted: {}, complaints: ["The link is too long to be read: the page shows its defaults."] };
   }
   const query = new URLSearchParams(text);
   const wanted = { values: Object.create(null) }; // names may be any, also __proto__
   const one = (name, known) => {
     const value = query.get(name);
     if (value === null) return;
-    if (known && !known.includes(value)) complaints.push(`The link names no ${name} of this page.`);
+    if (known && !known.includes(value)) complaints.push(`The link names an unknown ${name}: the default is used.`);
     else wanted[name] = value;
   };
   one("question", Object.keys(QUESTIONS));
@@ -112,34 +112,34 @@ export function fromLink(hash) {
     const ends = [Number(from), Number(to)];
     if (ends.every(Number.isFinite) && ends[0] < ends[1] && from !== "" && to !== "") {
       wanted[place] = { name, from: ends[0], to: ends[1] };
-    } else complaints.push(`The link gives the ${place} axis no range.`);
+    } else complaints.push(`The link gives the ${place} axis no valid range: the default axis is used.`);
   }
   for (const [name, value] of query) {
     if (!name.startsWith("p.")) continue;
     const numeric = Number(value);
     if (value !== "" && Number.isFinite(numeric)) wanted.values[name.slice(2)] = numeric;
-    else complaints.push("The link gives a parameter a value that is not a number.");
+    else complaints.push("The link gives a parameter a value that is not a number: the default is used.");
   }
   const band = query.get("band");
   if (band !== null) {
     const [name, share] = band.split(":");
     if (Number(share) > 0 && Number(share) < 1) wanted.band = { name, share: Number(share) };
-    else complaints.push("The link gives a band that is not between 0 and 1.");
+    else complaints.push("The link gives an uncertainty that is not between 0 and 1: the uncertainty is ignored.");
   }
   const point = query.get("point");
   if (point !== null) {
     const [x, y = null] = point.split(":").map((part) => (part === "" ? null : Number(part)));
     if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
-    else complaints.push("The link gives a point outside the picture.");
+    else complaints.push("The link gives a point whose coordinates are not numbers: the point is ignored.");
   }
   const runs = query.get("runs");
   if (runs !== null) {
     const read = runs.split(",").slice(0, MAX_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
     if (read.length > 1 && read.every((run) => run.length === 2 && run.every(Number.isFinite))) wanted.runs = read;
-    else complaints.push("The link gives runs that are not pairs of numbers.");
+    else complaints.push("The link gives measured runs that are not pairs of numbers: the runs are ignored.");
   }
   const pins = query.getAll("pin").slice(0, MAX_PINS).map(pinOf);
-  if (pins.includes(null)) complaints.push("The link pins a design without numbers.");
+  if (pins.includes(null)) complaints.push("The link holds a pinned design without valid numbers: the design is left out.");
   if (pins.length) wanted.pins = pins.filter((pin) => pin !== null);
   const best = bestFromQuery(query, complaints);
   if (best) wanted.best = best;

@@ -1,4 +1,4 @@
-// "My drive is no sine": an ellipse, two frequencies, steps, or what an accelerometer recorded.
+// "My drive is not a sine": an ellipse, two frequencies, steps, or what an accelerometer recorded.
 
 import { element, fill } from "./elements.js";
 import { choiceField } from "./fields.js";
@@ -24,7 +24,7 @@ export class Waves {
         { class: "runs" },
         choiceField("wave", "Drive", CHOICES.map((name) => [name, SETS[name].title]), view.set, (set) => this.choose(set)),
         view.set === "recorded" || this.isWaiting
-          ? element("span", {}, element("label", { for: "recording" }, "CSV: time [s], then accelerations [g] or [m/s^2]"), file)
+          ? element("span", {}, element("label", { for: "recording" }, "CSV file of the recording: time [s], then accelerations [g] or [m/s^2]"), file)
           : null,
         this.said,
       ),
@@ -34,7 +34,7 @@ export class Waves {
 
   choose(set) {
     this.isWaiting = set === "recorded";
-    this.said.textContent = this.isWaiting ? "Choose the file of the recording." : "";
+    this.said.textContent = this.isWaiting ? "Choose the CSV file of the recording." : "";
     if (this.isWaiting) this.show({ set });
     else this.onchange({ set, x: undefined, y: undefined });
   }
@@ -43,7 +43,7 @@ export class Waves {
   async read(file) {
     if (!file) return;
     if (file.size > MAX_BYTES) {
-      this.said.textContent = "The file is too large: at most 20,000 rows are allowed.";
+      this.said.textContent = "The recording is too large: cut it to 20,000 rows or fewer.";
       return;
     }
     const data = await file.text();
@@ -53,7 +53,7 @@ export class Waves {
     const along = column(/x$|along/i);
     const normal = column(/z$|normal/i);
     if (!along && !normal) {
-      this.said.textContent = "The first line has to name the columns, such as time [s],ax [g],az [g].";
+      this.said.textContent = "The first line of the recording has to name its columns, such as time [s],ax [g],az [g].";
       return;
     }
     const recording = { name: file.name, drive: { data, ...(along ? { along } : {}), ...(normal ? { normal } : {}) } };

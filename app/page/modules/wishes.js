@@ -94,9 +94,9 @@ export class Wishes {
                 id: "criterion-figure",
                 "aria-label": null,
                 check: (value) => {
-                  if (!isPoints) return value >= 0 ? "" : "The number has to be at least 0";
+                  if (!isPoints) return value >= 0 ? "" : "The limit or weight has to be at least 0";
                   const isFit = Number.isInteger(value) && value >= 2 && value <= MAX_POINTS;
-                  return isFit ? "" : `The number has to be a whole number from 2 to ${MAX_POINTS}`;
+                  return isFit ? "" : `The number of points has to be a whole number from 2 to ${MAX_POINTS}`;
                 },
               },
             ),
@@ -109,7 +109,7 @@ export class Wishes {
 
   robust(best) {
     const { name } = this.view.band;
-    return tick("robust", `The worst case counts, of the ${words(name)} within its band`, best.isRobust, (isSet) => {
+    return tick("robust", `Optimise the worst case of the ${words(name)} within its uncertainty`, best.isRobust, (isSet) => {
       best.isRobust = isSet;
       this.changed("robust");
     });
@@ -144,7 +144,7 @@ export class Wishes {
         ),
       ),
       view.kind === "sweep"
-        ? tick("contact", "The part keeps its contacts with floor and wall", best.isInContact, (isSet) => {
+        ? tick("contact", "Require that the part keeps its contacts with floor and wall", best.isInContact, (isSet) => {
             best.isInContact = isSet;
             this.changed("contact");
           })
@@ -174,7 +174,7 @@ export class Wishes {
       element(
         "div",
         { class: "ends" },
-        tick(`size-${place}`, "of its size, whatever its sign", row.absolute, (isSet) => {
+        tick(`size-${place}`, "Apply the bounds to the size of the output, whatever its sign", row.absolute, (isSet) => {
           row.absolute = isSet;
           this.changed(`size-${place}`);
         }),
@@ -202,7 +202,7 @@ export class Wishes {
       "fieldset",
       {},
       element("legend", {}, "Variables and their bounds"),
-      element("p", { class: "unit" }, `${capital(axes.map(({ name }) => words(name)).join(" and "))}, within the axes of the picture.`),
+      element("p", { class: "unit" }, `${capital(axes.map(({ name }) => words(name)).join(" and "))}, are varied within the axes of the picture.`),
       ...best.vary.map((row, place) => {
         const { unit } = parameter(row.name);
         const [, unitShown] = shown(unit);
