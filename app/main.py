@@ -99,7 +99,8 @@ def create_app(settings: Settings) -> FastAPI:
         redoc_url=None,
         title="vibrafeed",
         version=core.__version__,
-        description="Parameter sweeps and motion in time of parts on vibratory feeder tracks.",
+        description="Compute how parts move on vibratory feeder tracks: parameter sweeps of "
+        "closed-form equations, and simulated motion in time.",
         lifespan=lifespan,
         generate_unique_id_function=openapi.operation_id,
     )

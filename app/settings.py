@@ -49,7 +49,10 @@ def _listed(raw: object) -> object:
         try:
             return json.loads(raw)
         except (ValueError, RecursionError):
-            raise ValueError("it begins like a JSON list but is not valid JSON") from None
+            raise ValueError(
+                "the value begins like a JSON list but is not valid JSON: correct it, or "
+                "separate entries by commas"
+            ) from None
     return [word.strip() for word in raw.split(",") if word.strip()]
 
 
@@ -91,90 +94,97 @@ class Settings(BaseSettings):
 
     data_directory: Path = Field(
         default_factory=data_folder,
-        description="Directory of studies and their results; created if missing. Left out: "
-        "`vibrafeed` in the user's data folder, on Linux `~/.local/share`.",
+        description="Directory in which the service stores studies and results; created if "
+        "missing. By default `vibrafeed` in the data folder of the user, on Linux "
+        "`~/.local/share`.",
     )
     results_url: str = Field(
         default="",
         pattern=r"^$|^(s3|gs|az)://.+",
-        description="URL of an object store for copies of results, as in `s3://bucket/prefix`; "
-        "servers fetch results from it that they do not have. Its credentials and address come "
-        "from the environment, as for other clients of the store.",
+        description="URL of an object store to which results are copied, as in "
+        "`s3://bucket/prefix`; a server that lacks a result fetches it from "
+        "there. Credentials and address of the store come from the environment, "
+        "as for other clients of the store.",
     )
     ledger_url: SecretStr | None = Field(
         default=None,
-        description="Database that records jobs, as in `postgresql://db.example:5432/jobs`, with "
-        "`user:password@` before the host; by default an SQLite file in the data directory.",
+        description="URL of the database that records jobs, as in "
+        "`postgresql://db.example:5432/jobs`, with `user:password@` before the "
+        "host; by default an SQLite file in the data directory.",
     )
     max_body_bytes: int = Field(
-        default=1_000_000, gt=0, description="Maximum size of a request's body."
+        default=1_000_000, gt=0, description="Maximum size of the body of a request, in bytes."
     )
     max_cells: int = Field(
         default=20_000_000,
         gt=0,
-        description="Maximum number of cells of a result in one file; a larger "
-        "sweep becomes a job that "
-        "writes a Zarr group.",
+        description="Maximum number of cells (grid points) of a result in one file; a larger "
+        "sweep becomes a job that writes a Zarr group.",
     )
     max_sweep_cells: int = Field(
         default=10**15,
         gt=0,
         le=10**17,
-        description="Maximum number of cells of a stored sweep, which is read in pieces.",
+        description="Maximum number of cells (grid points) of a sweep whose values are "
+        "computed only when they are read.",
     )
     max_axis_values: int = Field(
         default=2_000_000,
         gt=0,
-        description="Maximum number of values on one axis of a stored sweep.",
+        description="Maximum number of values on one axis of a sweep whose values are "
+        "computed when they are read.",
     )
     max_bytes: int = Field(
         default=1_000_000_000,
         gt=0,
-        description="Maximum bytes of a result that is one file, before compression.",
+        description="Maximum size of a result in one file, in bytes, before compression.",
     )
     max_synchronous_seconds: float = Field(
         default=1.0,
         gt=0,
-        description="A study with a longer expected time on one core becomes a job.",
+        description="Maximum expected computing time, in seconds on one core, of a study that "
+        "is answered at once; longer ones become jobs.",
     )
     max_execution_seconds: float = Field(
-        default=30.0, gt=0, description="Maximum run time of a study that is answered immediately."
+        default=30.0,
+        gt=0,
+        description="Maximum computing time, in seconds, of a study that is answered at once.",
     )
     max_wait_seconds: float = Field(
         default=60.0,
         ge=0,
-        description="Maximum time that a client may wait for a job in one request.",
+        description="Maximum time, in seconds, that a client may wait for a job in one request.",
     )
     max_job_seconds: float = Field(
         default=86_400.0,
         gt=0,
-        description="Maximum computing time of a job, without loading code and waiting; "
-        "finished blocks are kept.",
+        description="Maximum computing time of a job in seconds, not counting the loading of "
+        "code and the wait in the queue; finished blocks are kept.",
     )
     grace_seconds: float = Field(
         default=5.0,
         gt=0,
-        description="Time that a worker may continue with dismissed or overdue work; then "
-        "it is killed and restarted.",
+        description="Time in seconds for which a worker may continue a dismissed or overdue "
+        "job; then the worker is killed and restarted.",
     )
     block_seconds: float = Field(
         default=1.0,
         gt=0,
         le=3600,
-        description="Approximate computing time of one block of a job. If a worker is killed, only "
-        "its current block is computed again.",
+        description="Approximate computing time of one block of a job, in seconds. If a "
+        "worker is killed, only its current block is computed again.",
     )
     max_queue: int = Field(
         default=100,
         gt=0,
-        description="Maximum number of distinct studies that run or wait. Of n keys with "
-        "studies, each may use 1/(n + 1) of the places.",
+        description="Maximum number of different studies that run or wait. If n keys have "
+        "studies, each key may use 1/(n + 1) of these places.",
     )
     concurrent_jobs: int = Field(
         default=4,
         gt=0,
-        description="Maximum number of long studies that run in parallel, and of "
-        "short ones beside them.",
+        description="Maximum number of long studies that run in parallel, and the same number "
+        "of short studies in addition.",
     )
     scheduler: str | None = Field(
         default=None,
@@ -185,27 +195,28 @@ class Settings(BaseSettings):
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         gt=0,
-        description="Number of worker processes that the service starts; by default one per core.",
+        description="Number of worker processes that the service starts; by default one for "
+        "each processor core.",
     )
     lease_seconds: float = Field(
         default=15.0,
         gt=0,
-        description="A server without a sign of life for this time loses its "
-        "jobs to another server.",
+        description="Time in seconds after which a server that gives no sign of life loses "
+        "its jobs to another server.",
     )
     retention_days: float = Field(
         default=30.0,
         gt=0,
-        description="Jobs and studies that were not used for this time are removed.",
+        description="Time in days after which jobs and studies that nobody used are removed.",
     )
     disk_quota_bytes: int = Field(
         default=50_000_000_000,
         gt=0,
-        description="Maximum bytes of studies and results; the least recently "
-        "used ones are removed.",
+        description="Maximum size of all studies and results on the disk, in bytes; beyond it "
+        "the least recently used ones are removed.",
     )
     max_slice_cells: int = Field(
-        default=1_000_000, gt=0, description="Maximum number of values in one slice."
+        default=1_000_000, gt=0, description="Maximum number of values in one slice of a sweep."
     )
     max_table_rows: int = Field(
         default=1_000_000, gt=0, description="Maximum number of rows of a CSV or Parquet table."
@@ -216,52 +227,58 @@ class Settings(BaseSettings):
         description="Maximum number of rows of an XLSX table, which is slow to write.",
     )
     zarr_cache_bytes: int = Field(
-        default=64_000_000, ge=0, description="Memory for caching the chunks that were read last."
+        default=64_000_000,
+        ge=0,
+        description="Memory, in bytes, that caches the Zarr chunks read last.",
     )
     api_key_hashes: Words = Field(
         default=(),
-        description="SHA-256 of every accepted key, in hexadecimal, as a JSON list or "
-        "comma-separated; `vibrafeed key hash` makes them. These keys have the role admin; "
-        "`vibrafeed key add` makes others while the service runs. To "
-        "listen on other addresses than "
-        "loopback, at least one key is needed.",
+        description="SHA-256 hashes of accepted access keys, in hexadecimal, as a JSON list "
+        "or comma-separated; `vibrafeed key hash` makes a key and its hash. These "
+        "keys have the role admin; `vibrafeed key add` makes other keys while the "
+        "service runs. To listen on addresses other than loopback, the service "
+        "needs at least one key.",
     )
     cors_origins: Words = Field(
         default=(),
-        description="Origins of other web pages that may use the service, as in "
+        description="Origins of other web pages whose scripts may use the service, as in "
         "`https://lab.example`; a JSON list or comma-separated.",
     )
     max_requests: int = Field(
         default=512,
         gt=0,
-        description="Maximum number of requests under way; further ones are answered with 503.",
+        description="Maximum number of requests that are served at the same time; further "
+        "requests are answered with 503.",
     )
     max_unsent_bytes: int = Field(
         default=256_000_000,
         gt=0,
-        description="Maximum bytes of replies that wait to be read; further "
-        "requests are answered with 503.",
+        description="Maximum size in bytes of all replies that clients have not yet read; "
+        "beyond it further requests are answered with 503.",
     )
     warm_at_start: bool = Field(
         default=True,
-        description="Compile missing code in the background when the service starts.",
+        description="Compile the simulation code in the background when the service starts, "
+        "if it is not compiled yet.",
     )
     root_path: str = Field(
         default="",
         pattern=r"^(/[A-Za-z0-9._~-]+)*$",
-        description="Path prefix under which a proxy serves the application, as in `/vibrafeed`.",
+        description="Path prefix under which a reverse proxy serves the application, as in "
+        "`/vibrafeed`.",
     )
     drain_seconds: float = Field(
         default=0.0,
         ge=0,
-        description="Time after a stop signal during which the service still answers requests that "
-        "start no work; `/readyz` reports meanwhile that it stops.",
+        description="Time in seconds after a stop signal for which the service still answers "
+        "requests that start no work; meanwhile `/readyz` reports that the "
+        "service stops.",
     )
     shutdown_seconds: int = Field(
         default=4,
         gt=0,
-        description="Maximum further wait for replies under way; the service "
-        "ends within 5 s after it.",
+        description="Maximum further time in seconds to finish running replies after "
+        "`drain_seconds`; the service ends within 5 s after that.",
     )
 
     @property
@@ -282,7 +299,8 @@ class Settings(BaseSettings):
         for number, word in enumerate(hashes, 1):
             if not _DIGEST.fullmatch(word):
                 raise ValueError(
-                    f"number {number} of {len(hashes)} is not a SHA-256 in 64 hexadecimal digits"
+                    f"hash {number} of {len(hashes)} is not a SHA-256 in 64 hexadecimal "
+                    "digits; `vibrafeed key hash` makes one"
                 )
         return tuple(word.lower() for word in hashes)
 
@@ -309,7 +327,8 @@ class Settings(BaseSettings):
         """
         if url and find_spec("obstore") is None:
             raise ValueError(
-                f"it takes obstore, which is missing: {installing('obstore', 'cluster')}"
+                "an object store needs the package obstore, which is missing: "
+                f"{installing('obstore', 'cluster')}"
             )
         return url
 
@@ -323,7 +342,8 @@ class Settings(BaseSettings):
         for word in origins:
             if not _ORIGIN.fullmatch(word):
                 raise ValueError(
-                    f"{word[:60]!r} is not an origin in small letters, as in https://lab.example"
+                    f"{word[:60]!r} is not a web origin in lower-case letters, as in "
+                    "https://lab.example"
                 )
         return origins
 
@@ -341,7 +361,7 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     """
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
-        Problem(name, "there is no such setting", suggestion(name.upper(), known))
+        Problem(name, "vibrafeed has no setting of this name", suggestion(name.upper(), known))
         for name in sorted(names)
         if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)
     ]

@@ -100,8 +100,8 @@ class Admission:
             else:
                 if found is None:
                     raise FetchingError(
-                        "The result of this study exists and is being fetched. Post the study "
-                        "again in a few seconds."
+                        "The result of this study is being fetched from the object store. Post "
+                        "the study again in a few seconds."
                     )
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
@@ -196,8 +196,8 @@ class Admission:
         """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may."""
         if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
             raise TooManyJobsError(
-                f"Your key may have {who.jobs:,} jobs that run or wait; dismiss one, or wait "
-                "until one is done."
+                f"Your key may have at most {who.jobs:,} jobs that run or wait. Dismiss a "
+                "job, or wait until one is done."
             )
 
     def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
@@ -262,7 +262,8 @@ class Admission:
         held = self.ownership.of(who.name, key)
         if held is None and self.store.manifest(key) is None:
             raise NotOwnerError(
-                "The file of this study does not exist. POST the study yourself to have it made."
+                "The result file of this study does not exist. POST the study yourself to "
+                "have the file made."
             )
         if held is None or held.result:
             return
@@ -328,7 +329,10 @@ class Admission:
         with self.ledger.transaction():
             if self.ownership.of(who.name, key) is None:
                 if not who.sees_all:
-                    raise NotOwnerError("Only the owner of the sweep may share it.")
+                    raise NotOwnerError(
+                        "Only the owner of a sweep may share it. POST the study yourself to "
+                        "become an owner."
+                    )
                 if key not in self.ownership.studies():
                     self.ownership.hold(who.name, key, 0, result=False)
             self.ownership.share(None if who.sees_all else who.name, key, shared)
@@ -397,4 +401,6 @@ def is_readable(job: Job, who: Key) -> bool:
 def _check_owner(job: Job, who: Key) -> None:
     """Raise `NotOwnerError` if a key neither owns a job nor is an admin's."""
     if not who.sees_all and job.owner != who.name:
-        raise NotOwnerError("The job or sweep is shared with you; only its owner may change it.")
+        raise NotOwnerError(
+            "This job or sweep is shared with you for reading; only its owner may change it."
+        )

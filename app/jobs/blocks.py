@@ -96,7 +96,9 @@ class Blocks(Studies):
         computed = unpack(block)
         if computed is None:
             path.unlink(missing_ok=True)
-            raise TornBlockError(f"block {index} of {key} is not what was written")
+            raise TornBlockError(
+                f"block {index} of study {key} is damaged: its bytes differ from those written"
+            )
         return computed
 
     def give_up(self, key: str, claim: str) -> None:

@@ -218,8 +218,8 @@ class Database:
             version = connection.execute(VERSION.select()).scalar_one()
             if version > len(UPGRADES):
                 raise LaterLedgerError(
-                    f"its tables are of version {version}, made by a later vibrafeed; this one "
-                    f"knows version {len(UPGRADES)}"
+                    f"the tables of the database have version {version}, made by a later "
+                    f"vibrafeed; this vibrafeed reads up to version {len(UPGRADES)}: update it"
                 )
             for upgrade in UPGRADES[version:]:
                 for statement in upgrade:
@@ -234,7 +234,9 @@ def _plain_errors() -> Iterator[None]:
     try:
         yield
     except exc.TimeoutError as error:
-        raise OSError(errno.EAGAIN, "all connections to the ledger are in use") from error
+        raise OSError(
+            errno.EAGAIN, "all connections to the job database are in use; try again later"
+        ) from error
     except exc.DBAPIError as error:
         if isinstance(error.orig, sqlite3.Error):
             raise error.orig from error

@@ -150,8 +150,8 @@ class Dispatcher:
             if not limit.expired():
                 raise
             raise TooLongError(
-                f"The job was stopped after {most:g} s. Posted again, it goes on with the blocks "
-                "that are done."
+                f"The job was stopped at the time limit of {most:g} s. Post its study "
+                "again to continue with the blocks that are done."
             ) from error
 
     async def is_there(self, item: Work) -> bool:
@@ -175,7 +175,7 @@ class Dispatcher:
             await asyncio.to_thread(self._store.send, item.key)
         except OSError as error:
             self.trouble = "a result cannot be sent to VIBRAFEED_RESULTS_URL; the log says why"
-            raise LostError(f"the result cannot be sent: {error}") from error
+            raise LostError(f"the result cannot be copied to the object store: {error}") from error
         self.trouble = None
 
     async def _compute_and_write(self, progress: _Progress) -> None:

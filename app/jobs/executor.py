@@ -123,8 +123,9 @@ class Executor:
                 except KilledWorker as error:
                     if error.last_worker.address not in self._killed:
                         raise WorkersDieError(
-                            "A block crashed every worker that computed it, perhaps because memory "
-                            "ran out."
+                            "The job failed: a block crashed every worker that computed it, perhaps "
+                            "because memory ran out. Post a smaller study, or give the workers "
+                            "more memory."
                         ) from error
                     logger.info("a call goes to another worker: its own was killed for another")
                 finally:

@@ -139,7 +139,9 @@ class Keys:
         with self._database.transaction() as connection:
             if any(one.name == key.name and one.stands(now) for one in self.all()):
                 fix = f"Give another, or withdraw that one: vibrafeed key withdraw {key.name}"
-                problems.append(Problem("name", f"a valid key {key.name!r} exists already", fix))
+                problems.append(
+                    Problem("name", f"a valid key with the name {key.name!r} exists already", fix)
+                )
             if problems:
                 raise InvalidKeyError(problems)
             ends = None if days is None else now + days * DAY
@@ -158,7 +160,7 @@ class Keys:
             standing = {one.name: one for one in self.all() if one.stands(now)}
             if name not in standing:
                 fix = suggestion(name, standing) if standing else "There are none"
-                raise NoSuchKeyError(f"No valid key has the name {name[:40]!r}. {fix}")
+                raise NoSuchKeyError(f"There is no valid key with the name {name[:40]!r}. {fix}")
             key = replace(standing[name], withdrawn=now)
             connection.execute(KEYS.update().where(KEYS.c.hash == key.hash).values(withdrawn=now))
             audit.note(self._database, "", "withdraw key", name)

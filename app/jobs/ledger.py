@@ -102,14 +102,15 @@ class Ledger:
             share = max(1, most // (owners + 1))
             if own >= share:
                 raise QueueFullError(
-                    f"Your key has {own:,} of the {most:,} places for studies that are carried out "
-                    f"or wait, and {share:,} are its share; no more are taken before one is done."
+                    f"The share of your key in the queue is full: {own:,} of its studies run "
+                    f"or wait, and its share is {share:,} of {most:,} places. Post again when "
+                    "one of them is done."
                 )
         [(waiting,)] = self._read(select(func.count()).select_from(WORK))
         if waiting >= most:
             raise QueueFullError(
-                f"{waiting:,} studies are being carried out or waiting; no more are taken "
-                "before one is done."
+                f"The queue is full: {waiting:,} studies run or wait. Post again when one "
+                "of them is done."
             )
 
     def post(

@@ -108,7 +108,9 @@ class ProcessPool:
                 if (await asyncio.wait({call}, timeout=max(0.0, min(LOOK, left))))[0]:
                     return call.result()
                 if left <= 0:
-                    raise StoppedError(f"The computation was ended after {seconds:g} s.")
+                    raise StoppedError(
+                        f"The computation was stopped at the time limit of {seconds:g} s."
+                    )
                 if look is not None:
                     await look()
         finally:
@@ -183,7 +185,9 @@ class _Process:
             is_right, result = self._pipe.recv()
         except (OSError, EOFError) as error:
             self.calls = CALLS  # it is not used again
-            raise EndedError("The process died, perhaps because memory ran out.") from error
+            raise EndedError(
+                "The process that computed the reply died, perhaps because memory ran out."
+            ) from error
         if is_right:
             return result
         raise result

@@ -124,8 +124,9 @@ class Quota:
         promises = sum(promised.values())
         if promises > quota:
             raise NoRoomError(
-                f"The study needs up to {needed:,} bytes, the quota is {quota:,}, and "
-                f"{promises - needed:,} are promised to work under way."
+                f"The study needs up to {needed:,} bytes on disk. The quota of the service "
+                f"is {quota:,} bytes, of which {promises - needed:,} are reserved for "
+                "running jobs. Post a smaller study, or wait for them."
             )
         if max(self._lacking(promised)) > 0:
             self._count(RIGHT_FOR)
@@ -139,13 +140,14 @@ class Quota:
                     break
         if in_quota > freed and pinned:
             raise NoRoomError(
-                f"The study needs up to {needed:,} bytes; the quota of the service lacks "
-                f"{in_quota - freed:,} of them, and nothing of yours is left to make room."
+                f"The study needs up to {needed:,} bytes on disk, {in_quota - freed:,} "
+                "more than the quota of the service leaves, and none of your own results "
+                "can be removed to make room. Post a smaller study."
             )
         if on_disk > freed:
             raise NoRoomError(
-                f"The study needs up to {needed:,} bytes; the disk lacks {on_disk - freed:,} of "
-                "them, besides what is reserved for others."
+                f"The study needs up to {needed:,} bytes, {on_disk - freed:,} more than "
+                "the disk of the service has free. Post a smaller study."
             )
         return leaving
 
@@ -168,8 +170,9 @@ class Quota:
                 beyond -= self._charged(held, promised)
         if beyond > 0:
             raise NoRoomError(
-                f"The study needs up to {promised[key]:,} bytes; your key may keep {who.bytes:,}, "
-                "your jobs under way included."
+                f"The study needs up to {promised[key]:,} bytes; your key may store "
+                f"{who.bytes:,} bytes, running jobs included. Post a smaller study, or "
+                "dismiss a job."
             )
         return leaving
 

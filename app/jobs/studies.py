@@ -182,11 +182,11 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
         if prepared.not_lazy is not None or of_another_process:
             return unknown(key)
     return OtherVersionError(
-        f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "
-        f"{core.__version__}, which gives other identifiers. POST its study again, to /sweeps."
+        f"The sweep '{key[:12]}...' was posted to another version of vibrafeed; this one is "
+        f"{core.__version__} and uses other identifiers. POST the study to /sweeps again."
     )
 
 
 def unknown(key: str) -> NotFoundError:
     """Return the error for an unknown study."""
-    return NotFoundError(f"There is no study '{key[:80]}'. POST it first.")
+    return NotFoundError(f"There is no study '{key[:80]}'. POST the study first.")

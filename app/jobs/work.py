@@ -183,13 +183,15 @@ def _study(directory: str, key: str, process: str) -> Prepared:
         prepared = Store(Path(directory)).get(key)
     except NotFoundError:
         raise BlindWorkerError(
-            f"A worker on {socket.gethostname()} does not find the study in {directory}. All "
-            "workers of VIBRAFEED_SCHEDULER must see the data directory of the service "
-            "(VIBRAFEED_DATA_DIRECTORY) under the same path. Post it again when they do."
+            f"A worker on {socket.gethostname()} cannot find the study in {directory}. "
+            "All workers of VIBRAFEED_SCHEDULER must see the data directory of the "
+            "service (VIBRAFEED_DATA_DIRECTORY) under the same path. Correct that, "
+            "then post the study again."
         ) from None
     if identifier(prepared.study, process) != key:
         raise OtherVersionError(
-            f"The study was posted to another version of vibrafeed than {core.__version__}, which "
-            "now runs. Post it again; all servers and workers must have the same version."
+            "The study was posted to another version of vibrafeed; this worker runs "
+            f"{core.__version__}. Run one version on all servers and workers, then "
+            "post the study again."
         )
     return prepared

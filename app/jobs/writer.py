@@ -86,7 +86,9 @@ class Writer:
         await self._process_pool(write_sweep_file, directory, key, seconds=most, look=look)
         manifest = await asyncio.to_thread(self._store.manifest, key)
         if manifest is None:
-            raise NoRoomError("The file has just been removed to make room; request it again.")
+            raise NoRoomError(
+                "The result file was just removed to make room for others. Request it again."
+            )
         return manifest
 
     async def known(self, key: str) -> Manifest | None:

@@ -96,7 +96,9 @@ class ThriftyParser(h11.Connection):
             self._chunks += event.chunk_start
             self._body += len(event.data)
             if self._is_padded or self._chunks > FREE_CHUNKS + self._body // LEAST_CHUNK:
-                raise h11.RemoteProtocolError("The body arrives in too many tiny chunks.")
+                raise h11.RemoteProtocolError(
+                    "The body of the request arrives in too many tiny chunks. Send larger chunks."
+                )
         return event
 
     def _check_head(self) -> None:
@@ -105,7 +107,10 @@ class ThriftyParser(h11.Connection):
         end = _END_OF_HEAD.search(waiting, 0, MAX_HEAD)
         head = waiting[: end.start() if end else MAX_HEAD]
         if head.count(b"\n") > MAX_LINES or (end is None and len(waiting) > MAX_HEAD):
-            raise h11.RemoteProtocolError("The request head is too long.", error_status_hint=431)
+            raise h11.RemoteProtocolError(
+                "The head of the request (its request line and headers) is too long. Shorten it.",
+                error_status_hint=431,
+            )
 
 
 class Connection(H11Protocol):

@@ -91,21 +91,31 @@ class StatusInfo(BaseModel):
     started: datetime | None = None
     finished: datetime | None = None
     updated: datetime
-    progress: int = Field(ge=0, le=100, description="Percentage of the blocks that are done.")
-    cells: int = Field(description="Number of points of the grid.")
-    cellsDone: int = Field(description="Approximate number of points that are done.")  # noqa: N815
+    progress: int = Field(
+        ge=0, le=100, description="Percentage of the blocks of the job that are computed."
+    )
+    cells: int = Field(description="Number of cells (grid points) of the study.")
+    cellsDone: int = Field(description="Approximate number of cells that are computed.")  # noqa: N815
     secondsLeft: float | None = Field(  # noqa: N815
         default=None,
-        description="Expected end, from the speed since the server began; absent while unknown.",
+        description="Expected remaining time in seconds, from the speed since the server "
+        "began; absent while unknown.",
     )
     elapsedSeconds: float = Field(  # noqa: N815
-        description="Computing time so far, summed over all workers."
+        description="Computing time so far in seconds, summed over all workers."
     )
-    study: str = Field(description="Identifier of the study; equal studies share a result.")
+    study: str = Field(
+        description="Identifier of the study; equal studies have the same identifier and "
+        "share a result."
+    )
     owner: str | None = Field(
-        default=None, description="Name of the key that posted the job, if keys are needed."
+        default=None,
+        description="Name of the access key that posted the job; absent if the service needs "
+        "no keys.",
     )
-    shared: bool = Field(description="True if all keys may read the job and its results.")
+    shared: bool = Field(
+        description="True if the holders of all access keys may read the job and its results."
+    )
     links: list[Link]
 
 
@@ -119,8 +129,8 @@ class JobList(BaseModel):
 class ResultFile(Link):
     """A result by reference."""
 
-    length: int = Field(description="Bytes of the file, or of all files of a Zarr group.")
-    elapsedSeconds: float = Field(description="Computing time.")  # noqa: N815
+    length: int = Field(description="Size in bytes of the file, or of all files of a Zarr group.")
+    elapsedSeconds: float = Field(description="Computing time in seconds.")  # noqa: N815
     cellsPerSecond: float  # noqa: N815
 
 
@@ -129,7 +139,8 @@ class Results(BaseModel):
 
     dataset: ResultFile
     files: list[Link] | None = Field(
-        default=None, description="Further files: of an accuracy report its page and pictures."
+        default=None,
+        description="Further files of the result: the page and the pictures of an accuracy report.",
     )
 
 

@@ -208,7 +208,7 @@ async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
         # By its place: a read that outlives its cancelled reply moves nobody's position.
         piece = await asyncio.to_thread(os.pread, file.fileno(), min(PIECE, stop - start), start)
         if not piece:
-            raise EOFError(f"{file.name!r} was truncated while it was read")
+            raise EOFError(f"the file {file.name!r} became shorter while it was being sent")
         start += len(piece)
         yield piece
 
@@ -219,7 +219,7 @@ def _there() -> Iterator[None]:
     try:
         yield
     except FileNotFoundError:
-        raise NotFoundError("The result has been removed; ask for it again.") from None
+        raise NotFoundError("The result was removed from the service. Request it again.") from None
 
 
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:

@@ -123,7 +123,9 @@ def read_execution(content: object, kind: str) -> Execution:
     named = content.get("kind", kind)
     if named != kind:
         problem = Problem(
-            "kind", f"this process carries out kind '{kind}', not {str(named)[:60]!r}", "Fix kind"
+            "kind",
+            f"this process takes studies of kind '{kind}', not of kind {str(named)[:60]!r}",
+            f"Write kind = '{kind}', or post to the process of the other kind",
         )
         raise StudyError([problem])
     return Execution({"kind": kind, **content}, as_document)
@@ -142,10 +144,14 @@ def _read_wishes(content: Mapping[str, Any]) -> bool:
         problems.append(Problem("response", message, "Write 'raw' or 'document'"))
     outputs = content.get("outputs") or {}
     if not isinstance(outputs, Mapping):
-        problems.append(Problem("outputs", "it is not an object", "Leave it out"))
+        problems.append(Problem("outputs", "outputs is not a JSON object", "Leave it out"))
     else:
         problems += [
-            Problem(f"outputs.{str(name)[:60]}", "there is no such output", "The output is dataset")
+            Problem(
+                f"outputs.{str(name)[:60]}",
+                f"a process has no output {str(name)[:60]!r}",
+                "Request the only output, dataset",
+            )
             for name in outputs
             if name != "dataset"
         ]

@@ -44,12 +44,18 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
             f"The result of the job {job.id} was removed to make room. Post its study again."
         )
     if job.state in ACTIVE:
-        raise NotReadyError(f"The job {job.id} is {job.state}; its results are not there yet.")
+        raise NotReadyError(
+            f"The job {job.id} is {job.state}: it has no results yet. Request them "
+            "when the job is successful."
+        )
     manifest = None if job.state == "dismissed" else admission.store.manifest(job.key)
     if manifest is None and job.state == "successful":
         found = admission.store.fetch(job.key)
         if found is None:
-            raise BusyError(f"The results of the job {job.id} are being fetched; ask again.")
+            raise BusyError(
+                f"The results of the job {job.id} are being fetched from the object store. "
+                "Request them again in a few seconds."
+            )
         manifest = admission.store.manifest(job.key) if found else None
     if manifest is None:
         raise _recompute(admission, job)
@@ -83,9 +89,12 @@ def _recompute(admission: Admission, job: Job) -> Exception:
     """
     if job.state == "successful" and admission.mend(job):
         return NotReadyError(
-            f"The results of the job {job.id} were damaged on the disk; they are computed again."
+            f"The results of the job {job.id} were damaged on the disk and are being "
+            "computed again. Request them when the job is successful."
         )
-    return NotFoundError(f"The results of the job {job.id} have been removed.")
+    return NotFoundError(
+        f"The results of the job {job.id} have been removed. Post its study again."
+    )
 
 
 def results_reply(admission: Admission, job: Job, base: str) -> Response:

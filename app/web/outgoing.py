@@ -59,7 +59,10 @@ class Unsent:
         """
         with self._lock:
             if self._bytes and self._bytes + size > self._most:
-                raise BusyError("Too many replies wait for their readers; ask again.")
+                raise BusyError(
+                    "The service holds too many replies that clients have not read. Send the "
+                    "request again later."
+                )
             self._bytes += size
             self._tide.rise(self._bytes)
 

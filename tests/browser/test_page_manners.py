@@ -162,7 +162,9 @@ def test_a_service_that_starts_again_is_waited_for(page, service, browser):
     looking.keyboard.press("Tab")
     said = looking.locator("#notice p")
     expect(said).to_have_text("The service does not answer. Asking again ...")
-    expect(page.locator("#stale")).to_contain_text("The service does not answer; the page asks again.")
+    expect(page.locator("#stale")).to_contain_text(
+        "The service does not answer; the page asks again."
+    )
     service.start()
     shown(looking)
     expect(said).to_have_count(0)

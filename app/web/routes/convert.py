@@ -49,7 +49,10 @@ async def convert(
     base: BaseOf,
     to: Annotated[
         Literal["toml", "json", "curl", "python"],
-        Query(description="toml, json, curl (a command) or python (a program)."),
+        Query(
+            description="Format to convert to: toml, json, curl (a command that posts the study) "
+            "or python (a program that runs it)."
+        ),
     ],
 ) -> Response:
     """Check a study, and return it as `vibrafeed convert` writes it; curl asks this service."""

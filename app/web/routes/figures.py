@@ -26,9 +26,12 @@ class Figure(BaseModel):
     name: str
     title: str
     notes: str = Field(
-        description="Assumptions of the figure, the claims of the thesis, and a verdict."
+        description="Assumptions behind the figure, what the thesis claims, and whether the "
+        "claim holds."
     )
-    study: dict[str, Any] = Field(description="The study behind it, as POST /sweeps takes it.")
+    study: dict[str, Any] = Field(
+        description="The study that computes the figure, in the form that POST /sweeps takes."
+    )
 
 
 @router.get("/figures", summary="List the figures of the thesis", response_model=list[Figure])

@@ -68,7 +68,11 @@ class FrictionTable(BaseModel):
 def list_friction(
     words: Annotated[
         str,
-        Query(max_length=100, description="Rows that hold each of these words; all if left out."),
+        Query(
+            max_length=100,
+            description="Only rows that contain all of these words, such as `steel abs`; by "
+            "default all rows.",
+        ),
     ] = "",
 ) -> Response:
     """Return published coefficients, as ranges, each row with its source."""

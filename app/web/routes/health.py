@@ -35,7 +35,7 @@ class Readiness(BaseModel):
     status: str
     checks: list[str]
     warm: bool = Field(
-        description="True if all code is compiled, so that no study waits for compiling."
+        description="True if all simulation code is compiled, so that no study has to wait for it."
     )
 
 

@@ -55,12 +55,12 @@ def parse_interval(text: str | None) -> tuple[float | None, float | None]:
         return None, None
     words = text.split("/")
     if len(words) > 2 or set(words) <= {"", ".."}:
-        raise ValueError("it is neither a time nor an interval START/END")
+        raise ValueError("datetime is neither a time nor an interval START/END")
     ends: list[float | None] = []
     for word in words:
         time_ = None if word in ("", "..") else datetime.fromisoformat(word)
         if time_ is not None and time_.tzinfo is None:
-            raise ValueError(f"{word[:40]!r} has no time zone, as in 2026-01-01T00:00:00Z")
+            raise ValueError(f"{word[:40]!r} has no time zone: write it as in 2026-01-01T00:00:00Z")
         ends.append(None if time_ is None else time_.timestamp())
     return ends[0], ends[-1]
 
@@ -79,21 +79,33 @@ def list_jobs(
     who: WhoOf,
     process: Annotated[
         list[str],
-        Query(alias="processID", max_length=20, description="Only jobs of these processes."),
+        Query(
+            alias="processID",
+            max_length=20,
+            description="Only jobs of these processes, such as sweep or simulate.",
+        ),
     ] = [],  # noqa: B006 - not changed; None would make the schema nullable
     status: Annotated[
-        list[State], Query(max_length=20, description="Only jobs in these states.")
+        list[State],
+        Query(
+            max_length=20, description="Only jobs in these states, such as running or successful."
+        ),
     ] = [],  # noqa: B006
     kind: Annotated[
-        list[str], Query(alias="type", max_length=20, description="All jobs are of type process.")
+        list[str],
+        Query(
+            alias="type",
+            max_length=20,
+            description="Only jobs of these types; all jobs are of type process.",
+        ),
     ] = [],  # noqa: B006
     created: Annotated[
         str | None,
         Query(
             alias="datetime",
             max_length=100,
-            description="Only jobs posted at this time (RFC 3339) or in this interval, as in "
-            "`2026-01-01T00:00:00Z/..`.",
+            description="Only jobs that were posted at this time (RFC 3339) or in this interval, "
+            "as in `2026-01-01T00:00:00Z/..`.",
         ),
         AfterValidator(check_interval),
     ] = None,
@@ -162,7 +174,8 @@ def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
     return json_reply(status_info(job, base))
 
 
-@router.patch("/{number}", summary="Share a job, or stop sharing", response_model=StatusInfo,
+@router.patch("/{number}", summary="Share a job with all keys, or stop sharing it",
+              response_model=StatusInfo,
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
               openapi_extra=SHARING_BODY, dependencies=[hold_slot()])  # fmt: skip
 def share_job(

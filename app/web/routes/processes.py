@@ -283,9 +283,10 @@ for _name, _process in PROCESSES.items():
         name=f"execute_{_name}",
         summary=_process.title,
         description=f"{_process.description}\n\nThe body is the study itself, or an execute "
-        "request with the study under `inputs.study`. A short study is replied to with its "
-        "dataset. One that is long, or turns out so, becomes a job: 201 with its status and "
-        "`Location`, or 200 with its results if `Prefer: wait` was long enough.",
+        "request with the study under `inputs.study`. A short study is answered "
+        "with its dataset. A long study becomes a job: the reply is 201 with the "
+        "status of the job and its `Location`, or 200 with the results if "
+        "`Prefer: wait` was long enough.",
         response_model=dict[str, Any],
         responses={
             201: {
@@ -315,4 +316,4 @@ def execute_unknown(process: str) -> Response:
 def _missing(process: str) -> NoSuchProcessError:
     """Return the error for an unknown process."""
     known = ", ".join(PROCESSES)
-    return NoSuchProcessError(f"There is no process '{process[:80]}'; there are {known}.")
+    return NoSuchProcessError(f"There is no process '{process[:80]}'. The processes are {known}.")

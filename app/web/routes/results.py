@@ -51,7 +51,7 @@ NO_RESULT = problems(
 
 @router.get(
     "/{number}/results",
-    summary="Show the results of a job",
+    summary="Show links to the results of a job",
     response_model=Results,
     responses=NO_RESULT,
 )
@@ -89,9 +89,8 @@ async def get_dataset(
         ResultForm | None,
         Query(
             alias="format",
-            description="Format of the dataset; by default that of `Accept`, else "
-            "NetCDF. JSON exists for small "
-            "results only.",
+            description="Format of the dataset; by default the one that `Accept` names, else "
+            "NetCDF. Only small results are available as JSON.",
         ),
     ] = None,
 ) -> Response:
@@ -131,7 +130,10 @@ def _stored_table(
     if isinstance(manifest, Response):
         return manifest
     if ZARR in manifest.files:
-        raise NotFoundError("The result is a Zarr group: open the address that its results name.")
+        raise NotFoundError(
+            "The result is a Zarr group, not a file: open the address of the group in "
+            "a Zarr client. The results of the job name it."
+        )
     name = JSON if form == "json" else NETCDF
     if name not in manifest.files:
         raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
@@ -158,7 +160,7 @@ def _stored_table(
 
 @router.get(
     "/{number}/results/zarr/{path:path}",
-    summary="Read a large result as a Zarr group, also while it grows",
+    summary="Read a large result as a Zarr group, even while the job computes it",
     response_class=Response,
     responses={
         **cached_replies(
@@ -182,13 +184,19 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     if isinstance(manifest, Response):
         return manifest
     if not _KEY.fullmatch(path):
-        raise NotFoundError(f"A Zarr group has no key '{path[:80]}'.")
+        raise NotFoundError(
+            f"'{path[:80]}' is not a key of a Zarr group. Open the address that ends "
+            "in /zarr with a Zarr client."
+        )
     file = admission.store.in_group(job.key, path)
     digest = None if manifest is None else admission.store.digest(job.key, path, manifest)
     if not file.is_file():
         if digest is not None:
             raise error_for_missing_file(admission, job, file)
-        raise NotFoundError(f"The group of this job has no key '{path[:80]}', or not yet.")
+        raise NotFoundError(
+            f"The Zarr group of this job has no key '{path[:80]}', or its values are "
+            "not computed yet. The file zarr.json names the arrays."
+        )
     is_document = path.endswith(".json")
     return file_reply(
         request,
@@ -204,7 +212,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
 
 @router.get(
     "/{number}/results/files/{name}",
-    summary="Download a further file of a job",
+    summary="Download a page or picture of an accuracy report",
     response_class=Response,
     responses={
         **cached_replies(
@@ -229,7 +237,9 @@ def get_file(
         return manifest
     # Only names that the manifest holds reach the disk.
     if name not in manifest.files or name == ZARR:
-        raise NotFoundError(f"The job has no file '{name[:80]}'; its results name those it has.")
+        raise NotFoundError(
+            f"The job has no file '{name[:80]}'. The results of the job list its files."
+        )
     file = admission.store.folder(job.key) / name
     return file_reply(
         request,

@@ -52,15 +52,16 @@ async def describe_scene(
         str | None,
         Query(
             max_length=100,
-            description="Variant of the closed forms; the scene's default if omitted.",
+            description="Variant of the closed-form equations, such as derived; by default that "
+            "of the scene.",
         ),
     ] = None,
     method: Annotated[
         str | None,
         Query(
             max_length=100,
-            description="Method of simulation: describes the simulated motion "
-            "instead of the closed forms.",
+            description="Method of simulation, such as events: describes the simulated motion "
+            "instead of the closed-form equations.",
         ),
     ] = None,
 ) -> Response:

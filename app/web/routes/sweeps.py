@@ -141,7 +141,7 @@ def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
 
 @router.patch(
     "/{key}",
-    summary="Share a sweep, or stop sharing",
+    summary="Share a sweep with all keys, or stop sharing it",
     response_model=SweepDescription,
     responses={
         **problems(s404="No such sweep", s409="The sweep is another version's: post it again"),
@@ -171,7 +171,7 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
 
 @router.get(
     "/{key}/slice",
-    summary="Read values over one or two axes",
+    summary="Read values of a sweep over one or two axes",
     response_model=dict[str, Any],
     responses={
         **cached_replies("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
@@ -192,13 +192,18 @@ async def get_slice(
     key: SweepKey,
     output: Annotated[str, Query(description="Name of an output.", max_length=100)],
     axes: Annotated[
-        str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
+        str,
+        Query(
+            description="Names of the one or two axes over which values are returned, as in "
+            "`beta,alpha`; all other axes need a value.",
+            max_length=200,
+        ),
     ],
     form: Annotated[
         SliceForm | None,
         Query(
             alias="format",
-            description="Format of the slice; by default that of `Accept`, else JSON.",
+            description="Format of the slice; by default the one that `Accept` names, else JSON.",
         ),
     ] = None,
 ) -> Response:

@@ -24,8 +24,9 @@ CHUNKS = "chunks="
 ZarrKey = Annotated[
     str,
     Path(
-        description="A key of the group: `zarr.json`, `{array}/zarr.json`, or `{array}/c/i/j/...` "
-        "with the position of a chunk. The arrays are the coordinates, the outputs and `regime`.",
+        description="Key within the Zarr group: `zarr.json`, `{array}/zarr.json`, or "
+        "`{array}/c/i/j/...` with the indices of a chunk. The arrays are the "
+        "axes, the outputs and `regime`.",
         max_length=300,
         examples=["zarr.json"],
     ),
@@ -40,7 +41,10 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
     the wishes in its path.
     """
     if chunks is None:
-        raise NotFoundError("Open this address with a Zarr client; its document is zarr/zarr.json.")
+        raise NotFoundError(
+            "This is the address of a Zarr group: open it with a Zarr client. The "
+            "metadata are at zarr/zarr.json."
+        )
     return RedirectResponse(request.url_for("get_zarr", key=key, path=f"{CHUNKS}{chunks}"))
 
 
@@ -71,8 +75,9 @@ async def get_zarr(
     chunks: Annotated[
         str,
         Query(
-            description="How long chunks are along some axes, as in `frequency:all,friction:1`; "
-            "clients that lose queries take the address `.../zarr/chunks=frequency:all`.",
+            description="Number of values of a chunk along some axes, as in "
+            "`frequency:all,friction:1`. For clients that drop the query of an "
+            "address, write it into the path: `.../zarr/chunks=frequency:all`.",
             max_length=200,
         ),
     ] = "",

@@ -137,7 +137,7 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
     job = carried_out(tmp_path, workers, play, max_job_seconds=0.5)
     assert job.state == "failed"
     assert (job.problem["status"], job.problem["kind"]) == (422, "limit")
-    assert "Posted again" in job.problem["detail"]
+    assert "Post its study again" in job.problem["detail"]
 
 
 def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, monkeypatch):

@@ -337,7 +337,7 @@ class TestDesk:
         kept = carried_out(store, SWEEP)
         with pytest.raises(NoRoomError, match="quota"):
             admission(disk_quota_bytes=50).make_room(OTHER, 100)
-        with pytest.raises(NoRoomError, match="the disk lacks"):
+        with pytest.raises(NoRoomError, match="more than the disk of the service has free"):
             admission(disk_quota_bytes=10**29 + 10).make_room(OTHER, 10**29)
         assert store.manifest(kept) is not None
 
@@ -381,7 +381,7 @@ class TestDesk:
         service = admission()
         key = service.post(prepare_content(SIMULATION), "simulate").key
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
-        with pytest.raises(NoRoomError, match="the disk lacks"):
+        with pytest.raises(NoRoomError, match="more than the disk of the service has free"):
             service.post(prepare_content(other), "simulate")
         # What has been written of a promise is owed no more.
         (store.folder(key) / "blocks").write_bytes(bytes(needed))
@@ -394,7 +394,7 @@ class TestDesk:
         tight, loose = ({"disk_quota_bytes": needed + spare} for spare in (10, 1000))
         admission(**tight).post(prepare_content(SIMULATION), "simulate")
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
-        with pytest.raises(NoRoomError, match="promised to work under way"):
+        with pytest.raises(NoRoomError, match="are reserved for other jobs"):
             admission(**tight).post(prepare_content(other), "simulate")
         with pytest.raises(NoRoomError):
             admission(**tight).keep(prepare_content(SWEEP))

@@ -468,11 +468,11 @@ class TestSettings:
     @pytest.mark.parametrize(
         ("name", "value", "words"),
         [
-            ("VIBRAFEED_API_KEY_HASHES", f"{HASH},{KEY}", "number 2 of 2"),
+            ("VIBRAFEED_API_KEY_HASHES", f"{HASH},{KEY}", "hash 2 of 2"),
             ("VIBRAFEED_API_KEY_HASHES", f'["{KEY}"', "JSON list"),
             ("VIBRAFEED_API_KEY_HASHES", f'[["{KEY}"]]', "Fix"),
-            ("VIBRAFEED_CORS_ORIGINS", "*", "not an origin"),
-            ("VIBRAFEED_CORS_ORIGINS", "https://lab.example/", "not an origin"),
+            ("VIBRAFEED_CORS_ORIGINS", "*", "not a web origin"),
+            ("VIBRAFEED_CORS_ORIGINS", "https://lab.example/", "not a web origin"),
             ("VIBRAFEED_MAX_REQUESTS", "0", "greater than 0"),
             ("VIBRAFEED_MAX_REQUEST", "9", "Did you mean 'VIBRAFEED_MAX_REQUESTS'?"),
             ("VIBRAFEED_API_KEYS", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),

@@ -176,7 +176,7 @@ class TestLimits:
         assert sum(one.bytes for one in held) <= 3 * size
         assert house.admission.store.used(first) == 0
         refused = ask("POST", EXECUTION, json=study(60, 2000), headers=ASYNC)
-        assert "your key may keep" in problem(refused, 507)["detail"]
+        assert "your key may store" in problem(refused, 507)["detail"]
         assert ask("GET", f"/sweeps/{more[-1]}").status_code == 200, "removed for nothing"
 
 
