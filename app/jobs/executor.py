@@ -123,7 +123,7 @@ class Executor:
                 except KilledWorker as error:
                     if error.last_worker.address not in self._killed:
                         raise WorkersDieError(
-                            "The job failed: a block crashed every worker that computed it, perhaps "
+                            "The job failed: a block crashed every worker that ran it, perhaps "
                             "because memory ran out. Post a smaller study, or give the workers "
                             "more memory."
                         ) from error
