@@ -74,28 +74,44 @@ _FORM = f'Write {{"format": "{FORMAT}", "program": "...", "answers": {{"Q-two-le
 def answers_of(content: object) -> ProgramAnswers:
     """Return the answers in a mapping; raise `StudyError` with every problem."""
     if not isinstance(content, Mapping):
-        raise StudyError([Problem("answers", "it is not a JSON object", _FORM)])
+        raise StudyError([Problem("answers", "the file of answers is not a JSON object", _FORM)])
     problems = [
-        Problem(str(key)[:40], "it is not a key of the answers", suggestion(str(key), _KEYS))
+        Problem(
+            str(key)[:40],
+            f"{str(key)[:40]!r} is not a key of a file of answers",
+            suggestion(str(key), _KEYS),
+        )
         for key in content
         if key not in _KEYS
     ]
     if content.get("format") != FORMAT:
         problems.append(
-            Problem("format", "the format is missing, or is not known", f'Write "{FORMAT}"')
+            Problem(
+                "format",
+                "the format of the file of answers is missing or unknown",
+                f'Write "{FORMAT}"',
+            )
         )
     program = content.get("program", "the program")
     if not isinstance(program, str) or len(program) > 200:
-        problems.append(Problem("program", "it is not a name", 'Write text, such as "Another 1.2"'))
+        problems.append(
+            Problem(
+                "program",
+                "program is not a text of at most 200 characters",
+                'Write the name of the program, such as "Another 1.2"',
+            )
+        )
     answers = content.get("answers")
     if not isinstance(answers, Mapping) or not answers:
-        problems.append(Problem("answers", "there are none", _FORM))
+        problems.append(Problem("answers", "the file holds no answers", _FORM))
         raise StudyError(problems)
     asked, unknown = _asked(answers)
     problems += unknown
     problems += [
         Problem(
-            f"answers.{name}"[:80], f"{str(value)[:40]} is not a number", "Write a number or null"
+            f"answers.{name}"[:80],
+            f"the answer {str(value)[:40]} is not a number",
+            "Write a finite number, or null for no answer",
         )
         for name, value in answers.items()
         if not _is_answer(value)
@@ -122,7 +138,11 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
     reported = {problem.place for problem in problems}
     unknown = [name for name in names if name not in known and f"answers.{name}" not in reported]
     problems += [
-        Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
+        Problem(
+            f"answers.{name}"[:80],
+            f"validate has no problem '{name[:60]}'",
+            suggestion(name, known),
+        )
         for name in unknown[:MAX_PROBLEMS]
     ]
     return tuple(problem for name, problem in known.items() if name in names), problems
@@ -139,8 +159,17 @@ def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Pr
         key, number = (found[1], int(found[2])), int(found[3])
         seeds = {seed for _, seed in most} | {key[1]}
         if number > MAX_RANDOM or len(seeds) > MAX_SEEDS:
-            fix = f"Take numbers up to {MAX_RANDOM:,}, and at most {MAX_SEEDS} seeds"
-            problems.append(Problem(f"answers.{name}", "it is too far out", fix))
+            fix = (
+                f"Use problems with numbers up to {MAX_RANDOM:,}, and at most {MAX_SEEDS} "
+                "different seeds"
+            )
+            problems.append(
+                Problem(
+                    f"answers.{name}",
+                    "the name of this random problem has too high a number, or one seed too many",
+                    fix,
+                )
+            )
         else:
             most[key] = max(most.get(key, 0), number)
     return most, problems

@@ -94,7 +94,9 @@ def _compute_nodes(axes: Axes, watch: Watch) -> Cells:
         share = slab[0].size / shape[0]
         parts.append(exact(Numbers(*np.meshgrid(*slab, indexing="ij")), watch.part(share)))
         if watch.stopped():
-            raise StoppedError("it was stopped before the atlas was whole")
+            raise StoppedError(
+                "the computation of the atlas was stopped before it was complete; start it again"
+            )
     return Cells(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
 
 

@@ -171,12 +171,20 @@ def lookup_rows(
     arrays = {name: np.asarray(tuple(values), dtype=np.float64) for name, values in columns.items()}
     shared = dict(parameters or {})
     problems = [
-        Problem(f"parameters.{name}", "it is a column of the rows as well", "Give it once")
+        Problem(
+            f"parameters.{name}",
+            f"{name} is given twice: as a parameter, and as a column of the rows",
+            "Leave out one of the two",
+        )
         for name in shared
         if name in arrays
     ]
     problems += [
-        Problem(f"parameters.{name}", "it has several values", "Make it a column of the rows")
+        Problem(
+            f"parameters.{name}",
+            f"{name} has several values, but a parameter that all rows share has one",
+            f"Give one value, or make {name} a column of the rows",
+        )
         for name, values in _readable(shared, shared).items()
         if values.ndim
     ]

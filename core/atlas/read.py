@@ -23,7 +23,7 @@ VALUES = ("velocity_number", *(f"{name}_fraction" for name in SHARES))
 ERRORS = (*(f"error_{name}" for name in AXES), "share_error")
 """The variables of which the largest at the corners of a cell counts."""
 
-MAKE = "Make one with: vibrafeed atlas -o atlas.nc"
+MAKE = "Make an atlas with: vibrafeed atlas -o atlas.nc"
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def of_table(table: Table) -> Atlas:
     """
     version = table.attributes.get("atlas_version")
     if version is None:
-        raise VibrafeedError(f"the file is a result, not an atlas. {MAKE}")
+        raise VibrafeedError(f"the file is a result of a study, not an atlas. {MAKE}")
     if version != ATLAS_VERSION:
         told = f"it is an atlas of version {version}, and this program reads {ATLAS_VERSION}"
         raise VibrafeedError(f"{told}. {MAKE}")

@@ -36,8 +36,9 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     heading, body, delimiter = _cells(path)
     names, units, problems = _headings(heading)
     problems += [
-        Problem(f"row {number}", f"it has {len(row)} cells, the heading has {len(heading)}",
-                "Correct the row")
+        Problem(f"row {number}",
+                f"row {number} has {len(row)} cells, but the heading has {len(heading)}",
+                "Give the row one cell for each column")
         for number, row in enumerate(body, 1)
         if len(row) != len(heading)
     ][:MAX_REPORTED]  # fmt: skip
@@ -60,7 +61,13 @@ def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise StudyError([Problem("rows", "it is not UTF-8 text", "Save it as UTF-8")]) from None
+        raise StudyError(
+            [
+                Problem(
+                    "rows", "the CSV file is not UTF-8 text", "Save the file in the encoding UTF-8"
+                )
+            ]
+        ) from None
     delimiter = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
     heading, *body = [row for row in csv.reader(lines, delimiter=delimiter) if any(row)] or [[]]
     if not body or len(body) > MAX_ROWS:

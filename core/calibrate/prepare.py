@@ -160,11 +160,15 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
             problems.append(Problem(f"observations row {k}", message, "Give one of them"))
         elif not given and row.regime is None:
             fix = "Give conveying_velocity with its unit, feed_rate, or regime"
-            problems.append(Problem(f"observations row {k}", "the run has no measured value", fix))
+            problems.append(
+                Problem(f"observations row {k}", f"the run in row {k} has no measured value", fix)
+            )
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
     if len(used) > 1 and not problems:
         message = "some runs give conveying_velocity, others feed_rate"
-        problems.append(Problem("observations", message, "Give one of them in all runs"))
+        problems.append(
+            Problem("observations", message, "Give the same one of the two in all runs")
+        )
     return (used or list(OBSERVED))[0], problems
 
 
@@ -203,7 +207,12 @@ def _open(
         if unknown.table == "unknowns" and unknown.parameter in names:
             where = "observations" if unknown.parameter in columns else "parameters"
             message = f"{unknown.parameter} is unknown, and given in the {where}"
-            yield Problem(path, message, "Give it once, or make it [offsets] or [factors]")
+            yield Problem(
+                path,
+                message,
+                f"Give {unknown.parameter} once, or unknown offsets or factors of it: "
+                "[offsets], [factors]",
+            )
         elif unknown.table != "unknowns" and unknown.parameter not in names:
             message = f"there is no {unknown.parameter} among the parameters or observations"
             fix = "Give what it changes, or move it to [unknowns]"
@@ -272,7 +281,9 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
     """Yield problems of settings that the scene or the method does not take."""
     if scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
-        yield Problem("scene", f"a part of {scene.name} has no conveying velocity", fix)
+        yield Problem(
+            "scene", f"the scene {scene.name} gives no conveying velocity to calibrate", fix
+        )
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:

@@ -130,7 +130,7 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     attributes = attributes_at(where) if is_group else attributes_of_file(Path(where))
     if not str(attributes.get("source", "")).startswith(MAKER):
         wanted = "Give a NetCDF file or a Zarr group that vibrafeed wrote"
-        raise VibrafeedError(f"it is not a result of vibrafeed. {wanted}")
+        raise VibrafeedError(f"the file is not a result of vibrafeed. {wanted}")
     if is_group:
         return read_zarr(where, most_bytes=most_bytes)
     return read_netcdf(Path(where), most_bytes=most_bytes)

@@ -138,7 +138,9 @@ class GrowingZarr:
         if UNFINISHED not in there and there:
             raise FileExistsError(f"{where} holds other files")
         if self._shared and UNFINISHED in there and not is_same:
-            raise FileExistsError(f"{where} was begun for another study or version")
+            raise FileExistsError(
+                f"{where} holds the beginning of a result of another study or version"
+            )
 
     @property
     def missing(self) -> Iterator[int]:

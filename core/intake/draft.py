@@ -71,8 +71,13 @@ class Draft:
     def check(self) -> Study:
         """Return the study; raise `StudyError` for invalid values, files and keys."""
         if not isinstance(self.content, Mapping):
-            fix = "Write keys and values: kind, scene, outputs, ..."
-            raise StudyError([Problem("study", "it is not an object", fix), *self.problems])
+            fix = "Write keys with values: kind, scene, outputs, ..."
+            raise StudyError(
+                [
+                    Problem("study", "the study is not an object with keys and values", fix),
+                    *self.problems,
+                ]
+            )
         if self.kind is None:
             problem, likely = _no_kind(self.content)
             content = {**self.content, "kind": likely.name}

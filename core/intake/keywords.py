@@ -114,8 +114,10 @@ def plain(value: object, path: str) -> Any:
     numpy = sys.modules.get("numpy")  # who gives an array has imported it
     if numpy is not None and isinstance(value, numpy.ndarray | numpy.generic):
         if value.ndim > 1:
-            message = f"it is an array of {value.ndim} dimensions"
-            raise StudyError([Problem(path, message, "Give an array of one, or one number")])
+            message = f"the value is an array of {value.ndim} dimensions"
+            raise StudyError(
+                [Problem(path, message, "Give an array of one dimension, or one number")]
+            )
         return value.tolist()
     return value
 
@@ -134,7 +136,15 @@ def _content_of(study: object) -> dict[str, Any]:
         if isinstance(study, dict):
             return study
     message = f"'{type(study).__name__}' is neither a study, a path nor a mapping"
-    raise StudyError([Problem("study", message, "Give one of these, or keywords")])
+    raise StudyError(
+        [
+            Problem(
+                "study",
+                message,
+                "Give a study, a path or a mapping, or the keys as keyword arguments",
+            )
+        ]
+    )
 
 
 def _is_key(name: str) -> bool:

@@ -61,7 +61,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     key = f"uncertain.{name}.{CALIBRATION}"
     fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
     if not isinstance(path, str):
-        return Problem(key, "it is not a path", fix)
+        return Problem(key, "calibration is not the path of a file", fix)
     try:
         table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds
@@ -75,7 +75,11 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     values = np.asarray(table.coordinates[name].values, dtype=np.float64)
     densities = np.asarray(density.values, dtype=np.float64)
     if not (np.isfinite(densities).all() and (densities > 0).any()):
-        return Problem(key, f"the density of {name} in {path} has no mass", "Calibrate it again")
+        return Problem(
+            key,
+            f"the posterior density of {name} in {path} is 0 everywhere",
+            "Run the calibration again",
+        )
     # Nothing is lost beyond the first and the last 0 next to some mass.
     some = np.flatnonzero(densities > 0)
     kept = slice(max(some[0] - 1, 0), some[-1] + 2)

@@ -69,7 +69,9 @@ def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
     draft = Draft(content).resolve(files=True)
     if draft.fit is None and not draft.problems:
         fix = "Give the file of a study, or a mapping, whose drive has file or data"
-        draft.problems += [Problem("drive", "it names no recording that can be fitted", fix)]
+        draft.problems += [
+            Problem("drive", "the drive of this study names no recording to fit", fix)
+        ]
     study: SimulateStudy = draft.check()  # type: ignore[assignment] # whose kind is given
     assert draft.fit is not None  # else there is a problem
     return study, draft.fit

@@ -60,7 +60,7 @@ def with_drive(content: Content, files: bool) -> Resolved:
 def unknown_key(stranger: Stranger) -> Problem:
     """Return the problem of an unknown key of a drive."""
     fix = stranger.suggest(stranger.name, RecordedDrive.model_fields)
-    return Problem(stranger.place, f"'{stranger.name}' is not a key of the drive", fix)
+    return Problem(stranger.place, f"'{stranger.name}' is not a key of the section drive", fix)
 
 
 def no_section(stranger: Stranger) -> Problem:
@@ -96,7 +96,7 @@ def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDriv
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
         raise StudyError(
-            [Problem(path, message, "Name a CSV file in the study's folder")]
+            [Problem(path, message, "Name a CSV file by its path from the folder of the study")]
         ) from None
     name = source.name if isinstance(source, Path) else SENT
     return _record_of(fit, name, digest), fit
@@ -125,12 +125,18 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
     `files` is True if files of this machine may be read.
     """
     if (drive.file is None) == (drive.data is None):
-        message = "it names no recording" if drive.file is None else "both file and data are given"
+        message = (
+            "the drive names no recording"
+            if drive.file is None
+            else "the drive gives both file and data"
+        )
         raise StudyError([Problem("drive", message, _which(files))])
     if drive.data is not None:
         return drive.data
     if not files:
-        raise StudyError([Problem("drive.file", "the service reads no files", _which(files))])
+        raise StudyError(
+            [Problem("drive.file", "the service cannot read files of your computer", _which(files))]
+        )
     assert drive.file is not None
     return drive.file
 
@@ -138,7 +144,7 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
 def _which(files: bool) -> str:
     """Return the advice on how to name a recording."""
     text = "data = the text of the recording's CSV"
-    return f"Give file = its name, or {text}" if files else f"Give {text}"
+    return f"Give file = the name of the recording, or {text}" if files else f"Give {text}"
 
 
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
@@ -159,8 +165,8 @@ def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTabl
 
 def _too_long(path: str, count: int, what: str) -> Problem:
     """Return the problem of a recording that is too long for a request."""
-    message = f"it has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
-    return Problem(path, message, "Shorten the recording: one second is enough")
+    message = f"the recording has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
+    return Problem(path, message, "Shorten the recording: one second of motion is enough")
 
 
 def _recording(drive: RecordedDrive) -> measured.Recording:

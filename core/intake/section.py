@@ -88,8 +88,8 @@ def no_parameter(stranger: Stranger) -> Problem:
     """
     name, within = stranger.name, stranger.within
     if name in stranger.keys:
-        message = f"'{name}' is a key of the study, and stands among the {within}"
-        return Problem(stranger.place, message, f"Move it above the line [{within}]")
+        message = f"'{name}' is a key of the study, but stands in the section [{within}]"
+        return Problem(stranger.place, message, f"Move {name} above the line [{within}]")
     fix = stranger.suggest(name, PARAMETERS, stranger.parameters)
     return Problem(stranger.place, f"'{name}' is not a parameter", fix)
 

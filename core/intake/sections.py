@@ -46,7 +46,7 @@ def _no_key_of_reduce(stranger: Stranger) -> Problem:
     """Return the problem of an unknown key of the section `reduce`, or of its level set."""
     part = LevelSet if len(stranger.path) > 2 else Reduction
     fix = stranger.suggest(stranger.name, part.model_fields)
-    return Problem(stranger.place, f"'{stranger.name}' is not a key of reduce", fix)
+    return Problem(stranger.place, f"'{stranger.name}' is not a key of the section reduce", fix)
 
 
 SECTIONS: Final[Mapping[str, Section]] = {

@@ -126,7 +126,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _refuse_constant(constant: str) -> NoReturn:
     """Raise ValueError for NaN and infinities in JSON."""
-    raise ValueError(f"{constant} is not a JSON number")
+    raise ValueError(f"{constant} is not a valid number in JSON")
 
 
 def _check_values(content: object, *, texts: bool) -> None:

@@ -35,7 +35,9 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
     parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
     if len(parts) != 3:
         problems.append(
-            Problem("mounting", "the mounting holds neither three angles nor a matrix", FIX)
+            Problem(
+                "mounting", "the mounting of the sensor is neither three angles nor a matrix", FIX
+            )
         )
         return None
     if all(np.ndim(part) == 0 for part in parts):
@@ -46,12 +48,21 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
         matrix = np.full((1, 1), np.nan)
     near = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL)
     if not near:
-        problems.append(Problem("mounting", "the matrix of the mounting is not a rotation", FIX))
+        problems.append(
+            Problem(
+                "mounting", "the mounting of the sensor is a matrix that is not a rotation", FIX
+            )
+        )
         return None
     if np.linalg.det(matrix) < 0:
         fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
         problems.append(
-            Problem("mounting", "the matrix of the mounting is a reflection, not a rotation", fix)
+            Problem(
+                "mounting",
+                "the mounting of the sensor is a matrix that mirrors the axes; it has to "
+                "be a rotation",
+                fix,
+            )
         )
         return None
     return Rotation.from_matrix(matrix).as_matrix()

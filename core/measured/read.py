@@ -230,7 +230,8 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
     problems = [
         Problem(
             "recording",
-            f"line {line} has {count} cell{'s' * (count != 1)}, the header has {len(names)}",
+            f"line {line} of the recording has {count} cell{'s' * (count != 1)}, but "
+            f"its header has {len(names)}",
             "Correct the line, or leave it out",
         )
         for line, count in odd[:SHOWN]

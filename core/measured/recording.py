@@ -139,8 +139,8 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
         problems.append(
             Problem(
                 "recording",
-                f"it has {len(table.lines)} samples",
-                f"Record {LEAST_SAMPLES} at least, over ten periods or more",
+                f"the recording has {len(table.lines)} samples, which is too few",
+                f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
             )
         )
     held = [channel for channel in channels if channel is not None]
@@ -167,17 +167,23 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
     if sensor is None:
         if not own:
             fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
-            problems.append(Problem("along", "no column of accelerations is named", fix))
+            problems.append(Problem("along", "the drive names no column of accelerations", fix))
         elif recording.mounting is not None:
             fix = "Give sensor = three columns instead of along, across and normal"
-            problems.append(Problem("mounting", "it turns a sensor of three axes only", fix))
+            problems.append(
+                Problem(
+                    "mounting",
+                    "mounting applies only to a sensor with three axes, which is not given",
+                    fix,
+                )
+            )
         return own
     if own:
-        fix = "Give the one or the other"
-        problems.append(Problem("sensor", f"both sensor and {own[0][0]} are given", fix))
+        fix = "Give either sensor, or along, normal and across"
+        problems.append(Problem("sensor", f"the drive gives both sensor and {own[0][0]}", fix))
     if isinstance(sensor, str) or len(sensor) != 3:
         fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
-        problems.append(Problem("sensor", "it does not name three columns", fix))
+        problems.append(Problem("sensor", "sensor does not name three columns", fix))
         return []
     return [(f"sensor.{axis}", name) for axis, name in zip("xyz", sensor, strict=True)]
 
@@ -213,8 +219,8 @@ def _factor(
     factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
     listed = ", ".join(UNITS)
     if not said:
-        fix = f"Give unit = one of {listed}, or write it in the header: '{name} [g]'"
-        problems.append(Problem("unit", f"nothing says the unit of column '{name}'", fix))
+        fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"
+        problems.append(Problem("unit", f"the unit of column '{name}' is not given", fix))
         return None
     for text, factor in factors.items():
         if factor is None:
@@ -222,8 +228,10 @@ def _factor(
             problems.append(Problem("unit" if text == unit else path, message, f"Known: {listed}"))
             return None
     if len(set(factors.values())) > 1:
-        message = f"the header says {column.unit} for column '{name}', unit says {unit}"
-        problems.append(Problem("unit", message, "Leave unit out, or correct the header"))
+        message = (
+            f"column '{name}' has two units: {column.unit} in its header, {unit} in the key unit"
+        )
+        problems.append(Problem("unit", message, "Leave out the key unit, or correct the header"))
         return None
     return next(iter(factors.values()))
 

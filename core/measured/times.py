@@ -33,8 +33,14 @@ def read_times(
     usual = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
     if rate is not None:
         if time is not None:
-            fix = "Give the one that the recorder measures best"
-            problems.append(Problem("rate", "both rate and time are given", fix))
+            fix = "Give only the one that the recorder measures more accurately"
+            problems.append(
+                Problem(
+                    "rate",
+                    "the recording has both a sampling rate (rate) and a time column (time)",
+                    fix,
+                )
+            )
             return None
         try:
             return np.arange(len(table.lines)) / read_number("rate", RATE, rate)
@@ -43,8 +49,10 @@ def read_times(
             return None
     name = time or usual
     if name is None:
-        fix = "Give rate = samples a second, or time = the name of a column of times"
-        problems.append(Problem("rate", "neither a rate nor a column of times is given", fix))
+        fix = "Give rate = the samples per second, or time = the name of the column of times"
+        problems.append(
+            Problem("rate", "the recording has neither a sampling rate nor a column of times", fix)
+        )
         return None
     column = table.column(name, "time", problems)
     if column is None:
@@ -52,7 +60,13 @@ def read_times(
     factor = SECONDS.get(column.unit)
     if factor is None:
         fix = "Write s, ms, us or min in the header, or give rate and leave time out"
-        problems.append(Problem("time", f"'{column.unit[:40]}' is not a unit of time", fix))
+        problems.append(
+            Problem(
+                "time",
+                f"the time column has the unit '{column.unit[:40]}', which is not a unit of time",
+                fix,
+            )
+        )
         return None
     times = factor * (column.values - column.values[0])
     wrong = _uneven(name, times, table.lines)
@@ -74,9 +88,9 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     if backward.size:
         return Problem(
             "time",
-            f"column '{name}' does not increase in {backward.size} "
+            f"the times in column '{name}' do not increase in {backward.size} "
             f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
-            "Write times with more digits, or give rate and leave time out",
+            "Write the times with more digits, or give rate and leave time out",
         )
     usual = float(np.median(steps))
     away = np.abs(steps / usual - 1.0)
@@ -85,10 +99,12 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     worst = int(away.argmax())
     return Problem(
         "time",
-        f"column '{name}' is not evenly spaced: steps are {1e3 * steps.min():.4g} to "
-        f"{1e3 * steps.max():.4g} ms about {1e3 * usual:.4g} ms; the worst is before line "
+        f"the times in column '{name}' are not evenly spaced: steps are "
+        f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
+        f"{1e3 * usual:.4g} ms; the most uneven one is before line "
         f"{lines[worst + 1]}",
-        f"Steps may differ by {100 * UNEVEN:.0f} %; cut out a piece without gaps, or record again",
+        "Cut out a piece of the recording without gaps, or record again: time "
+        f"steps may differ by {100 * UNEVEN:.0f} %",
     )
 
 

@@ -42,7 +42,11 @@ def check_before(signal: Signal) -> None:
     count = signal.times.size
     if not (np.isfinite(signal.accelerations).all() and np.isfinite(signal.times).all()):
         problems.append(
-            Problem("recording", "it holds values that are not finite", "Leave them out")
+            Problem(
+                "recording",
+                "the recording holds values that are not finite numbers",
+                "Remove these values from the recording",
+            )
         )
     if count < LEAST_SAMPLES:
         fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
@@ -50,7 +54,13 @@ def check_before(signal: Signal) -> None:
     problems += _out_of_range(signal)
     if not np.ptp(signal.accelerations, axis=1).any():
         fix = "Check that the sensor was connected"
-        problems.append(Problem("recording", "all channels of the recording are constant", fix))
+        problems.append(
+            Problem(
+                "recording",
+                "all channels of the recording are constant: the sensor recorded no motion",
+                fix,
+            )
+        )
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
     for key in ("frequency", "line_frequency"):
@@ -63,8 +73,9 @@ def check_before(signal: Signal) -> None:
             problems.append(
                 Problem(
                     key,
-                    f"{count / duration:,.4g} samples a second cannot resolve {asked:g} Hz",
-                    f"Record {asked / NYQUIST_SHARE:,.4g} a second or more",
+                    f"the recording has {count / duration:,.4g} samples per second, which "
+                    f"cannot resolve {asked:g} Hz",
+                    f"Record at least {asked / NYQUIST_SHARE:,.4g} samples per second",
                 )
             )
     if problems:
@@ -79,12 +90,25 @@ def _out_of_range(signal: Signal) -> list[Problem]:
         size = float(np.ptp(signal.accelerations, axis=1).max())
     least, most = STEPS
     if np.isfinite(signal.times).all() and not least <= step <= most:
-        fix = "Give the samples a second, or the unit of the column of times"
-        problems.append(Problem("recording", f"it has a sample every {step:.3g} s", fix))
+        fix = "Give rate = the samples per second, or the unit of the column of times"
+        problems.append(
+            Problem(
+                "recording",
+                f"the recording has a sample every {step:.3g} s, which no recorder does",
+                fix,
+            )
+        )
     least, most = ACCELERATIONS
     if np.isfinite(signal.accelerations).all() and size and not least <= size <= most:
-        fix = "Give the unit of its columns, or record again"
-        problems.append(Problem("recording", f"its values range over {size:.3g} m s-2", fix))
+        fix = "Give the unit of the acceleration columns, or record again"
+        problems.append(
+            Problem(
+                "recording",
+                f"the accelerations of the recording range over {size:.3g} m s-2, which no "
+                "feeder does",
+                fix,
+            )
+        )
     return problems
 
 
@@ -159,10 +183,11 @@ def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: f
     strongest = f", most at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
     return Problem(
         "recording",
-        f"it is not periodic: {solution.frequency:.4g} Hz and its orders leave {share} their own "
-        f"rms over{strongest}",
-        f"Record the empty feeder at a steady drive (at most {100 * MAX_LEFT:.0f} % may be left), "
-        "or correct frequency or harmonics",
+        "the recording is not periodic: the residual of a fit of "
+        f"{solution.frequency:.4g} Hz and its multiples has {share} their "
+        f"rms{strongest}",
+        "Record the empty feeder at a steady drive (a residual of at most "
+        f"{100 * MAX_LEFT:.0f} % is accepted), or correct frequency or harmonics",
     )
 
 

@@ -119,14 +119,20 @@ def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator
     for stem, others in GIVES_WAY.items():
         for name in others:
             if own[stem] and name in names:
-                message = f"it follows from {stem}_{own[stem][0]}"
-                yield Problem(f"parameters.{name}", message, f"Remove it, or all of {stem}")
+                message = f"{name} follows from the stretches of the track ({stem}_{own[stem][0]})"
+                yield Problem(
+                    f"parameters.{name}", message, f"Remove {name}, or all parameters {stem}_..."
+                )
 
 
 def _without_bowl(name: str) -> Problem:
     """Return the problem of stretches in a study whose track is not on a bowl drive unit."""
     message = "stretches belong to the track of a bowl on its drive unit"
-    return Problem(f"parameters.{name}", message, "Add spring_radius, moving_inertia, base_inertia")
+    return Problem(
+        f"parameters.{name}",
+        message,
+        "Add the bowl drive unit: spring_radius, moving_inertia, base_inertia",
+    )
 
 
 # --- equations

@@ -98,15 +98,19 @@ def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
     """Raise `StudyError` if the study has several cells, or uses no number of the recording."""
     problems = []
     for axis in prepared.grid.axes:
-        message = "it has several values, and the error is computed for one cell"
+        message = f"{axis} has several values, but the error is computed for one cell"
         problems.append(Problem(f"parameters.{axis}", message, "Give one value"))
     if not names:
         message = "the study takes no number from the recording"
         problems.append(
-            Problem("drive", message, "Leave out the numbers of the drive that it gives itself")
+            Problem(
+                "drive",
+                message,
+                "Remove the parameters of the drive, so that they come from the recording",
+            )
         )
     if not LEAST_DRAWS <= draws <= MAX_DRAWS:
-        fix = f"Give {LEAST_DRAWS} to {MAX_DRAWS:,}"
-        problems.append(Problem("draws", f"{draws:,} draws are too few or too many", fix))
+        fix = f"Give {LEAST_DRAWS} to {MAX_DRAWS:,} draws"
+        problems.append(Problem("draws", f"draws is {draws:,}, which is outside the limits", fix))
     if problems:
         raise StudyError(problems)

@@ -118,8 +118,8 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
     problems = [
         Problem(
             f"parameters.{other}",
-            f"it is computed from the drive unit, to which {of_unit[0]} belongs",
-            f"Remove it, or all of {', '.join(of_unit)}",
+            f"{other} is computed from the drive unit, which the study gives by {of_unit[0]}",
+            f"Remove {other}, or the whole drive unit: {', '.join(of_unit)}",
         )
         for other in names
         if other in FOLLOWS or other in DRIVE
@@ -146,8 +146,12 @@ def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
         fix = "Give load_mass in its place, or leave out force_harmonic"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
     if "load_damping" in of_unit:
-        message = "it follows from the motion of the parts, whose conveyed_mass is given"
-        problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
+        message = (
+            "load_damping follows from the motion of the parts, whose conveyed_mass the study gives"
+        )
+        problems.append(
+            Problem("parameters.load_damping", message, "Give either load_damping or conveyed_mass")
+        )
     return problems
 
 

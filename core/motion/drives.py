@@ -204,8 +204,10 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     if not np.all(np.isnan(waves.size(wave))):
         return []
     if np.all(np.isnan(wave.steps[waves.ENDS])):
-        message = "all steps of the drive have no duration"
-        return [Problem("parameters.duration_1", message, "Give at least one duration above 0")]
+        message = "all steps of the drive have a duration of 0"
+        return [
+            Problem("parameters.duration_1", message, "Give at least one step a duration above 0")
+        ]
     axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
     message = f"the mean acceleration {axis} is not 0: the track would run away"
     fix = (
@@ -268,7 +270,7 @@ def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
     remedy.
     """
     return Problem(
-        f"parameters.{name}", f"it belongs to {kind}, but the study also gives {other}", fix
+        f"parameters.{name}", f"{name} belongs to {kind}, but the study also gives {other}", fix
     )
 
 

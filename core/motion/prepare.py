@@ -246,7 +246,9 @@ def prepare(study: SimulateStudy) -> Simulation:
     scene, method, _ = chosen
     if study.drive is not None and scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
-        raise StudyError([Problem("drive", f"{scene.name} supports only the plain sine", fix)])
+        raise StudyError(
+            [Problem("drive", f"{scene.name} takes only a sine drive, not a section drive", fix)]
+        )
     settings = study.settings()
     more = never_left_out(scene, method) if study.reduce is None else ()
     asked = tuple(dict.fromkeys((*study.outputs, *more)))
@@ -363,7 +365,7 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
         ("trajectory", "it shows one point; the study has reduce too"),
     ):
         if getattr(study, key):
-            problems.append(Problem(key, message, "Remove one of the two"))
+            problems.append(Problem(key, message, f"Remove either {key} or reduce"))
     return problems
 
 

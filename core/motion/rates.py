@@ -83,6 +83,12 @@ def _spacing(length: Array, gap: Array | float) -> Array:
     """Return the length of track that a part takes [m]; raise StudyError if it is not above 0."""
     spacing = length + gap
     if np.any(spacing <= 0.0):
-        fix = "Give what a part takes of the track"
-        raise StudyError([Problem("length", "length and gap together must be above 0", fix)])
+        fix = "Give length or gap above 0"
+        raise StudyError(
+            [
+                Problem(
+                    "length", "length plus gap, the track that one part takes, is not above 0", fix
+                )
+            ]
+        )
     return spacing

@@ -152,5 +152,11 @@ def contradictions(names: Iterable[str]) -> list[Problem]:
     own = [name for name in names if name.startswith("part_friction_")]
     if "friction_spread" in names and own:
         message = f"the frictions are drawn, and {own[0]} is given"
-        problems.append(Problem("parameters.friction_spread", message, "Give one of the two"))
+        problems.append(
+            Problem(
+                "parameters.friction_spread",
+                message,
+                "Give either friction_spread or the frictions of single parts",
+            )
+        )
     return problems

@@ -118,7 +118,7 @@ def test_parts_without_a_length_have_no_rate(length):
         lambda: vibrafeed.velocity_for(parts_per_minute=100, length=length),
     ):
         with pytest.raises(
-            vibrafeed.StudyError, match="length: length and gap together must be above 0"
+            vibrafeed.StudyError, match="length: length plus gap, the track that one part takes"
         ):
             rate()
 

@@ -206,19 +206,22 @@ def stepped_path(
     """
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
-        raise ValueError("phases must be a row of finite numbers")
+        raise ValueError("phases has to be a one-dimensional array of finite numbers")
     if np.any(np.diff(asked) < 0.0):
         raise ValueError("phases must ascend")
     _check(steps_per_period, 8, 1.0, contacts)
     step = 2.0 * math.pi / steps_per_period
     steps = (asked[-1] - asked[0]) / step
     if steps > MAX_STEPS:
-        raise ValueError(f"phases need {steps:.3g} steps; the limit is {MAX_STEPS:,}")
+        raise ValueError(
+            f"the phases take {steps:.3g} time steps; the limit is {MAX_STEPS:,}: give "
+            "smaller phases, or fewer steps_per_period"
+        )
     (row,), _ = cells_of(groups, tolerance=0.0, max_periods=0.0)
     cell, columns = np.split(row, [compiled.stepping.GROUPS])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
-        raise ValueError("groups, position (3) and velocity (3) must be finite")
+        raise ValueError("groups, position (3 numbers) and velocity (3 numbers) have to be finite")
     wave, most = np.zeros((0, 0)), math.ceil(steps) + 1
     if columns.size:
         wave = drives_of(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
@@ -235,12 +238,15 @@ def stepped_path(
 def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:
     """Raise ValueError if a count or a setting of time stepping is out of its range."""
     if steps_per_period < FEWEST or max_periods < FEWEST:
-        raise ValueError(f"steps_per_period and max_periods must be at least {FEWEST}")
+        raise ValueError(f"steps_per_period and max_periods have to be at least {FEWEST}")
     if 4 * steps_per_period * max_periods > MAX_STEPS:
-        raise ValueError(f"a cell may take {MAX_STEPS:,} steps at most")
+        raise ValueError(
+            "a cell takes steps_per_period * max_periods steps, and the limit is "
+            f"{MAX_STEPS:,}: reduce one of the two"
+        )
     rolling = contacts.rolling
     if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(tolerance + rolling)):
-        raise ValueError("tolerance and rolling must be finite, and not negative")
+        raise ValueError("tolerance and rolling have to be finite and at least 0")
 
 
 def _follow(contacts: Contacts) -> Follow:

@@ -227,11 +227,14 @@ def tumbling_path(
     """
     moments = np.atleast_1d(np.asarray(times, dtype=float))
     if moments.ndim != 1 or not moments.size or moments[0] < 0 or np.any(np.diff(moments) < 0):
-        raise ValueError("times have to ascend from 0 or later")
+        raise ValueError("times has to hold ascending numbers, the first at least 0")
     end = max(moments[-1], np.finfo(float).tiny)
     cells, shape = _cells(throw._replace(duration=end))
     if shape != ():
-        raise ValueError("a path is that of one part: every argument has to be a single value")
+        raise ValueError(
+            "the path of one part takes single values: every argument has to be a "
+            "number, not an array"
+        )
     _check(method, throw.law)
     run = compiled.tumbling.path_events if method == "events" else compiled.tumbling.path_steps
     rows = np.full((moments.size, compiled.tumbling.PATH_COLUMNS), np.nan)
@@ -294,14 +297,14 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
     given_themselves = [name for name in compiled.tumbling.Cell._fields if name not in _DERIVED]
     if not all(np.all(np.isfinite(named[name])) for name in given_themselves):
-        raise ValueError("every argument has to be finite")
+        raise ValueError("every argument has to be a finite number")
     for name in ("gap_normal", "friction_kinetic", "restitution"):
         if not np.all(named[name] >= 0):
             raise ValueError(f"{name} may not be negative")
     if not np.all(named["friction_static"] >= named["friction_kinetic"]):
-        raise ValueError("friction_static may not be below friction_kinetic")
+        raise ValueError("friction_static has to be at least friction_kinetic")
     if not np.all(named["restitution"] <= 1):
-        raise ValueError("restitution may not be above 1")
+        raise ValueError("restitution has to be at most 1")
     return rows, shape
 
 
@@ -322,7 +325,7 @@ def _check(method: Way, law: Law) -> None:
     if method not in ("events", "stepping"):
         raise ValueError("method has to be 'events' or 'stepping'")
     if method == "stepping" and law != "moreau":
-        raise ValueError("stepping knows Moreau's impact law only: law has to be 'moreau'")
+        raise ValueError("the method 'stepping' has Moreau's impact law only: set law to 'moreau'")
 
 
 def _by(name: str, way: Way, law: Law, **known: Any) -> Method:

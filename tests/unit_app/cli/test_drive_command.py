@@ -74,7 +74,8 @@ def test_every_problem_is_told_at_once(tmp_path):
         f"{RECORDING}: 6 problems",
         "  plot: '.bmp': unknown picture format. End the name in .png, .svg or .pdf.",
         "  rate: 'x' is not a unit. Write rate = \"5 kHz\" (a bare number is in Hz).",
-        "  mounting: it turns a sensor of three axes only. Give sensor = three columns instead of "
+        "  mounting: mounting applies only to a sensor with three axes, which is not given. Give "
+        "sensor = three columns instead of "
         "along, across and normal.",
         "  along: the recording has no column 'bx'. Known: ax, ay, az, time.",
         "  unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",

@@ -249,5 +249,9 @@ def test_every_problem_is_told_at_once(atlas, tmp_path):
     with pytest.raises(StudyError) as told:
         lookup_rows(atlas, rows, {**PART, "beta": [20, 30]})
     text = str(told.value)
-    for words in ("parameters.amplitude: it is a column", "do not rebound", "parameters.beta"):
+    for words in (
+        "parameters.amplitude: amplitude is given twice",
+        "do not rebound",
+        "parameters.beta",
+    ):
         assert words in text

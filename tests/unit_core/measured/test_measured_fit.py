@@ -286,7 +286,7 @@ def test_gravity_tells_how_the_track_stands():
 
 def test_noise_is_not_periodic():
     signal = signal_of({"along": [(0.0, 0.0)]})
-    assert "it is not periodic" in refusal(noisy(signal, np.random.default_rng(9)))
+    assert "the recording is not periodic" in refusal(noisy(signal, np.random.default_rng(9)))
 
 
 def test_another_machine_is_named():
@@ -313,7 +313,7 @@ def test_a_drive_that_grows_so_much_that_it_is_not_periodic_is_told_to_grow():
     """As a shake table was recorded whose amplitude grew six times over 15 periods."""
     signal = signal_of({"along": [(0.1, 0.0)]}, frequency=1.0, rate=100.0, count=1500)
     text = refusal(signal._replace(accelerations=signal.accelerations * np.geomspace(1, 6, 1500)))
-    assert "it is not periodic" in text
+    assert "the recording is not periodic" in text
     assert "the drive is not steady" in text
 
 
@@ -354,7 +354,7 @@ def test_channels_at_rest_and_numbers_that_are_none_are_refused():
     assert "all channels of the recording are constant" in refusal(still)
     broken = signal_of(DRIVE)
     broken.accelerations[0, 3] = np.nan
-    assert "it holds values that are not finite" in refusal(broken)
+    assert "the recording holds values that are not finite" in refusal(broken)
 
 
 def test_importing_loads_no_picture_and_no_table_library():

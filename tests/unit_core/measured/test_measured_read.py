@@ -267,26 +267,28 @@ def test_everything_that_is_wrong_is_told_at_once():
 
 def test_times_that_are_none():
     assert refused(TEXT.replace("time [s]", "second")) == [
-        "rate: neither a rate nor a column of times is given. Give rate = samples a second, or "
-        "time = the name of a column of times."
+        "rate: the recording has neither a sampling rate nor a column of times. Give rate = the "
+        "samples per second, or time = the name of the column of times."
     ]
     assert refused(TEXT.replace("time [s]", "time [h]"))[0].startswith(
         "time: 'h' is not a unit of time. Write s, ms, us or min"
     )
     both = Recording(along="ax", time="time", rate=2000)
-    assert refused(TEXT, both)[0].startswith("rate: both rate and time are given")
+    assert refused(TEXT, both)[0].startswith(
+        "rate: the recording has both a sampling rate (rate) and"
+    )
     signal = signal_of(DRIVE, count=400)
     back = signal.times.copy()
     back[100] = back[99]
     assert refused(csv_of(signal._replace(times=back))) == [
-        "time: column 'time' does not increase in 1 place, first in line 102. Write times with "
-        "more digits, or give rate and leave time out."
+        "time: the times in column 'time' do not increase in 1 place, first in line 102. Write the "
+        "times with more digits, or give rate and leave time out."
     ]
     gap = signal.times + 0.0015 * (np.arange(400) > 99)
     assert refused(csv_of(signal._replace(times=gap))) == [
-        "time: column 'time' is not evenly spaced: steps are 0.5 to 2 ms about 0.5 ms; the worst "
-        "is before line 102. Steps may differ by 50 %; cut out a piece without gaps, or record "
-        "again."
+        "time: the times in column 'time' are not evenly spaced: steps are 0.5 to 2 ms, usually "
+        "0.5 ms; the most uneven one is before line 102. Cut out a piece of the recording without "
+        "gaps, or record again: time steps may differ by 50 %."
     ]
 
 
@@ -338,15 +340,18 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
     [
         (
             Recording(),
-            "along: no column of accelerations is named. Name the "
+            "along: the drive names no column of accelerations. Name the "
             "columns: along = ..., normal = ...",
         ),
-        (Recording(along="ax", mounting=(0, 0, 90)), "mounting: it turns a sensor of three axes"),
+        (
+            Recording(along="ax", mounting=(0, 0, 90)),
+            "mounting: mounting applies only to a sensor with",
+        ),
         (
             Recording(sensor=("ax", "az")),
-            "sensor: it does not name three columns. Name the columns",
+            "sensor: sensor does not name three columns. Name the columns",
         ),
-        (Recording(sensor="axy"), "sensor: it does not name three columns. Name the columns"),
+        (Recording(sensor="axy"), "sensor: sensor does not name three columns. Name the columns"),
         (
             Recording(along="ax", sensor=("ax", "ax", "ax")),
             "sensor: both sensor and along are given",
@@ -378,13 +383,19 @@ def test_a_channel_without_a_unit_is_told_where_to_write_it():
 @pytest.mark.parametrize(
     ("mounting", "message"),
     [
-        ((0, 0), "the mounting holds neither three angles nor a matrix"),
-        ("level", "the mounting holds neither three angles nor a matrix"),
-        (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "the matrix of the mounting is not a rotation"),
-        (((1,), (0, 1, 0), (0, 0, 2)), "the matrix of the mounting is not a rotation"),
+        ((0, 0), "the mounting of the sensor is neither three angles nor a matrix"),
+        ("level", "the mounting of the sensor is neither three angles nor a matrix"),
+        (
+            ((1, 0, 0), (0, 1, 0), (0, 0, 2)),
+            "the mounting of the sensor is a matrix that is not a rotation",
+        ),
+        (
+            ((1,), (0, 1, 0), (0, 0, 2)),
+            "the mounting of the sensor is a matrix that is not a rotation",
+        ),
         (
             ((1, 0, 0), (0, 1, 0), (0, 0, -1)),
-            "the matrix of the mounting is a reflection, not a rotation",
+            "the mounting of the sensor is a matrix that mirrors the axes",
         ),
     ],
 )
@@ -433,4 +444,6 @@ def test_times_and_values_that_no_recorder_writes_are_refused(what, size):
         prepare_content({**study, "drive": drive})
     (problem,) = refused.value.problems
     assert problem.place == "drive.data"
-    assert ("a sample every" if what == "rate" else "its values range over") in problem.message
+    assert (
+        "a sample every" if what == "rate" else "of the recording range over"
+    ) in problem.message

@@ -127,14 +127,16 @@ def test_a_part_that_tumbles_has_no_measured_drive():
         ({"alogn": "ax", "data": TEXT},
          ["drive.alogn: 'alogn' is not a key of the drive. Did you mean 'along'?"]),
         ({"along": "ax"},
-         ["drive: it names no recording. Give file = its name, or data = the text of the "
+         ["drive: the drive names no recording. Give file = the name of the recording, or data = "
+          "the text of the "
           "recording's CSV."]),
         (DATA | {"file": "x.csv"},
-         ["drive: both file and data are given. Give file = its name, or data = the text of the "
+         ["drive: the drive gives both file and data. Give file = the name of the recording, or "
+          "data = the text of the "
           "recording's CSV."]),
         ({"file": "absent.csv", "along": "ax"},
-         ["drive.file: it cannot be read: No such file or directory. Name a CSV file in "
-          "the study's folder."]),
+         ["drive.file: it cannot be read: No such file or directory. Name a CSV file by "
+          "its path from the folder of the study."]),
         (DATA | {"along": "bx", "harmonics": 20},
          ["drive.along: the recording has no column 'bx'. Known: ax, az, time.",
           "drive.harmonics: 20 orders cannot be fitted. Give a whole number from 1 to 10, or leave "
@@ -168,13 +170,15 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
     path = tmp_path / "recording.csv"
     path.write_text(TEXT)
     assert refused(study({"file": str(path), "along": "ax"}), files=False) == [
-        "drive.file: the service reads no files. Give data = the text of the recording's CSV."
+        "drive.file: the service cannot read files of your computer. Give data = the text of the "
+        "recording's CSV."
     ]
     prepare_content(study())
     monkeypatch.setattr(measured, "MAX_ROWS_SENT", 700)
     assert refused(study(), files=False) == [
-        "drive.data: it has 800 rows, the limit over HTTP is 700. Shorten the recording: one "
-        "second is enough."
+        "drive.data: the recording has 800 rows, the limit over HTTP is 700. Shorten the "
+        "recording: one "
+        "second of motion is enough."
     ]
     prepare_content(study(), files=True)
 
@@ -215,10 +219,11 @@ def test_the_error_of_a_speed_is_that_of_what_comes_from_the_recording():
         drive_error(study_of({"frequency": 49, "amplitude": 1e-4, "beta": 20,
                               "friction": [0.2, 0.3]}), fit, draws=3)  # fmt: skip
     assert [str(problem) for problem in caught.value.problems] == [
-        "parameters.friction: it has several values, and the error is computed for one cell. "
+        "parameters.friction: friction has several values, but the error is computed for one cell. "
         "Give one value.",
-        "drive: the study takes no number from the recording. Leave out the numbers of the drive "
-        "that it gives itself.",
+        "drive: the study takes no number from the recording. Remove the parameters of the "
+        "drive, so that "
+        "they come from the recording.",
         "draws: 3 draws are too few or too many. Give 20 to 10,000.",
     ]
 
@@ -227,5 +232,7 @@ def test_equal_seeds_give_equal_errors_from_python():
     one, same, other = (vibrafeed.drive_error(study(), draws=20, seed=seed) for seed in (1, 1, 2))
     assert one == same != other
     assert one.velocity == float(vibrafeed.simulate(study()).conveying_velocity)
-    with pytest.raises(StudyError, match="drive: it names no recording that can be fitted"):
+    with pytest.raises(
+        StudyError, match="drive: the drive of this study names no recording to fit"
+    ):
         vibrafeed.drive_error(sound(study()))

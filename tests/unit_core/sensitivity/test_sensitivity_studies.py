@@ -317,7 +317,7 @@ def test_a_calibration_gives_its_density_to_who_has_the_file(tmp_path):
     assert len(found.vf.study.content()["uncertain"]["friction"]["values"]) < 41
     with pytest.raises(StudyError, match="only the command line and Python read files"):
         prepare_content(content)
-    for wrong, says in (("none.nc", "cannot be read"), (3, "not a path")):
+    for wrong, says in (("none.nc", "cannot be read"), (3, "not the path of a file")):
         with pytest.raises(StudyError, match=says):
             sensitive(uncertain={"friction": {"calibration": wrong}})
     with pytest.raises(StudyError, match="It has those of friction"):
