@@ -50,7 +50,9 @@ class Watch:
     def check(self) -> None:
         """Raise `StoppedError` if the computation is to stop."""
         if self.stopped():
-            raise StoppedError("the calculation was stopped; the cell in progress is not kept")
+            raise StoppedError(
+                "the computation was stopped, and the cell in progress was discarded; run it again"
+            )
 
     @contextlib.contextmanager
     def flag(self) -> Iterator[NDArray[np.int8]]:

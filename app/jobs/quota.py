@@ -126,7 +126,7 @@ class Quota:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes on disk. The quota of the service "
                 f"is {quota:,} bytes, of which {promises - needed:,} are reserved for "
-                "running jobs. Post a smaller study, or wait for them."
+                "running jobs. Post a smaller study, or wait until they end."
             )
         if max(self._lacking(promised)) > 0:
             self._count(RIGHT_FOR)

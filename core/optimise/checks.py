@@ -29,13 +29,23 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
     places |= {"criterion.against": getattr(criterion, "against", "")}
     for place, name in places.items():
         if name in FLAGS:
-            yield Problem(place, f"{name} is a name and not a number", "Take another output")
+            yield Problem(
+                place,
+                f"{name} has names as values, not numbers, and cannot be optimised",
+                "Choose another output",
+            )
     if len(set(study.criterion_outputs())) < len(study.criterion_outputs()):
-        yield Problem("criterion.against", "it is the output itself", "Name another output")
+        yield Problem(
+            "criterion.against",
+            "the second output of the criterion is the same as the first",
+            "Name another output as against",
+        )
     for name in study.bounds():
         if name in values:
-            fix = f"Remove it there, or under parameters.{name}"
-            yield Problem(f"variables.{name}", "it is also given as a parameter", fix)
+            fix = f"Remove {name} from the variables or from the parameters"
+            yield Problem(
+                f"variables.{name}", f"{name} is given twice: as a variable and as a parameter", fix
+            )
     yield from _problems_of_constraints(study)
 
 
@@ -45,7 +55,9 @@ def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
         if constraint.lower is None and constraint.upper is None:
-            yield Problem(path, "it has neither lower nor upper", "Give lower, upper or both")
+            yield Problem(
+                path, "the constraint has neither lower nor upper", "Give lower, upper or both"
+            )
         elif (
             constraint.lower is not None
             and constraint.upper is not None
@@ -53,11 +65,15 @@ def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
         ):
             yield Problem(path, "lower is above upper", "Swap them")
         if constraint.absolute and constraint.upper is not None and constraint.upper < 0:
-            yield Problem(f"{path}.upper", "no absolute value is below 0", "Give 0 or more")
+            yield Problem(
+                f"{path}.upper", "the upper bound of an absolute value is below 0", "Give 0 or more"
+            )
         for name, _ in constraint.ends():
             if name in seen:
                 yield Problem(
-                    path, f"{constraint.output} has such a bound already", "Remove one of them"
+                    path,
+                    f"{constraint.output} has the same bound twice",
+                    "Remove one of the two constraints",
                 )
             seen.add(name)
 
@@ -85,13 +101,21 @@ def problems_of_intervals(
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
         yield Problem("quantile", "it is missing", fix)
     if study.quantile is not None and study.robust != "quantile":
-        yield Problem("quantile", "no setting uses it", 'Remove it, or set robust = "quantile"')
+        yield Problem(
+            "quantile",
+            "quantile is given, but only robust = 'quantile' uses it",
+            'Remove it, or set robust = "quantile"',
+        )
     if study.robust is not None and not intervals:
         fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
         yield Problem("robust", "no parameter is uncertain", fix)
     if intervals and isinstance(study.criterion, Pareto):
-        fix = "Use the criterion limit, at some limits"
-        yield Problem("uncertain", "a whole front is not traced over an interval", fix)
+        fix = "Use the criterion limit, at several limits"
+        yield Problem(
+            "uncertain",
+            "a trade-off (criterion pareto) cannot be computed with uncertain parameters",
+            fix,
+        )
 
 
 def of_other_drive(problem: Problem, scene: Scene) -> Problem:

@@ -190,7 +190,13 @@ def choose_problem_scene(
                 "Remove it, or ask for outputs of the closed forms alone" if plain else "Remove it"
             )
             refusals = (
-                [Problem("variant", "motion in time has no variants", fix)] if variant else []
+                [
+                    Problem(
+                        "variant", "variant is given, but a simulated motion has no variants", fix
+                    )
+                ]
+                if variant
+                else []
             )
             return system, method, refusals
     return scene, chosen, problems

@@ -34,7 +34,9 @@ def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array
     """
     low, high = (float(end) for end in np.asarray(interval, dtype=np.float64))
     if not low <= high:
-        raise ValueError("the interval has to be finite, and in order")
+        raise ValueError(
+            "lower and upper of the interval have to be finite, and lower at most upper"
+        )
     if nodes < (2 if how == "worst" else 1):
         raise ValueError("too few nodes")
     if how == "worst":
@@ -42,7 +44,7 @@ def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array
     if how == "mean":
         roots, weights = np.polynomial.legendre.leggauss(nodes)
         return low + (high - low) * (roots + 1) / 2, weights / 2
-    raise ValueError(f"how is 'worst' or 'mean', not '{how}'")
+    raise ValueError(f"how has to be 'worst' or 'mean', not '{how}'")
 
 
 def over_nodes(values: Array, weights: Array | None) -> Array:

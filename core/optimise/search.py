@@ -117,15 +117,17 @@ def search_maximum(
 def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
     """Raise ValueError for an invalid box, budget or tolerance."""
     if lower.shape != upper.shape or lower.ndim != 1:
-        raise ValueError("lower and upper are of different shapes")
+        raise ValueError(
+            "lower and upper have different shapes; give one bound of each for every variable"
+        )
     if not 1 <= lower.size <= MAX_VARIABLES:
-        raise ValueError(f"1 to {MAX_VARIABLES} variables can be searched")
+        raise ValueError(f"the search takes 1 to {MAX_VARIABLES} variables")
     if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
-        raise ValueError("lower and upper have to be finite, and in order")
+        raise ValueError("lower and upper have to be finite, and lower at most upper")
     if budget < FEWEST_EVALUATIONS:
-        raise ValueError(f"the budget has to be {FEWEST_EVALUATIONS} evaluations or more")
+        raise ValueError(f"budget has to be at least {FEWEST_EVALUATIONS} evaluations")
     if not tolerance > 0:
-        raise ValueError("the tolerance has to be above 0")
+        raise ValueError("tolerance has to be a number above 0")
 
 
 class _StoppedError(Exception):
@@ -157,7 +159,10 @@ class _Search:
             raise _StoppedError
         values = np.asarray(self.evaluate(self.points_in_box(unit)), dtype=np.float64)
         if values.shape != unit.shape[:1]:
-            raise ValueError(f"{len(unit)} points gave values of shape {values.shape}")
+            raise ValueError(
+                f"the function returned values of shape {values.shape} for {len(unit)} "
+                "points; it has to return one value per point"
+            )
         values = np.where(np.isfinite(values), values, -np.inf)
         self.used += len(unit)
         self.least = min(self.least, float(values.min()))

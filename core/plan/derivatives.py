@@ -234,8 +234,9 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
             [
                 Problem(
                     f"outputs.{equation.gives}",
-                    f"its equation has no exact derivative by {parameter}: {error}",
-                    "Leave it out, or compare two points of a sweep",
+                    f"the equation of {equation.gives} has no exact derivative by {parameter}: "
+                    f"{error}",
+                    "Leave out this derivative, or compare two points of a sweep",
                 )
             ]
         ) from error

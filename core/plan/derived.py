@@ -179,13 +179,15 @@ def asked_of(
     known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
     names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
     problems = [
-        Problem(SECTION, f"no output is computed from '{name[:60]}'", suggestion(name, known))
+        Problem(SECTION, f"no requested output depends on '{name[:60]}'", suggestion(name, known))
         for name in names
         if name not in known
     ]
     if not outputs:
-        message = "none of the outputs is a number that could be derived"
-        problems.append(Problem(SECTION, message, "Leave it out, or ask for another output"))
+        message = "none of the requested outputs is a number with a derivative"
+        problems.append(
+            Problem(SECTION, message, "Leave out sensitivities, or request another output")
+        )
     values = cells * len(outputs) * len(names)
     if values > MAX_DERIVED:
         message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"

@@ -64,7 +64,7 @@ class Dual(NDArrayOperatorsMixin):
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
         # `np.asarray` would drop the slope; in a box it goes on, to be unpacked by the next rule.
         if dtype is not None:
-            raise NotDifferentiableError(f"an array of {dtype} has no place for a derivative")
+            raise NotDifferentiableError(f"an array of the type {dtype} cannot hold derivatives")
         box = np.empty(1, dtype=object)
         box[0] = self
         return box.reshape(())

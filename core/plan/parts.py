@@ -200,7 +200,9 @@ class Parts(ABC):
         there = set(self.records.names())
         for part in range(self.count):
             if watch.stopped():
-                raise StoppedError("it was stopped while parts were checked")
+                raise StoppedError(
+                    "the join was stopped while parts were checked; run the command again"
+                )
             record = self.records.read(self.name(part))
             if self.name(part) not in there:
                 missing.append(part)

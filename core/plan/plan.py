@@ -317,7 +317,7 @@ def _doubled(parameters: Collection[str]) -> list[Problem]:
             problems.append(
                 Problem(
                     f"parameters.{name}",
-                    f"it is given together with {' and '.join(doubled)}",
+                    f"{name} and {' and '.join(doubled)} set the same quantity",
                     f"Give either {name} or {' and '.join(others)}",
                 )
             )

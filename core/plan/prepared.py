@@ -53,7 +53,11 @@ class Prepared:
     @property
     def not_lazy(self) -> Problem | None:
         """The problem with computing cells when they are read; None if that is possible."""
-        return Problem("kind", "it is computed as a whole, not where read", "Sweep closed forms")
+        return Problem(
+            "kind",
+            "a study of this kind is computed as a whole, not cell by cell when it is read",
+            "Use a sweep of closed-form equations",
+        )
 
     def check_lazy(self, fix: str) -> Self:
         """Return the study; raise `StudyError` if cells cannot be computed when they are read.

@@ -61,7 +61,9 @@ def write_book(
     with PdfPages(book, metadata=METADATA["pdf"] | {"Title": TITLE}) as pdf:
         for number in range(len(wanted) + 1):
             if watch.stopped():
-                raise StoppedError("it was stopped before the book was whole")
+                raise StoppedError(
+                    "the charts were stopped before all pages were drawn; start again"
+                )
             chart = Chart.of(*wanted[number - 1]) if number else None
             pdf.savefig(draw_page(chart) if chart else draw_introduction())
             watch.advance(1.0 / (len(wanted) + 1))

@@ -49,7 +49,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         raise PlotError("kind", f"the dataset has no {kind}", fix)
     if kind not in KINDS:
         fix = f"Choose among {', '.join(KINDS)}"
-        raise PlotError("kind", f"a calibration is not drawn as {kind}", fix)
+        raise PlotError("kind", f"the result of a calibration cannot be drawn as kind {kind}", fix)
     return KINDS[kind](dataset, options.style, options.units, options.title)
 
 
@@ -265,8 +265,10 @@ def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float,
     """
     array = dataset[str(dataset.attrs["output"])]
     if not np.isfinite(array.values).any():
-        fix = "Draw the posterior"
-        raise PlotError("kind", "no speed was measured, only what the part does", fix)
+        fix = "Draw another kind, such as posterior"
+        raise PlotError(
+            "kind", "this picture needs measured speeds, but the runs observed only regimes", fix
+        )
     shown = shown_in(array, units)
     return scaled(array, shown.factor), shown.factor, shown.unit
 

@@ -97,7 +97,9 @@ def draw(
     if len(datasets) > 1:
         if kind not in (None, "line"):
             fix = "Leave the kind out, or draw each by itself"
-            raise PlotError("kind", "several datasets are drawn as lines", fix)
+            raise PlotError(
+                "kind", "several datasets in one picture can only be drawn as lines", fix
+            )
         return draw_together(datasets, options)
     if kind is None:
         named = (replace(options, kind=name, is_natural=True) for name in PICTURES)

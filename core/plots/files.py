@@ -68,7 +68,11 @@ def draw_file(
         _animate_file(files, targets, (variable, axes, at), kind, slow, look)
         return
     if slow is not None:
-        raise PlotError("slow", "only an animation is slowed", "End the name in .gif or .mp4")
+        raise PlotError(
+            "slow",
+            "slow is given, but only an animation has a slow-motion factor",
+            "Give the picture a name that ends in .gif or .mp4, or leave out slow",
+        )
     for target in targets:
         check_format(target)
     held = read_fixed(at or {})
@@ -96,13 +100,19 @@ def _animate_file(
     from core.plots.movie import animate
 
     if len(files) > 1:
-        raise PlotError("dataset", "an animation shows one file", "Give one")
+        raise PlotError(
+            "dataset", "an animation shows one result, but several files are given", "Give one"
+        )
     if kind not in (None, "animation", "trajectory"):
         fix = "End the name in .png, .svg or .pdf, or leave the kind out"
         raise PlotError("kind", f"a {kind} does not move", fix)
     if any(chosen):
-        fix = "Leave variable, axes and --at out"
-        raise PlotError("kind", "an animation shows the whole trajectory of a file", fix)
+        fix = "Leave out variable, axes and at"
+        raise PlotError(
+            "kind",
+            "an animation shows the whole trajectory, without a variable, axes or fixed values",
+            fix,
+        )
     look = {name: value for name, value in look.items() if name != "nearest"}
     dataset = read(files[0])
     for target in targets:

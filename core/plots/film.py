@@ -101,7 +101,9 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
         If the dataset holds no trajectory, or the animation would be too long.
     """
     if slow is not None and not (np.isfinite(slow) and slow > 0):
-        raise PlotError("slow", f"'{slow:g}' is not above 0", "Give a number such as 50")
+        raise PlotError(
+            "slow", f"the slow-motion factor '{slow:g}' is not above 0", "Give a number such as 50"
+        )
     check_trajectory(dataset, None, None, {})
     if "path_height" in dataset:
         return _tumbling(dataset, units, slow)
@@ -121,10 +123,18 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         for name in ("position_along", "height_above_floor", "track_along", "track_normal")
     )
     if not np.isfinite([position, height, along, normal]).all():
-        raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
+        raise PlotError(
+            "dataset",
+            "the dataset has no motion to draw, because the simulation found no cycle",
+            "Draw another",
+        )
     span = max(float(np.hypot(np.ptp(along), np.ptp(normal))), float(height.max()))
     if span == 0:
-        raise PlotError("dataset", "neither the track nor the part moves", "Draw another")
+        raise PlotError(
+            "dataset",
+            "the dataset has no motion to draw: neither the track nor the part moves",
+            "Draw another",
+        )
     shown = units.of("m", span)
     length = PART_LENGTH * span
     cycles = _cycles(dataset, time, span, length)
@@ -188,7 +198,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     )
     followed = np.isfinite(along) & np.isfinite(upward) & np.isfinite(pitch)
     if followed.sum() < 2:
-        raise PlotError("dataset", "its motion has no values", "Draw another")
+        raise PlotError("dataset", "the dataset has no values of the motion", "Draw another")
     end = time[followed][-1]
     settled = float(dataset["settling_time"]) if "settling_time" in dataset else np.nan
     if np.isfinite(settled):
@@ -295,7 +305,9 @@ def frames_in(seconds: float) -> int:
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
         message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
-        raise PlotError("slow", message, "Give a smaller --slow, or a shorter trajectory")
+        raise PlotError(
+            "slow", message, "Give a smaller slow-motion factor, or a shorter trajectory"
+        )
     return frames
 
 

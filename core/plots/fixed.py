@@ -69,7 +69,9 @@ def fixed_positions(
             others = ",".join(axis for axis in axes if axis != name)
             fix = f"Add --axes {others}, or leave it out" if others else "Leave it out"
             raise PlotError(
-                _axis_name(name), f"{name} is an axis of this picture and cannot be fixed", fix
+                _axis_name(name),
+                f"{name} is an axis of this picture, so it cannot also have a fixed value",
+                fix,
             )
         if name not in known:
             message = "the dataset has no such dimension"

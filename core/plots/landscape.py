@@ -98,7 +98,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     problem = prepared.problem
     if len(problem.names) not in POINTS:
         message = f"the study has {len(problem.names)} variables, a landscape needs 1 or 2"
-        raise PlotError("dataset", message, "Ask for kind profiles, or draw best values as lines")
+        raise PlotError("dataset", message, "Draw kind profiles, or draw the best values as lines")
     positions = design_positions(dataset, prepared, options)
     shown = _computed(dataset, prepared, positions, units)
     figure = style.sheet()

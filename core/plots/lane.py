@@ -51,7 +51,11 @@ def draw_lane(
     """
     row = read_row(dataset, units)
     if row.length == 0.0:
-        raise PlotError("dataset", "it does not say how long the parts are", "Give length")
+        raise PlotError(
+            "dataset",
+            "the dataset does not give the length of the parts",
+            "Set length in the study, and run the study again",
+        )
     slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
     times = 1000.0 * row.times / row.time.factor
     moments = np.linspace(times[0], times[-1], frames_in(np.ptp(times) / 1000.0 * slow))

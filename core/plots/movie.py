@@ -38,7 +38,9 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Raise `PlotError`, since animations are files written by `animate`, not figures."""
     fix = "Call vibrafeed.animate, or end the name in .gif or .mp4"
-    raise PlotError("kind", "an animation is a file, not a figure", fix)
+    raise PlotError(
+        "kind", "an animation can only be written to a file, not returned as a figure", fix
+    )
 
 
 def animate(

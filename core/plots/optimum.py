@@ -30,5 +30,5 @@ def prepared_of(dataset: xarray.Dataset) -> Optimisation:
     study = parse_json(text) if is_optimum(dataset) else None
     if not isinstance(study, OptimiseStudy):
         fix = "Draw what `vibrafeed run` wrote of a study of kind 'optimise'"
-        raise PlotError("dataset", "it is not the result of an optimisation", fix)
+        raise PlotError("dataset", "the dataset is not the result of an optimisation", fix)
     return prepare(study)

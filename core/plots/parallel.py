@@ -93,8 +93,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     check_result(dataset)
     style, units, held = options.style, options.units, options.at
     if options.axes is not None:
-        fix = "Leave them out, or hold one by --at"
-        raise PlotError("axes", "parallel coordinates show all axes", fix)
+        fix = "Leave out axes, or fix an axis with at"
+        raise PlotError("axes", "parallel coordinates show all axes, so none can be chosen", fix)
     places = fixed_positions(
         dataset, held, [n for n in held if n in dataset.dims], (), nearest=options.nearest
     )
@@ -223,7 +223,9 @@ def _names(
     names = [n for n in dict.fromkeys(names) if n != output and dataset[n].size > 1]
     if not names:
         message = f"{output} has one value, there is one design only"
-        raise PlotError("dataset", message, "Draw a dataset with ranges")
+        raise PlotError(
+            "dataset", message, "Draw a dataset in which a parameter has several values"
+        )
     return names[: MAX_COLUMNS - 1]
 
 

@@ -73,7 +73,11 @@ def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
         If the dataset holds no row in time.
     """
     if FIRST not in dataset:
-        raise PlotError("dataset", "it has no row of parts in time", "Add trajectory = 400")
+        raise PlotError(
+            "dataset",
+            "the dataset has no positions of a row of parts over time",
+            "Set trajectory = 400 in the study, and run the study again",
+        )
     names = [
         f"part_position_{n + 1}" for n in range(len(dataset)) if f"part_position_{n + 1}" in dataset
     ]

@@ -203,8 +203,8 @@ def _selected(
     Arguments as in `select`; raises `PlotError` if the kind does not fit the output.
     """
     if kind == "map" and "regime" not in dataset:
-        fix = "Ask for another kind, or leave it out"
-        raise PlotError("kind", "the dataset has no variable regime", fix)
+        fix = "Draw another kind, or leave out kind"
+        raise PlotError("kind", "the dataset has no regimes to draw as a map", fix)
     whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
     if kind == "map" and variable not in (None, "regime"):
         named = dataset[_variable(dataset, variable)]
@@ -213,11 +213,11 @@ def _selected(
     categories = None if whole.name == "regime" else categories_of(whole)
     if categories and kind in ("contour", "surface", "levels"):
         message = f"{whole.name} has a name in each cell, not a number"
-        raise PlotError("kind", message, "Leave the kind out, or ask for map")
+        raise PlotError("kind", message, "Leave out kind, or draw kind map")
     if kind != "line" and len(names) == 1:
-        line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
+        line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
         fix = "Name two axes" if len(_ranged(whole)) > 1 else line
-        raise PlotError("kind", f"kind {kind} needs two axes, there is one, {names[0]}", fix)
+        raise PlotError("kind", f"kind {kind} needs two axes, but there is only {names[0]}", fix)
     return whole, names, categories
 
 
@@ -283,8 +283,10 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
         values = [key for key in varies if not key.endswith(COUNT)]
         return next(iter([*values, *varies, *outputs]))
     if name == "regime":
-        fix = "Ask for kind map, or choose an output: " + ", ".join(outputs)
-        raise PlotError("variable", "the regime is shaded in every picture", fix)
+        fix = "Draw kind map, or choose an output: " + ", ".join(outputs)
+        raise PlotError(
+            "variable", "regime is not an output to draw: every picture shades the regimes", fix
+        )
     if name not in outputs:
         raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, outputs))
     return name
@@ -303,12 +305,16 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
     ranged = _ranged(whole)
     if not ranged:
         fix = "Choose an output that depends on a ranged parameter"
-        raise PlotError("variable", f"{whole.name} is one value, there is nothing to draw", fix)
+        raise PlotError(
+            "variable", f"{whole.name} has one value only, so there is nothing to draw", fix
+        )
     if names is None:
         longest = sorted(ranged, key=lambda name: -whole.sizes[name])[:most]
         return tuple(name for name in ranged if name in longest)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
-        raise PlotError("axes", "one or two different axes can be drawn", "Write, say, beta,alpha")
+        raise PlotError(
+            "axes", "axes has to name one or two different axes", "Write, say, beta,alpha"
+        )
     for name in names:
         if name in whole.dims and name not in ranged:
             raise PlotError("axes", f"{name} has one value only", "Take " + " or ".join(ranged))

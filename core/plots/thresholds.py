@@ -77,13 +77,15 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     nearest = options.nearest
     if axes is not None and len(axes) != 1:
         raise PlotError(
-            "axes", f"a plot of thresholds takes one axis, not {len(axes)}", "Write, say, amplitude"
+            "axes",
+            f"a picture of kind thresholds takes one axis, not {len(axes)}",
+            "Write, say, amplitude",
         )
     variable = options.variable or (SPEED if SPEED in dataset.data_vars else None)
     selection = select(dataset, variable, axes, at, "line", units, nearest=nearest)
     if selection.categories:
         message = f"{selection.variable.name} has a name in each cell, not a number"
-        raise PlotError("variable", message, "Choose another output, or leave the kind out")
+        raise PlotError("variable", message, "Choose another output, or leave out kind")
     looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
     figure = style.sheet()
     top, entries = draw_line(figure, selection, looks, style)

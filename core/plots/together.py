@@ -150,7 +150,9 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
     shared = _shared(datasets)
     if not shared:
         told = "; ".join(f"{_name(d)} has {_listed(outputs_of(d))}" for d in datasets)
-        raise PlotError("variable", f"the files share no output: {told}", "Draw each by itself")
+        raise PlotError(
+            "variable", f"the files have no output in common: {told}", "Draw each by itself"
+        )
     return shared[0]
 
 
@@ -160,7 +162,11 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...
     Raises `PlotError` if there is none.
     """
     if asked is not None and len(asked) != 1:
-        raise PlotError("axes", "several files are drawn over one axis", "Write, say, amplitude")
+        raise PlotError(
+            "axes",
+            "several files in one picture are drawn over exactly one axis",
+            "Write, say, amplitude",
+        )
     ranged = [
         [str(dim) for dim in d[output].dims if d.sizes[dim] > 1 and dim in d.coords]
         for d in datasets

@@ -112,15 +112,21 @@ def check_trajectory(
     """Raise `PlotError` if there is no motion, or options do not apply to one."""
     if TIME not in dataset.dims:
         fix = "Set trajectory = 400 in a study of one point, and run it"
-        raise PlotError("kind", f"the dataset holds no motion over a cycle: no {TIME}", fix)
+        raise PlotError(
+            "kind", f"the dataset has no trajectory: the dimension {TIME} is missing", fix
+        )
     if variable is not None:
         message = "a trajectory shows height, velocity and position together"
-        raise PlotError("variable", message, "Leave it out, or ask for kind line")
+        raise PlotError("variable", message, "Leave out variable, or draw kind line")
     if axes is not None and axes != (TIME,):
-        raise PlotError("axes", f"a trajectory is drawn over {TIME}", "Leave axes out")
+        raise PlotError("axes", f"a trajectory is drawn over {TIME} only", "Leave axes out")
     fixed_positions(dataset, at, (), (TIME,))
     if dataset.sizes[TIME] < 2:
-        raise PlotError("dataset", "it shows one time only", "Ask for two times or more")
+        raise PlotError(
+            "dataset",
+            "the trajectory of the dataset has one time only",
+            "Set trajectory to 2 or more in the study",
+        )
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
@@ -152,7 +158,11 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     seen = part if part.any() else values_of(dataset["track_along"])  # a level drive
     height = shown_in(xarray.DataArray(seen, attrs={"units": "m"}), units)
     if not np.isfinite(part).any():
-        raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
+        raise PlotError(
+            "dataset",
+            "the dataset has no motion to draw, because the simulation found no cycle",
+            "Draw another",
+        )
     horizontal = shown_in(dataset["position_along"], units)
     position = horizontal.factor * values_of(dataset["position_along"])
     if np.nanmax(np.abs(position)) <= AT_REST * horizontal.factor * np.nanmax(np.abs(part)):

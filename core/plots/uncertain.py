@@ -211,7 +211,7 @@ def _result(
     result = UncertainOutput(output, shown, design, tuple(facts), units)
     if not np.isfinite(result.shares(NEEDED[kind])).any():
         message = f"no point of {words(output)} has a valid value here"
-        raise PlotError("dataset", message, "Draw another design, with at, or another output")
+        raise PlotError("dataset", message, "Draw another design by giving at, or another output")
     return result
 
 
@@ -224,7 +224,7 @@ def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
         fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
-        raise PlotError("dataset", "it has no uncertain parameters", fix)
+        raise PlotError("dataset", "the dataset has no uncertain parameters", fix)
     output = variable or outputs[0]
     if output not in outputs:
         raise PlotError(

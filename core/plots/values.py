@@ -46,7 +46,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     check_result(dataset)
     style, units = options.style, options.units
     if options.axes:
-        raise PlotError("axes", "the values are those of one design", "Leave axes out")
+        raise PlotError(
+            "axes", "kind values shows one design, so axes do not apply", "Leave axes out"
+        )
     loose = [str(name) for name in dataset.dims]
     positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
     design = dataset.isel(positions)

@@ -43,14 +43,18 @@ def problems_of_names(
 
 def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
     """Yield the problems of statistics of outputs that are codes, such as a status."""
-    fix = "Ask for shares or regimes"
+    fix = "Ask for shares or regimes instead"
     named = [(f"reduce.of.{k}", name) for k, name in enumerate(asked.of)]
     named += [(f"reduce.levels.{key}.output", level.output) for key, level in asked.levels.items()]
     for place, name in named:
         if name in FLAGS:
-            yield Problem(place, f"{name} is a code, and no number", fix)
+            yield Problem(
+                place, f"{name} has codes as values, not numbers, so statistics do not apply", fix
+            )
     if (asked.statistics or asked.quantiles) and not asked.of and set(outputs) <= set(FLAGS):
-        yield Problem("reduce", "there are statistics of numbers only, and no output is one", fix)
+        yield Problem(
+            "reduce", "statistics need an output of numbers, but all outputs are codes", fix
+        )
 
 
 def _of_shares(
@@ -112,7 +116,9 @@ def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
             yield Problem(path, message, fix)
         elif grid.shape[level.along] == 1:
             yield Problem(
-                path, f"{level.along} has one value only", f"Give {level.along} two values or more"
+                path,
+                f"{level.along} has only one value, so no level can be found along it",
+                f"Give {level.along} two values or more",
             )
 
 
@@ -130,8 +136,8 @@ def _no_axis(
     if name in axes:
         return None
     if name in values:
-        fix = f"Give {name} several values, or leave it out here"
-        return Problem(path, f"{name} has one value, and is no axis", fix)
+        fix = f"Give {name} several values, or remove {name} here"
+        return Problem(path, f"{name} has only one value, so it is not an axis", fix)
     fix = suggest(name, axes) if axes else "Give a parameter several values"
     return Problem(path, f"'{name[:60]}' is not an axis of this study", fix)
 

@@ -50,7 +50,11 @@ class Reduced(Prepared):
     @property
     def not_lazy(self) -> Problem | None:
         """The problem with computing cells on reading: a reduction has none."""
-        return Problem("reduce", "what is reduced has no cells to read", "Leave it out")
+        return Problem(
+            "reduce",
+            "a study with reduce stores statistics, not cells that can be read",
+            "Remove reduce",
+        )
 
     @property
     def asked(self) -> Reduction:

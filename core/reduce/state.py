@@ -62,7 +62,10 @@ def merge_states(first: State, second: State) -> State:
         elif kind in ("smallest", "largest"):
             result[name] = (np.minimum if kind == "smallest" else np.maximum)(mine, yours)
         elif kind == "quantiles":
-            raise ValueError("quantiles of a part of the cells cannot be joined")
+            raise ValueError(
+                "quantiles of parts of the cells cannot be joined: compute the quantiles "
+                "of all cells at once"
+            )
     return result
 
 

@@ -226,8 +226,11 @@ def choose(sketch: Sketch) -> Chosen:
         return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
     scene, chosen, problems = choose_system(sketch.scene, sketch.method, sketch.names)
     if sketch.variant is not None:
-        fix = "Remove it, or leave method out"
-        problems = [*problems, Problem("variant", "motion in time has no variants", fix)]
+        fix = "Remove variant, or leave out method"
+        problems = [
+            *problems,
+            Problem("variant", "variant is given, but a simulated motion has no variants", fix),
+        ]
     return scene, chosen, problems
 
 
@@ -242,18 +245,22 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
-            fix = f"Remove it there, or under parameters.{name}"
-            yield Problem(f"uncertain.{name}", "it is also given as a parameter", fix)
+            fix = f"Remove {name} from [uncertain] or from [parameters]"
+            yield Problem(
+                f"uncertain.{name}", f"{name} is given twice: as uncertain and as a parameter", fix
+            )
     if len(uncertain) > MAX_INPUTS:
-        message = f"there are {len(uncertain)} of them"
-        yield Problem("uncertain", message, f"Keep the {MAX_INPUTS} that matter most")
+        message = f"{len(uncertain)} parameters are uncertain"
+        yield Problem("uncertain", message, f"Keep the {MAX_INPUTS} parameters that matter most")
     for name in study.outputs:
         if name in FLAGS:
             fix = 'Ask for its probability: [[demands]] regime = "hopping"'
-            yield Problem("outputs", f"{name} is a name and not a number", fix)
+            yield Problem(
+                "outputs", f"{name} has names as values, not numbers, so it has no statistics", fix
+            )
     if study.verify is not None:
         message = "statistics of sampled points have errors, which the result states"
-        yield Problem("verify", message, "Leave it out, or verify a simulation or a sweep")
+        yield Problem("verify", message, "Leave out verify, or verify a simulation or a sweep")
     yield from _problems_of_demands(study.demands)
 
 
@@ -267,11 +274,15 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
             yield Problem(path, *wrong)
         if demand.output in FLAGS:
             fix = 'Name the regime, for example regime = "hopping"'
-            yield Problem(f"{path}.output", f"{demand.output} is a name and not a number", fix)
+            yield Problem(
+                f"{path}.output",
+                f"{demand.output} has names as values, not numbers, so it cannot be limited",
+                fix,
+            )
         if demand.name in seen:
-            fix = "Remove one, or put it into a study of its own"
+            fix = "Remove one of them, or put it into another study"
             about = demand.output or demand.regime
-            yield Problem(path, f"an earlier demand is about the same side of {about}", fix)
+            yield Problem(path, f"two demands limit {about} on the same side", fix)
         seen.add(demand.name)
 
 

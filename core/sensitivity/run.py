@@ -111,7 +111,9 @@ class _Evaluator:
         for start in range(0, number, step):
             parts.append(self._some({n: part[start : start + step] for n, part in samples.items()}))
             if self.watch.stopped():
-                raise StoppedError("it was stopped before all points were computed")
+                raise StoppedError(
+                    "the study was stopped before all its points were computed; run it again"
+                )
         return SampledOutputs(
             {n: np.concatenate([part.outputs[n] for part in parts], -1) for n in parts[0].outputs},
             np.concatenate([part.regime for part in parts], -1),

@@ -125,7 +125,7 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
     keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
     if keys == {CALIBRATION}:
         message = f"{name} is to come from a file, and only the command line and Python read files"
-        raise UnitError(message, "Give values and densities in its place")
+        raise UnitError(message, "Give the lists values and densities instead of calibration")
     is_normal = frozenset(Normal.keys) <= keys <= BOUNDED
     if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):
         raise UnitError(*_no_width(width["value"].strip(), width["width"].strip()))
@@ -147,7 +147,7 @@ def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Tri
     lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
     if not (lower <= likely <= upper and lower < upper):
         message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
-        raise UnitError(message, "Write them in ascending order")
+        raise UnitError(message, "Write lower, most_likely and upper in ascending order")
     return Triangular(lower, likely, upper)
 
 
@@ -188,7 +188,7 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
         raise UnitError(message, "Swap them")
     if not lower <= mean <= upper:
         message = f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})"
-        raise UnitError(message, "Move the mean or the bounds")
+        raise UnitError(message, "Change the mean or the bounds")
     return normal
 
 
@@ -200,11 +200,11 @@ def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognorm
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
         message = f"the median of {name} is {median:g}, and a lognormal value is above 0"
-        raise UnitError(message, "Write a normal distribution: mean and deviation")
+        raise UnitError(message, "Write a normal distribution, with the keys mean and deviation")
     is_number = isinstance(factor, int | float) and not isinstance(factor, bool)
     if not (is_number and 1 < factor <= 1000):
         message = f"the factor of {name} is {str(factor)[:40]}"
-        raise UnitError(message, "Give a number above 1, such as 1.2 for a fifth more or less")
+        raise UnitError(message, "Give a factor above 1, such as 1.2 for 20 % more or less")
     return Lognormal(median, float(factor))
 
 
@@ -216,7 +216,9 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
     """
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
-        raise UnitError(f"values and densities of {name} are no lists", "Write two lists")
+        raise UnitError(
+            f"values and densities of {name} are not both lists", "Write two lists of numbers"
+        )
     count = len(columns[0])
     if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MAX_TABULATED:
         message = f"{name} has {count:,} values and {len(columns[1]):,} densities"
@@ -224,7 +226,10 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
         raise UnitError(message, fix)
     values = tuple(read_number(name, quantity, value) for value in columns[0])
     if any(after <= before for before, after in pairwise(values)):
-        raise UnitError(f"the values of {name} do not ascend", "Sort them, each once")
+        raise UnitError(
+            f"the values of {name} are not in ascending order",
+            "Sort the values, and give each once",
+        )
     plain = Quantity("1", "", "Density", "", 0.0, examples=("1",))
     densities = tuple(read_number(f"a density of {name}", plain, value) for value in columns[1])
     if not any(densities):

@@ -189,7 +189,8 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
         or not all(isinstance(word, str) for word in words)
     ):
         raise refusal(
-            f"{reprlib.repr(raw)[:40]} are not units", 'Write "si", or a list such as ["m/min"]'
+            f"{reprlib.repr(raw)[:40]} is neither a unit nor a list of units",
+            'Write "si", or a list such as ["m/min"]',
         )
     try:
         read_shown(words)

@@ -62,7 +62,7 @@ def read_error(output: str, raw: object, value: float) -> float:
         error = read_level(output, raw)
     if not error > 0:
         fix = "Give the standard deviation of the measured value, or leave it out"
-        raise UnitError(f"an error of {raw} is not above 0", fix)
+        raise UnitError(f"the error {raw} of the measured value is not above 0", fix)
     return error
 
 
@@ -115,7 +115,7 @@ def _read_regime(raw: object) -> str | None:
     text = " ".join(str(raw).replace("_", " ").split()).lower()
     if text not in REGIMES_SEEN:
         fix = partial(suggestion, text, REGIMES_SEEN)
-        raise refusal(f"{str(raw)[:40]!r} is not an observable behaviour of a part", fix)
+        raise refusal(f"{str(raw)[:40]!r} is not a regime that can be observed", fix)
     return text
 
 
@@ -174,18 +174,18 @@ def spread_rows(raw: object) -> object:
         If its lists have different lengths, or there are too many runs.
     """
     if isinstance(raw, str):
-        fix = "Carry the study out, or load it by vibrafeed.load_study"
-        raise refusal("its file has not been read yet", fix)
+        fix = "Run the study, or load it by vibrafeed.load_study"
+        raise refusal("the file of observations has not been read yet", fix)
     if isinstance(raw, Mapping):
         raw = [raw]
     if not isinstance(raw, list | tuple):
         fix = "Write [[observations]] with the parameters of a run and its conveying_velocity"
-        raise refusal("it is not a list of runs", fix)
+        raise refusal("observations is not a list of runs", fix)
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
         rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
         if len(rows) > MAX_RUNS:
-            raise refusal(f"there are more than {MAX_RUNS:,} runs", "Leave some out")
+            raise refusal(f"observations has more than {MAX_RUNS:,} runs", "Remove some runs")
     return rows
 
 
@@ -201,7 +201,9 @@ def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
     if len({*lengths.values()}) > 1:
         told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
         fix = "Give each as many values as there are runs, or one for all of them"
-        raise refusal(f"the lists of entry {number} differ in length: {told}", fix)
+        raise refusal(
+            f"the lists of entry {number} of the observations differ in length: {told}", fix
+        )
     for k in range(next(iter(lengths.values()))):
         yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
 

@@ -105,7 +105,8 @@ def _read_quantile(raw: object) -> float:
     """Return a quantile from 0 to 1; raise a refusal for anything else."""
     if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
         raise refusal(
-            f"{str(raw)[:40]!r} is not a quantile", "Write a number from 0 to 1: 0.5 is the median"
+            f"{str(raw)[:40]!r} is not a quantile",
+            "Write a number from 0 to 1, such as 0.5 for the median",
         )
     return float(raw)
 
@@ -114,7 +115,7 @@ def _read_name(raw: object) -> str:
     """Return a valid variable name; raise a refusal for anything else."""
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
-            f"{str(raw)[:60]!r} cannot be the name of a variable",
+            f"{str(raw)[:60]!r} is not a valid name of a variable",
             "Use lower-case letters, digits and underscores, 40 at most, beginning with a letter",
         )
     return raw

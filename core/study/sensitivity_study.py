@@ -95,7 +95,10 @@ class SensitivityStudy(DrivenStudy):
         """Refuse a number that is not a power of two."""
         if value & (value - 1):
             below = 1 << (value.bit_length() - 1)
-            raise refusal(f"{value:,} is not a power of two", f"Give {below:,} or {2 * below:,}")
+            raise refusal(
+                f"samples is {value:,}, which is not a power of two",
+                f"Give {below:,} or {2 * below:,}",
+            )
         return value
 
     @field_validator("analyses")
@@ -110,7 +113,10 @@ class SensitivityStudy(DrivenStudy):
         """Refuse quantiles outside 0 to 1 or out of order."""
         wrong = [one for one in value if not 0 < one < 1]
         if wrong:
-            raise refusal(f"{wrong[0]:g} is not between 0 and 1", "Write 0.05 for five per cent")
+            raise refusal(
+                f"the quantile {wrong[0]:g} is not between 0 and 1",
+                "Write quantiles as shares, such as 0.05 for five per cent",
+            )
         if list(value) != sorted(set(value)):
             raise refusal("they do not ascend", "Sort them, each once")
         return value

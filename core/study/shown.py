@@ -132,8 +132,8 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
         unit, shown = _unit(word)
         if unit in wanted:
             raise UnitError(
-                f"'{word}' is the second unit given for the same kind of quantity",
-                "Give one unit of each kind",
+                f"'{word}' is a second unit for the same quantity",
+                "Give only one unit for each kind of quantity",
             )
         wanted[unit] = shown
     return ShownUnits(system, MappingProxyType(wanted))
@@ -153,6 +153,6 @@ def _unit(word: str) -> tuple[str, Shown]:
             continue
         return unit, Shown(float(1 / factor), word)
     raise UnitError(
-        f"'{word[:40]}' is not a unit of any quantity in vibrafeed",
+        f"'{word[:40]}' is not a unit that vibrafeed knows",
         "Write trade, si, or units such as mm/s, m/min, mm or rad",
     )

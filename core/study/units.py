@@ -137,10 +137,14 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
         raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
     unit = match[2]
     if _COMMA.match(unit):
-        raise UnitError(f"{_shown(text)} has a comma", "Write the number with a point, as in 0.5")
+        raise UnitError(
+            f"{_shown(text)} has a decimal comma", "Write the number with a point, as in 0.5"
+        )
     if unit and unit not in factors:
         if len(factors) >= MAX_UNITS:
-            raise UnitError(f"{name} is written in many units", "Write all values in one unit")
+            raise UnitError(
+                f"the values of {name} have different units", "Write all values in one unit"
+            )
         factors[unit] = unit_factor(name, quantity, unit)
     if unit:
         numerator *= factors[unit].numerator
@@ -169,7 +173,7 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
         raise UnitError(f"'{unit}' is not a unit", fix) from error
     if quantity.unit == "Hz" and is_angular:
         raise UnitError(
-            f"'{unit}' is an angular velocity, not a frequency", f"Divide by 2 pi. {fix}"
+            f"'{unit}' is an angular velocity, not a frequency", f"Divide the number by 2 pi. {fix}"
         )
     if (quantity.is_angle or quantity.unit.startswith("rad")) != is_angular:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)

@@ -119,14 +119,15 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
     if not isinstance(raw, Mapping) or set(raw) != {"lower", "upper"}:
         shown = quantity.examples[0] if quantity.examples else "1"
         raise UnitError(
-            f"{name} has no bounds, or more than two", f'Write {{ lower = ..., upper = "{shown}" }}'
+            f"{name} needs exactly two bounds, lower and upper",
+            f'Write {{ lower = ..., upper = "{shown}" }}',
         )
     lower, upper = (read_number(name, quantity, raw[end]) for end in ("lower", "upper"))
     if not lower < upper:
         raise UnitError(
-            f"the upper bound of {name} ({upper:g} {quantity.unit}) is not above the lower one "
-            f"({lower:g} {quantity.unit})",
-            "Swap them, or give one value among the parameters",
+            f"the upper bound of {name} ({upper:g} {quantity.unit}) is not above its "
+            f"lower bound ({lower:g} {quantity.unit})",
+            "Swap the bounds, or give one value in [parameters]",
         )
     return Between(lower, upper)
 
@@ -190,14 +191,14 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
     Raises `UnitError` if there are none, or they neither ascend nor descend.
     """
     if not raw:
-        raise UnitError(f"{name} is an empty list", "Give at least one value")
+        raise UnitError(f"the list of values of {name} is empty", "Give at least one value")
     values = read_numbers(name, quantity, raw)
     following = values[1:]
     if not (all(map(lt, values, following)) or all(map(gt, values, following))):
         repeated = next((one for one, after in pairwise(values) if one == after), None)
         if repeated is not None:
             raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
-        raise UnitError(f"the values of {name} go up and down", "Sort them")
+        raise UnitError(f"the values of {name} are not in order", "Sort the values")
     return Points(values)
 
 
@@ -209,7 +210,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
         raise UnitError(
-            f"'{str(unknown[0])[:40]}' is not a key of a range",
+            f"'{str(unknown[0])[:40]}' is not a key of a range of values",
             suggestion(str(unknown[0]), RANGE_KEYS),
         )
     if "start" not in raw or "stop" not in raw or ("num" in raw) == ("step" in raw):
@@ -221,18 +222,21 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
     stop = read_number(name, quantity, raw["stop"])
     if stop <= start:
         raise UnitError(
-            f"stop ({stop:g} {quantity.unit}) is not above start ({start:g} {quantity.unit})",
-            "Swap them, or give one value without a range",
+            f"stop ({stop:g} {quantity.unit}) of the range is not above start "
+            f"({start:g} {quantity.unit})",
+            "Swap start and stop, or give one value instead of a range",
         )
     spacing = raw.get("spacing", "linear")
     if spacing == "log":
         if start <= 0 or "step" in raw:
             raise UnitError(
-                f"the logarithmic range of {name} needs start above 0 and num", "Give both"
+                f"the logarithmic range of {name} needs a start above 0, and num instead of step",
+                "Give start above 0, stop and num",
             )
     elif spacing != "linear":
         raise UnitError(
-            f"spacing {str(spacing)[:40]!r} is unknown", "Use 'linear' or 'log', or leave it out"
+            f"{str(spacing)[:40]!r} is not a spacing of a range",
+            "Write spacing = 'linear' or 'log', or leave out spacing",
         )
     if "step" in raw:
         stop, size = _step(name, quantity, start, stop, raw["step"])
@@ -241,7 +245,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
     if size > MAX_POINTS:
         raise UnitError(
             f"{name} has {size:,} values",
-            f"One axis holds {MAX_POINTS:,} at most; take a larger step",
+            f"Give an axis at most {MAX_POINTS:,} values: take a larger step",
         )
     return Span(start, stop, size, "log" if spacing == "log" else "linear")
 
@@ -250,8 +254,8 @@ def _num(name: str, raw: object) -> int:
     """Return the number of values of a range; raise `UnitError` unless it is 2 or more."""
     if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
         raise UnitError(
-            f"num of {name} is {str(raw)[:40]!r}",
-            "It is the number of values: a whole number from 2 up",
+            f"num of {name} is {str(raw)[:40]!r}, not a number of values",
+            "Give num as a whole number of at least 2",
         )
     return raw
 
@@ -274,7 +278,7 @@ def _step(
     reaches = abs(steps - whole) <= max(1e-9, 1e-12 * steps)
     whole = whole if reaches else math.floor(steps)
     if whole < 1:
-        raise UnitError(f"the step of {name} is larger than the range", "Take a smaller step")
+        raise UnitError(f"the step of {name} is larger than its whole range", "Take a smaller step")
     return (stop if reaches else float(first + whole * apart)), whole + 1
 
 

@@ -46,7 +46,13 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
     cells = math.prod(n for n in lengths.values() if n is not None)
     if cells > most:
         message = f"chunks of {cells:,} values are larger than the {most:,} that they may have"
-        problems.append(Problem("chunks", message, "Take `all`, which is as many as may be"))
+        problems.append(
+            Problem(
+                "chunks",
+                message,
+                "Write all instead of a number, for the largest chunks that are possible",
+            )
+        )
     if problems:
         raise StudyError(problems)
     return lengths

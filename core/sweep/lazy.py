@@ -28,7 +28,8 @@ def open_lazily(sweep: Prepared) -> xarray.Dataset:
         from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
     except ModuleNotFoundError as error:
         raise VibrafeedError(
-            f"Reading a sweep that is not stored needs {error.name}: {installing('zarr')}"
+            f"Reading cells of a sweep without storing it needs {error.name}, which is missing: "
+            f"{installing('zarr')}"
         ) from error
     import xarray
 

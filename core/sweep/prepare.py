@@ -29,7 +29,9 @@ def prepare(study: SweepStudy) -> Sweep | DerivedSweep | ReducedSweep:
     if study.sensitivities and (asked is not None or study.precision is not None):
         other = "reduce" if asked is not None else "precision"
         message = f"derivatives are given with all cells, in 64 bits; the study has {other} too"
-        problems.append(Problem("sensitivities", message, "Remove one of the two"))
+        problems.append(
+            Problem("sensitivities", message, f"Remove either sensitivities or {other}")
+        )
     try:
         plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     except StudyError as error:

@@ -106,7 +106,12 @@ def prepare_cut(
         {**{n: v for n, v in whole.fixed.items() if n in plan.parameters}, **fixed},
     )
     if grid.cells > most:
-        raise LimitError("values", grid.cells, most, "Free one axis less, or download the NetCDF")
+        raise LimitError(
+            "values",
+            grid.cells,
+            most,
+            "Choose fewer free axes (axes=...), or download the sweep as NetCDF",
+        )
     return SliceCut(output, plan, grid)
 
 
@@ -170,7 +175,9 @@ def _problems(
         yield Problem("output", f"'{output}' is not an output of this sweep", fix)
     if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(
-            "axes", f"{len(axes)} axes are free", "Name one or two, as in axes=beta,alpha"
+            "axes",
+            f"axes names {len(axes)} axes; a slice has one or two",
+            "Name one or two axes, as in axes=beta,alpha",
         )
     for name in axes:
         if name not in known:
@@ -191,7 +198,7 @@ def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
     values = grid.coordinate(name)
     if name not in at:
         raise UnitError(
-            f"the axis {name} is neither free nor fixed",
+            f"the axis {name} is neither in axes nor given a value",
             f"Add {name}=VALUE, from {values[0]:g} to {values[-1]:g} {QUANTITIES[name].unit}",
         )
     wanted = read_number(name, QUANTITIES[name], at[name])

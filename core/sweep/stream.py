@@ -207,4 +207,7 @@ class _Expected:
         for name in set(arrays) - {"regime"}:
             known = self._sweep.in_files(name, self._values[name][inside])
             if not np.array_equal(arrays[name][at], known, equal_nan=True):
-                raise VibrafeedError(f"{name} of a tile differs from its cells evaluated alone")
+                raise VibrafeedError(
+                    f"a check failed: {name} of a tile of cells differs from the same cells "
+                    "computed one by one"
+                )

@@ -101,4 +101,4 @@ def _part(wanted: ByteRequest | None) -> slice:
 
 def _refuse() -> NoReturn:
     """Raise the error of a read-only view."""
-    raise ValueError("the view of a sweep is read-only")
+    raise ValueError("the Zarr group of a computed sweep is read-only")

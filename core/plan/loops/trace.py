@@ -78,7 +78,10 @@ class Node(NDArrayOperatorsMixin):
     ) -> Any:
         """Add a numpy step to the graph; in-place operations make new values."""
         if method != "__call__" or settings or ufunc.nout != 1:
-            raise UntraceableError(f"{ufunc.__name__}.{method} is not a plain step")
+            raise UntraceableError(
+                f"the equation calls {ufunc.__name__}.{method}, which is not an "
+                "elementwise operation"
+            )
         if isinstance(ufunc, Elementwise) and ufunc not in IN_LOOPS:
             return ufunc.body(*inputs)
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
@@ -97,22 +100,31 @@ class Node(NDArrayOperatorsMixin):
 
     def __pow__(self, exponent: Any) -> Any:
         """Raise: numpy's power differs in the last bit between numbers and arrays."""
-        raise UntraceableError("a power is not traced: write np.square, or a product")
+        raise UntraceableError(
+            "the equation raises to a power, which cannot be compiled: write "
+            "np.square, or a product"
+        )
 
     def __getattr__(self, name: str) -> Any:
-        raise UntraceableError(f"it asks for .{name} of an array")
+        raise UntraceableError(f"the equation uses .{name} of an array, which cannot be compiled")
 
     def __array__(self, *_: Any, **__: Any) -> Any:
-        raise UntraceableError("it makes an array of a value")
+        raise UntraceableError(
+            "the equation converts a computed value to an array, which cannot be compiled"
+        )
 
     def __bool__(self) -> bool:
-        raise UntraceableError("the function branches on a computed value")
+        raise UntraceableError(
+            "the equation branches on a computed value, which cannot be compiled: use np.where"
+        )
 
     def __float__(self) -> float:
-        raise UntraceableError("it takes a number out of an array")
+        raise UntraceableError(
+            "the equation converts an array to a number, which cannot be compiled"
+        )
 
     def __getitem__(self, index: Any) -> Any:
-        raise UntraceableError("it takes a part of an array")
+        raise UntraceableError("the equation indexes an array, which cannot be compiled")
 
     __int__ = __index__ = __len__ = __iter__ = __float__
 
@@ -156,7 +168,7 @@ def _number(value: Any) -> Any:
     """Return a plain number, also from an array without dimensions; raise for other arrays."""
     if isinstance(value, np.ndarray):
         if value.ndim:
-            raise UntraceableError("it makes an array of its own")
+            raise UntraceableError("the equation creates an array, which cannot be compiled")
         return value[()]
     return value
 

@@ -280,7 +280,7 @@ def test_a_study_of_another_version_is_not_carried_out(store, monkeypatch):
     work._study.cache_clear()
     directory = str(store.directory.parent)
     for function in (work.compute_block, work.write_result):
-        with pytest.raises(OtherVersionError, match=r"than 99\.0.*Post it again"):
+        with pytest.raises(OtherVersionError, match=r"99\.0.*post the study again"):
             function(directory, key, "sweep", 10, 0)
 
 
@@ -292,7 +292,7 @@ def test_a_sweep_of_another_version_is_told_so(store, monkeypatch):
         store.sweep(other)
     later = Store(store.directory.parent)
     monkeypatch.setattr("core.__version__", "99.0")
-    with pytest.raises(OtherVersionError, match=r"than 99\.0.*POST its study again"):
+    with pytest.raises(OtherVersionError, match=r"99\.0.*POST the study to /sweeps again"):
         later.sweep(key)
     (store.directory / key / "study.json").write_text('{"kind": "sweep", "scene": "gone"}')
     with pytest.raises(OtherVersionError):

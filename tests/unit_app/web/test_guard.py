@@ -493,7 +493,7 @@ class TestSettings:
     def test_nor_does_the_error_itself_echo_them(self):
         with pytest.raises(ValidationError) as caught:
             Settings(api_key_hashes=KEY)  # type: ignore[arg-type]
-        assert "number 1 of 1" in str(caught.value)
+        assert "hash 1 of 1" in str(caught.value)
         assert KEY not in str(caught.value)
 
     def test_a_service_starts_under_whatever_switches_the_tests_read(self):

@@ -452,7 +452,7 @@ def test_observations_stand_in_a_workbook(tmp_path):
         ("runs.csv", "amplitude,amplitude\n1,2\n", "two columns named amplitude"),
         ("runs.txt", "", "is not a CSV or XLSX file"),
         ("none.csv", None, "cannot be read"),
-        ("runs.xlsx", "no workbook", "it is not a workbook"),
+        ("runs.xlsx", "no workbook", "not an XLSX workbook"),
     ],
 )
 def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):
@@ -496,7 +496,7 @@ def test_the_old_key_of_the_outlier_probability_still_works():
     old, new = (parse_study({**content, key: 0.02}) for key in ("doubt", "outlier_probability"))
     assert old.outlier_probability == new.outlier_probability == 0.02
     assert old.canonical() == new.canonical()
-    with pytest.raises(StudyError, match="not a probability below"):
+    with pytest.raises(StudyError, match="not a probability between"):
         parse_study({**content, "outlier_probability": 0.7})
 
 

@@ -398,9 +398,9 @@ def test_motion_in_space_is_derived_by_differences():
     ("changes", "words"),
     [
         ({"sensitivities": ["fricton"]}, "friction"),
-        ({"sensitivities": []}, "not names of parameters"),
+        ({"sensitivities": []}, "a list of parameter names"),
         ({"sensitivities": "friction"}, 'such as ["friction"]'),
-        ({"outputs": ["motion_status"]}, "none of the outputs"),
+        ({"outputs": ["motion_status"]}, "none of the requested outputs"),
         (
             {"parameters": {**STUDY["parameters"], "amplitude": {
                 "start": 1e-4, "stop": 1e-3, "num": 600_000}}},

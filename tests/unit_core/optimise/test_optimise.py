@@ -506,7 +506,9 @@ class TestRobust:
         many = {name: {"lower": 0.3, "upper": 0.5} for name in names}
         assert "Keep the 6" in problems(**uncertain(uncertain=many, parameters={}))["uncertain"]
         assert "0.05" in problems(**uncertain(robust="quantile"))["quantile"]
-        assert "no setting uses it" in problems(**uncertain(quantile=0.05))["quantile"]
+        assert (
+            "only robust = 'quantile' uses it" in problems(**uncertain(quantile=0.05))["quantile"]
+        )
         assert "parameters" in problems(**uncertain(parameters=DATA))["uncertain.friction"]
         assert "front" in problems(**uncertain(criterion={"kind": "pareto"}))["uncertain"]
         assert "no parameter is uncertain" in problems(robust="mean")["robust"]

@@ -112,14 +112,14 @@ def test_all_mistakes_are_told_at_once():
         (
             {"criterion": {"kind": "weighted", "against": "acceleration_x"}},
             "criterion.against",
-            "the output itself",
+            "the same as the first",
         ),
         ({"variables": {"beta": {"lower": -200, "upper": 0}}}, "variables.beta", "at least -180"),
         ({"variables": {"beta": {"lower": 0}}}, "variables.beta", "bounds"),
         (
             {"variables": {"friction": {"lower": 0, "upper": 1}}},
             "variables.friction",
-            "also given as a parameter",
+            "as a variable and as a parameter",
         ),
         ({"variables": {"mass": {"lower": 0.1, "upper": 1}}}, "variables.mass", "not used"),
         ({"constraints": [{"output": "throw_number"}]}, "constraints.0", "neither lower nor upper"),

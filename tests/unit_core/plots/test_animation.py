@@ -121,14 +121,14 @@ def test_wrong_requests(hop: xarray.Dataset, tmp_path: Path):
         return str(caught.value)
 
     assert "'.png': unknown animation format" in told("part.png", kind="animation")
-    assert "only an animation is slowed" in told("part.png", slow=5)
+    assert "only an animation has a slow-motion factor" in told("part.png", slow=5)
     assert "a map does not move" in told(kind="map")
     assert "'-1' is not above 0" in told(slow=-1)
-    assert "at most 1,000 are drawn. Give a smaller --slow" in told(slow=1e5)
+    assert "at most 1,000 are drawn. Give a smaller slow-motion factor" in told(slow=1e5)
     assert "shows the whole trajectory" in told(variable="position_along")
     with pytest.raises(PlotError, match=r"vibrafeed\.animate"):
         draw(hop, kind="animation")
-    with pytest.raises(PlotError, match="no motion over a cycle"):
+    with pytest.raises(PlotError, match="has no trajectory"):
         vibrafeed.animate(hop.isel(cycle_time=0, drop=True), tmp_path / "part.gif")
 
 

@@ -192,7 +192,7 @@ def test_map_of_a_file(plane: xarray.Dataset, tmp_path: Path, target: str):
         ({"kind": "mapp"}, "kind", "Did you mean 'map'?"),
         ({"kind": "map", "axes": ("beta", "alpha")}, "axes", "no dimension 'alpha'"),
         ({"kind": "map", "at": {"friction": 0.2}}, "at.friction", "The nearest are"),
-        ({"variable": "regime"}, "variable", "Ask for kind map"),
+        ({"variable": "regime"}, "variable", "Draw kind map"),
         ({"kind": "trajectory"}, "kind", "Set trajectory = 400"),
     ],
 )

@@ -244,7 +244,7 @@ def test_falling_and_logarithmic_axes():
     ("asked", "place", "words"),
     [
         ({"variable": "acceleration_z"}, "variable", "Did you mean 'acceleration_x'?"),
-        ({"variable": "regime"}, "variable", "shaded in every picture"),
+        ({"variable": "regime"}, "variable", "every picture shades the regimes"),
         ({"axes": ("betta", "alpha")}, "axes", "Did you mean 'beta'?"),
         ({"axes": ("beta", "beta")}, "axes", "different axes"),
         ({"axes": ("alpha", "beta", "frequency")}, "axes", "one or two"),
@@ -275,7 +275,7 @@ def test_one_value_is_no_line_and_is_told_in_numbers():
 
 def test_line_output_makes_no_surface(plane: xarray.Dataset):
     found = problem(plane, variable="vibration_acceleration", kind="surface")
-    assert (found.place, found.fix) == ("kind", "Draw it as a line")
+    assert (found.place, found.fix) == ("kind", "Draw the output as kind line")
 
 
 @pytest.mark.parametrize("part", ["regime", "scene"])

@@ -68,5 +68,5 @@ def test_an_animation_of_a_row_is_a_file(row: xarray.Dataset, tmp_path: Path):
 
 
 def test_parts_of_no_length_are_not_animated(row: xarray.Dataset, tmp_path: Path):
-    with pytest.raises(PlotError, match="how long the parts are"):
+    with pytest.raises(PlotError, match="the length of the parts"):
         vibrafeed.animate(row.drop_vars("length"), tmp_path / "row.gif")

@@ -45,8 +45,8 @@ MAX = {"statistics": ["max"]}
         ),
         (
             {**MAX, "over": ["frequency"]},
-            "reduce.over.0: frequency has one value, and is no axis. Give frequency several "
-            "values, or leave it out here.",
+            "reduce.over.0: frequency has only one value, so it is not an axis. Give frequency "
+            "several values, or remove frequency here.",
         ),
         (
             {"over": ["beta"], "statistics": ["maxx"]},
@@ -189,7 +189,7 @@ def test_what_is_stopped_is_no_answer_and_what_is_reduced_has_no_cells() -> None
     prepared = prepare_content({**STUDY, "reduce": {"over": ["beta"], **MAX}})
     with pytest.raises(StoppedError, match="before all cells were evaluated"):
         tabulate(prepared, Watch(stop=lambda: True))
-    with pytest.raises(StudyError, match="no cells to read"):
+    with pytest.raises(StudyError, match="not cells that can be read"):
         open_lazily(prepared)
     with pytest.raises(StudyError, match="/processes/sweep/execution"):
         prepare_content({**STUDY, "reduce": {"over": ["beta"], **MAX}}, "sweep")

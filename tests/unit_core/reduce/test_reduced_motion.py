@@ -169,7 +169,7 @@ def test_cells_are_verified_by_another_method() -> None:
     [
         ({"sensitivities": True}, "sensitivities", "reduce too"),
         ({"trajectory": 10}, "trajectory", "reduce too"),
-        ({"of": ["motion_status"]}, "reduce.of.0", "is a code"),
+        ({"of": ["motion_status"]}, "reduce.of.0", "has codes as values"),
         ({"over": ["gamma"]}, "reduce.over.0", "not an axis"),
         (
             {"statistics": [], "shares": {}, "quantiles": [], "regimes": False},
