@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.motion import compiled
+from core.motion.groups import Groups
 from core.motion.kernels.results import RESULTS
 from core.quantities import MOTION_STATUSES
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from core.motion.kernels.planar.drive import Waves
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
-NEARLY_EQUAL = 2.0**-30  # share of a number below which another may have the same first 32 bits
+NORMAL_DRIVE = Groups._fields.index("drive_number_normal")
+NEARLY = 1.0 + 2.0**-30  # factor up to which two numbers may have the same first 32 bits
 FEWEST_EQUAL = 0.125  # share of cells with an equal drive from which on an order repays its time
 OTHER_FACTORS = {"gravity_number_normal": 1.0, "restitution": 1e2, "impact_damping": 1e4}
 """Factors of the numbers, beside the drive's, that set the motion normal to the floor, in a sum by
@@ -115,14 +117,13 @@ def _beside_equal_landings(groups: Floats) -> NDArray[np.intp] | None:
     once for all of them (`kernels.planar.cycle` and, to 32 bits, `landings`). None if too few
     have an equal.
     """
-    fields = compiled.cells.Cell._fields
-    drives = groups[:, fields.index("drive_number_normal")]
+    drives = groups[:, NORMAL_DRIVE]
     ordered = np.sort(drives)  # a third of the time of an order, which is seldom for nothing then
-    equal = ordered[1:] - ordered[:-1] <= NEARLY_EQUAL * np.abs(ordered[1:])
-    if np.count_nonzero(equal) < FEWEST_EQUAL * len(groups):
+    # Those below 0 pass for unequal: they are few, and to find them takes as long again.
+    if np.count_nonzero(ordered[1:] <= NEARLY * ordered[:-1]) < FEWEST_EQUAL * len(groups):
         return None
     by_drive = np.argsort(drives, kind="stable")
     others = np.zeros(len(groups))
     for name, factor in OTHER_FACTORS.items():
-        others += factor * groups[:, fields.index(name)]
+        others += factor * groups[:, Groups._fields.index(name)]
     return by_drive[np.argsort(others[by_drive], kind="stable")]
