@@ -49,7 +49,7 @@ export function marginsTold(design, scene) {
     if (!Number.isFinite(level) || !Number.isFinite(value)) continue;
     const share = Math.abs(value - level) / Math.abs(level || 1);
     const told = `${capital(words(name))} is ${number(value)}`;
-    if (share < 1e-6) found.push(`${told}, at ${begins}: a little more and it comes.`);
+    if (share < 1e-6) found.push(`${told}, exactly at the threshold of ${begins}.`);
     else found.push(`${told}: ${number(100 * share, 3)} % ${value > level ? "beyond" : "below"} ${begins}, which comes at ${number(level)}.`);
   }
   for (const { name, value, unit, binds } of design.margins) {
