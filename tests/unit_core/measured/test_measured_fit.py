@@ -293,7 +293,7 @@ def test_another_machine_is_named():
     both = signal_of({"along": [(1e-4, 0.0)]}).accelerations
     other = signal_of({"along": [(5e-5, 0.0)]}, frequency=73.3)
     text = refusal(other._replace(accelerations=both + other.accelerations))
-    assert "leave" in text
+    assert "residual" in text
     assert "most at 50 Hz" in text or "most at 73.3 Hz" in text
 
 

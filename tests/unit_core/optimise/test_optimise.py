@@ -510,7 +510,7 @@ class TestRobust:
             "only robust = 'quantile' uses it" in problems(**uncertain(quantile=0.05))["quantile"]
         )
         assert "parameters" in problems(**uncertain(parameters=DATA))["uncertain.friction"]
-        assert "front" in problems(**uncertain(criterion={"kind": "pareto"}))["uncertain"]
+        assert "trade-off" in problems(**uncertain(criterion={"kind": "pareto"}))["uncertain"]
         assert "no parameter is uncertain" in problems(robust="mean")["robust"]
         assert "kinks" in problems(**uncertain(method="slsqp"))["method"]
         assert "method" in problems(**uncertain(method="newton"))

@@ -244,7 +244,7 @@ def test_every_error_is_told_with_its_place():
     assert "Swap" in told["demands.0"]
     assert "neither" in told["demands.1"]
     assert "at_least" in told["demands.2"]
-    assert "a name" in told["demands.5.output"]
+    assert "names as values" in told["demands.5.output"]
     assert "needs exactly two bounds" in told["demands.6"]
     assert "verify" in told
     told = problems(demands=[{"regime": "hopping"}, {"regime": "hoping"}])
