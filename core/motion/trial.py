@@ -41,8 +41,11 @@ they are beside the mean cell."""
 GROWTH = 4
 """Ratio of the sizes of a batch and the one before."""
 
-UNFINISHED = 2.5
+UNFINISHED = 1.3
 """Factor on the price of a motion that has not repeated by the end of its trial."""
+
+BROKEN_OFF = 2.5
+"""Factor on the time so far of cells that the budget breaks off."""
 
 TELLING = 8.0
 """Number of periods from which on it counts that the motion has not repeated; after one it tells
@@ -126,7 +129,7 @@ class Trial:
             if not outcome.ended:
                 if done == 1:  # longer than its price: how long, some of its periods tell
                     each = self._some_periods(cells, prices)[1]
-                return max(each, UNFINISHED * spent / done)
+                return max(each, BROKEN_OFF * spent / done)
             batches.append((size, outcome.seconds))
             each = _slope(batches)
             if done < ENOUGH:
@@ -150,8 +153,9 @@ class Trial:
             if outcome.repeats:
                 return outcome, outcome.seconds * scale
             more, most = float(prices[0] / self.price(periods)[0]), allowed / periods
-            if not outcome.ended:  # it takes longer than that
-                return outcome, max(each, outcome.seconds * min(more, most) * scale)
+            if not outcome.ended:  # a dear period may be the only one: half way to the formula
+                told = outcome.seconds * min(more, most) * scale
+                return outcome, max(each, float(np.sqrt(each * told)))
             told = outcome.seconds * min(more * _unfinished(periods), most) * scale
             each = told**TRUST * mean ** (1.0 - TRUST)
             periods *= 2.0

@@ -99,9 +99,9 @@ def test_one_period_of_a_long_cell_is_followed_to_its_end_and_tells_nothing_of_r
     assert 20.0 < each <= 100 * (CALL + 0.4)
 
 
-def test_a_cell_takes_longer_than_what_is_broken_off_says():
+def test_a_period_that_is_broken_off_counts_half_beside_the_formula():
     told = trial(0.5, count=1, a_period=2.0)
-    assert told.seconds_a_cell(1) == pytest.approx(100 * FIRST)
+    assert told.seconds_a_cell(1) == pytest.approx((0.5 * 100 * FIRST) ** 0.5)
     assert [seconds for *_, seconds in told.asked] == [FIRST]
 
 

@@ -29,7 +29,7 @@ from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
 from core.watch import Watch
 
-FINDING = 10.0
+FINDING = 20.0
 """Periods that are followed as a rule until the cycle is found and measured."""
 
 LARGEST = 1e140
@@ -267,8 +267,9 @@ def _price(cells: Priced) -> Price:
     drive of the cells; the result holds likely and largest times.
     """
     allowed = cells.setting("max_periods")
-    plain = 2.3e-3 + 2.5e-4 * cells.steps + (0.0 if cells.steps else 2e-3 * cells.orders)
-    period = plain * np.where(cells.across, 2.2, 1.0)
+    plain = 1.3e-3 + 1.4e-4 * cells.steps + (0.0 if cells.steps else 1.1e-3 * cells.orders)
+    # A part that rebounds much has more events in a period.
+    period = plain * np.where(cells.across, 2.2, 1.0) * (1.0 + cells.restless)
     repeats = np.minimum(allowed, FINDING)
     moves = cells.restless * allowed + (1.0 - cells.restless) * repeats
     likely = period * np.where(cells.rests, 1.0, moves)
