@@ -19,7 +19,8 @@ from benchmarks.waves import PLANAR, harmonics, parts
 from core.motion.groups import cells_of
 from core.motion.kernels import waves as kernels
 from core.motion.kernels.cells import cell_of
-from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, wave_of
+from core.motion.kernels.planar.flow import AIR
+from core.motion.kernels.planar.wave import KINDS, PULLS, ROOTS, wave_of
 from core.motion.planar import waves_of
 
 ROUNDED = 1e-12

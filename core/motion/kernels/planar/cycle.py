@@ -17,7 +17,6 @@ from core.motion.kernels.planar.drive import (
     load,
     normal_numbers,
     rise,
-    sizes,
     to_lift_off,
 )
 from core.motion.kernels.planar.flow import EPSILON, TURN
@@ -139,7 +138,7 @@ def fixed_point(
         step = (off * (d - 1) - b * off_up) / determinant
         step_up = ((a - 1) * off_up - c * off) / determinant
         at, up = at - step, max(0.0, up - step_up)
-        if abs(step) + abs(step_up) <= 1e-14 * (TURN + sizes(drive)[1]):
+        if abs(step) + abs(step_up) <= 1e-14 * (TURN + drive.s):
             product = a * d - b * c
             return at, up, abs(a + d) < 1 + product and product < 1
     return at, up, False
@@ -316,7 +315,7 @@ def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) ->
     closes. A landing that comes late matters by the floor's force n1 and the impulse v, (|n1| +
     v)/(s + n): next to nothing if the part has hardly lifted off.
     """
-    s, gn = sizes(drive)[1], drive.gn
+    s, gn = drive.s, drive.gn
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     least, growth, never_rests = 2.0, 1.0, True
     for row in range(count):

@@ -1,26 +1,34 @@
 """The seam between planar motion and its drive: what a drive has to tell.
 
-Each function here is two, one for a sine and one for any other wave; which one is meant the
-compiler sees from the type of `drive`. All drives have the fields `gs`, `gn`, `mu_s` and `mu_k`.
+Each function without a body is two, one for a sine and one for any other wave; which one is meant
+the compiler sees from the type of `drive`. The others are made of these. All drives have the fields
+`c` and `s`, the largest push along and normal to the floor in g, `gs`, `gn`, `mu_s` and `mu_k`.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
-from core.compiled import by_type, compiled
+from core.compiled import borrowing, by_type, compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
-from core.motion.kernels.planar import (
-    flow,
-    sine_flight,
-    sine_slip,
-    wave,
-    wave_flight,
-    wave_slip,
+from core.motion.kernels.planar import sine_flight, sine_slip, wave, wave_flight, wave_slip
+from core.motion.kernels.planar.flow import (
+    AIR,
+    NORMAL,
+    STATIC_BACKWARD,
+    STATIC_FORWARD,
+    NoWaves,
+    SineDrive,
+    kind_of,
+    phase_to,
+    sine_acceleration,
+    sine_flow,
+    sine_rounded,
+    upright,
 )
-from core.motion.kernels.planar.flow import NoWaves, SineDrive, phase_to
 from core.motion.kernels.planar.wave import WaveDrive
 
 Drive: TypeAlias = SineDrive | WaveDrive
@@ -36,7 +44,7 @@ def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
     return by_type("drive", {SineDrive: for_sine, WaveDrive: for_wave})
 
 
-@by_type("waves", {NoWaves: flow.upright, wave.WaveTable: wave.wave_of})
+@by_type("waves", {NoWaves: upright, wave.WaveTable: wave.wave_of})
 def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
     """Return the drive of a cell, its phase shift in rad and its direction sign.
 
@@ -44,16 +52,6 @@ def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float
     mirrored so that its amplitudes along, c, and normal, s, are positive: the phase shift (0 or pi)
     is where the study's own phase 0 lies, and the sign is -1 if the track's direction is mirrored.
     Waves have 0 and 1.
-    """
-    raise NotImplementedError
-
-
-@_by_drive(sine_flight.sizes, wave_flight.sizes)
-def sizes(drive: Drive) -> tuple[float, float]:
-    """Return the largest drive acceleration along and normal to the floor, in g.
-
-    max |b_x| and max |b_z| of the push b of the drive, p cos(beta) and p sin(beta) for a sine;
-    upper bounds for a wave.
     """
     raise NotImplementedError
 
@@ -68,7 +66,7 @@ def track_speed(drive: Drive, tau: float) -> float:
     raise NotImplementedError
 
 
-@by_type("drive", {SineDrive: flow.rounded, WaveDrive: wave.rounded})
+@_by_drive(sine_rounded, wave.rounded)
 def rounded(drive: Drive) -> Drive:
     """Return the drive with its numbers rounded to their first 32 bits; a wave is unchanged.
 
@@ -86,14 +84,43 @@ def normal_numbers(drive: Drive) -> tuple[float, float]:
     raise NotImplementedError
 
 
-@_by_drive(sine_flight.push, wave_flight.push)
+@_by_drive(sine_acceleration, wave.acceleration)
+def acceleration(drive: Drive, kind: int, tau: float) -> float:
+    """Return the acceleration p(tau) - k of a kind at the phase `tau`, in g.
+
+    p is the push and k the constant pull of the kind: `NORMAL` off the floor, `AIR` along in the
+    air, `FORWARD` and `BACKWARD` in slips at the kinetic, `STATIC_FORWARD` and `STATIC_BACKWARD` at
+    the static coefficient (theory 13.2, 13.14).
+    """
+    raise NotImplementedError
+
+
+@_by_drive(sine_flow, wave.flow)
+def flow(drive: Drive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance at the phase `d` after velocity `v` at phase `tau`.
+
+    In g/w (w = 2 pi f) and g/w^2, the integrals of the acceleration of a kind.
+    """
+    raise NotImplementedError
+
+
+@_by_drive(sine_slip.next_of_way, wave.next_of_way)
+def next_of_way(drive: Drive, kind: int, tau: float, rising: bool) -> float:
+    """Return the first phase from `tau` on at which an acceleration rises (or falls) through 0.
+
+    It rises if `rising` is True, else falls; infinite if it never does.
+    """
+    raise NotImplementedError
+
+
+@borrowing
 def push(drive: Drive, tau: float) -> tuple[float, float]:
     """Return the drive acceleration along and normal to the floor at the phase `tau`, in g.
 
-    Minus the acceleration of the track: (c, s) sin(tau) for a sine (theory 13.2), p(tau) for a wave
-    (13.14).
+    Minus the acceleration of the track: that of a part in the air, plus gravity along, sin(gamma),
+    and onto the floor, n (theory 13.2, 13.14).
     """
-    raise NotImplementedError
+    return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
 
 
 @_by_drive(sine_flight.push_slope, wave_flight.push_slope)
@@ -119,32 +146,33 @@ def smooth_span(drive: Drive, tau: float) -> float:
 # --- off the floor
 
 
-@_by_drive(sine_flight.lifts, wave_flight.lifts)
-def lifts(drive: Drive) -> bool:
-    """True if the drive lifts parts off the floor at any phase: n - b_z(tau) < 0.
-
-    n is the gravity onto the floor and b_z the drive acceleration normal to it, in g.
-    """
-    raise NotImplementedError
-
-
-@_by_drive(sine_flight.load, wave_flight.load)
+@borrowing
 def load(drive: Drive, tau: float) -> float:
     """Return the load on the floor of a part in contact at the phase `tau`, n - b_z(tau), in g.
 
     n is the gravity onto the floor, b_z the drive acceleration normal to it; below 0 the drive
     lifts the part off (theory 13.2).
     """
-    raise NotImplementedError
+    return -acceleration(drive, NORMAL, tau)
 
 
 @_by_drive(sine_flight.lift_off, wave_flight.lift_off)
 def lift_off(drive: Drive, tau: float) -> float:
     """Return the phase in [0, 2 pi) at which a part in contact at the phase `tau` lifts off.
 
-    The next phase at which the load on the floor falls through 0 (theory 13.3).
+    The next phase at which the load on the floor falls through 0; NaN if it never does (theory
+    13.3).
     """
     raise NotImplementedError
+
+
+@borrowing
+def lifts(drive: Drive) -> bool:
+    """True if the drive lifts parts off the floor at any phase: n - b_z(tau) < 0.
+
+    n is the gravity onto the floor and b_z the drive acceleration normal to it, in g.
+    """
+    return not math.isnan(lift_off(drive, 0.0))
 
 
 @compiled
@@ -167,7 +195,7 @@ def landing(drive: Drive, w: float, tau: float) -> float:
     raise NotImplementedError
 
 
-@_by_drive(sine_flight.rise, wave_flight.rise)
+@borrowing
 def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
@@ -175,7 +203,7 @@ def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
     n), and the height is the integral of w1, with the drive acceleration b_z normal to the floor
     and gravity n (theory 13.2).
     """
-    raise NotImplementedError
+    return flow(drive, NORMAL, w, tau, d)
 
 
 @_by_drive(sine_flight.hop_height, wave_flight.hop_height)
@@ -189,7 +217,7 @@ def hop_height(drive: Drive, w: float, tau: float, span: float, known: float) ->
     raise NotImplementedError
 
 
-@_by_drive(sine_flight.fly, wave_flight.fly)
+@borrowing
 def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track at the phase `d` of a flight.
 
@@ -197,23 +225,26 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
     integral of (b_x - sin(gamma)), distance = integral of u1, with the drive acceleration b_x
     (theory 13.2).
     """
-    raise NotImplementedError
+    return flow(drive, AIR, u, tau, d)
 
 
 # --- on the floor
 
 
-@_by_drive(sine_slip.holds, wave_slip.holds)
+@borrowing
 def holds(drive: Drive, at: float) -> bool:
     """True if static friction holds a part without slip at the phase `at` in rad.
 
     |b_x - sin(gamma)| <= mu_s n(tau), with the drive acceleration b_x along and the load n on the
-    floor (theory 13.3).
+    floor (theory 13.3, 13.14).
     """
-    raise NotImplementedError
+    return (
+        acceleration(drive, STATIC_FORWARD, at) <= 0.0
+        and acceleration(drive, STATIC_BACKWARD, at) >= 0.0
+    )
 
 
-@_by_drive(sine_slip.hold, wave_slip.hold)
+@borrowing
 def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
     """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
 
@@ -221,25 +252,57 @@ def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
     load n on the floor (theory 13.3), until the phase `end` at the latest. The third value is True
     if the slip that follows is forward. If it does not stick the phase is `at`.
     """
-    raise NotImplementedError
+    if not holds(drive, at):
+        return False, at, acceleration(drive, AIR, at) > 0.0
+    forward = next_of_way(drive, STATIC_FORWARD, at, True)
+    backward = next_of_way(drive, STATIC_BACKWARD, at, False)
+    return True, min(forward, backward, end), forward < backward
 
 
-@_by_drive(sine_slip.always_holds, wave_slip.always_holds)
+@borrowing
+def first_slip(drive: Drive, tau: float) -> float:
+    """Return the phase in rad from `tau` on at which a part that never lifts off starts to slip.
+
+    The first at which |b_x - sin(gamma)| exceeds mu_s n; NaN if static friction always holds it.
+    """
+    forward = next_of_way(drive, STATIC_FORWARD, tau, True)
+    slip = min(forward, next_of_way(drive, STATIC_BACKWARD, tau, False))
+    return slip if slip < math.inf else math.nan
+
+
+@borrowing
 def always_holds(drive: Drive) -> bool:
     """True if static friction holds a part at every phase: |b_x - sin(gamma)| <= mu_s n(tau).
 
     b_x is the drive acceleration along and n the load on the floor.
     """
-    raise NotImplementedError
+    return (
+        not lifts(drive)
+        and holds(drive, 0.0)
+        and next_of_way(drive, STATIC_FORWARD, 0.0, True) == math.inf
+        and next_of_way(drive, STATIC_BACKWARD, 0.0, False) == math.inf
+    )
 
 
-@_by_drive(sine_slip.first_slip, wave_slip.first_slip)
-def first_slip(drive: Drive, tau: float) -> float:
-    """Return a phase from `tau` on at which a part that never lifts off starts to slip.
+@borrowing
+def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
+    """Return slip velocity and distance at the phase `d` after slip velocity `u`, in g/w and g/w^2.
 
-    In rad; NaN if static friction always holds it.
+    The part slips in direction `sign` (1 forward, -1 backward) from the phase `at` on: u' = b_x -
+    sin(gamma) -+ mu_k n(tau), with the drive acceleration b_x and the load n on the floor (theory
+    13.2). Here w = 2 pi f.
     """
-    raise NotImplementedError
+    return flow(drive, kind_of(sign), u, at, d)
+
+
+@borrowing
+def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
+    """Return the acceleration u' of a slip at the phase `at`, in g; of a flight for `sign` 0.
+
+    u' = b_x - sin(gamma) - sign mu_k n(tau), with the drive acceleration b_x, the load n on the
+    floor, and `sign` 1 for a slip forward, -1 backward.
+    """
+    return acceleration(drive, kind_of(sign), at)
 
 
 @_by_drive(sine_slip.stop_after, wave_slip.stop_after)
@@ -248,27 +311,6 @@ def stop_after(drive: Drive, sign: float, u: float, at: float, span: float) -> f
 
     The part slips in direction `sign` (1 forward, -1 backward) with velocity `u` in g/w (w = 2 pi
     f) at the phase `at`. From u = 0 it starts to slip, and stops later.
-    """
-    raise NotImplementedError
-
-
-@_by_drive(sine_slip.slide, wave_slip.slide)
-def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at the phase `d` after slip velocity `u`, in g/w and g/w^2.
-
-    The part slips in direction `sign` (1 forward, -1 backward) from the phase `at` on: u' = b_x -
-    sin(gamma) -+ mu_k n(tau), with the drive acceleration b_x and the load n on the floor (theory
-    13.2). Here w = 2 pi f.
-    """
-    raise NotImplementedError
-
-
-@_by_drive(sine_slip.slip_acceleration, wave_slip.slip_acceleration)
-def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
-    """Return the acceleration u' of a slip at the phase `at`, in g; of a flight for `sign` 0.
-
-    u' = b_x - sin(gamma) - sign mu_k n(tau), with the drive acceleration b_x, the load n on the
-    floor, and `sign` 1 for a slip forward, -1 backward.
     """
     raise NotImplementedError
 

@@ -12,6 +12,11 @@ from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
 
 TURN = 2 * math.pi
+
+NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
+"""Kinds of acceleration: off the floor, along in the air, and of slips forward and backward at the
+kinetic and at the static coefficient."""
+
 MAX_ITERATIONS = 200
 """Most steps of a search in a bracket: halving alone ends after 53, and may come between Newton's
 steps."""
@@ -129,7 +134,7 @@ def kept(value: float) -> float:
 
 
 @compiled
-def rounded(drive: SineDrive) -> SineDrive:
+def sine_rounded(drive: SineDrive) -> SineDrive:
     """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off."""
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
@@ -177,6 +182,46 @@ def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> 
     """
     swing, sway = swings(sine, cosine, d)
     return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
+
+
+@compiled
+def kind_of(sign: float) -> int:
+    """Return the kind of acceleration along: `FORWARD` for 1, `BACKWARD` for -1, `AIR` for 0."""
+    return FORWARD if sign > 0.0 else BACKWARD if sign < 0.0 else AIR
+
+
+@compiled
+def sine_terms(drive: SineDrive, kind: int) -> tuple[float, float]:
+    """Return C and k of an acceleration C sin(tau) - k of a kind, in g (theory 13.2).
+
+    s and n off the floor, c and sin(gamma) in the air, and c +- mu s and sin(gamma) +- mu n of
+    slips forward and backward, at mu_k and at mu_s.
+    """
+    if kind == NORMAL:
+        return drive.s, drive.gn
+    if kind == AIR:
+        return drive.c, drive.gs
+    friction = drive.mu_k if kind < STATIC_FORWARD else drive.mu_s
+    if kind % 2 == BACKWARD % 2:
+        friction = -friction
+    return drive.c + friction * drive.s, drive.gs + friction * drive.gn
+
+
+@compiled
+def sine_acceleration(drive: SineDrive, kind: int, tau: float) -> float:
+    """Return the acceleration C sin(tau) - k of a kind, in g, with C and k of `sine_terms`."""
+    C, k = sine_terms(drive, kind)
+    return C * math.sin(tau) - k
+
+
+@compiled
+def sine_flow(drive: SineDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance at the phase `d` after velocity `v` at phase `tau`.
+
+    The `flow` under the acceleration of a kind, with C and k of `sine_terms`.
+    """
+    C, k = sine_terms(drive, kind)
+    return flow(v, C, k, math.sin(tau), math.cos(tau), d)
 
 
 @compiled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from core.compiled import compiled
-from core.motion.kernels.planar.drive import Drive, load, sizes
+from core.motion.kernels.planar.drive import Drive, load
 from core.motion.kernels.planar.flow import TURN
 
 ROUNDED = 2.0**-52  # relative rounding of a phase or a speed
@@ -42,7 +42,7 @@ def grown(
     """
     square, product, rebounds = known
     tt, tw, wt, ww = slopes
-    s, gn = sizes(drive)[1], drive.gn
+    s, gn = drive.s, drive.gn
     n1 = load(drive, after)
     late = TURN + min((s + gn) * span * span / max(speed, 1e-300), span / ROUNDED)
     fast = slope * ((s + gn) * (1 + span) + abs(n1) * late)
@@ -61,5 +61,5 @@ def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> floa
     speed v = `speed` and load n1 at the landing phase `after`: a late landing matters by what the
     floor gives there, its force and the impulse, next to nothing if the part has hardly lifted off.
     """
-    given = min(1.0, (abs(load(drive, after)) + speed) / (sizes(drive)[1] + drive.gn))
+    given = min(1.0, (abs(load(drive, after)) + speed) / (drive.s + drive.gn))
     return math.sqrt(known[0]) * given + math.sqrt(known[2])

@@ -15,7 +15,6 @@ from core.motion.kernels.planar.drive import (
     first_slip,
     hop_height,
     lifts,
-    sizes,
     slip_uncertainty,
     to_lift_off,
     track_speed,
@@ -137,8 +136,7 @@ def repeating(
     result
         One value a column of `COLUMN`.
     """
-    gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
-    c, s = sizes(drive)
+    c, s, gs, gn, mu_s, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
     error, cycles, status = 0.0, 1, STATUS.neutral
     if mu_s == 0:
         keep_speed(drive, phase, rows, count, periods, sums)

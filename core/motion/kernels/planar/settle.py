@@ -8,7 +8,7 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.planar.drive import Drive, sizes
+from core.motion.kernels.planar.drive import Drive
 from core.motion.kernels.planar.flow import EPSILON, MAX_ITERATIONS
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.tables import TIMES
@@ -72,7 +72,7 @@ def settle_bracketed(
     `sums` and `log` are work arrays. The result is velocity, error, cycles (0 or 1) and status
     (theory 13.8).
     """
-    scale = sizes(drive)[0] + abs(drive.gs)
+    scale = drive.c + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
     for _ in range(MAX_ITERATIONS):
         after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
@@ -130,7 +130,7 @@ def settle_followed(
     velocity, error, cycles after which it repeats (0: not found) and status (theory 13.8).
     `max_periods` bounds the number of cycles.
     """
-    scale = sizes(drive)[0] + abs(drive.gs)
+    scale = drive.c + abs(drive.gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
     slopes = np.empty(LONGEST_MULTIPLE + 1)
     for cycle in range(max(8, max_periods)):

@@ -23,12 +23,6 @@ ROUNDINGS = 1e-12  # relative margin of a bound of the height, more than roundin
 
 
 @compiled
-def sizes(drive: SineDrive) -> tuple[float, float]:
-    """Return the largest drive acceleration along and normal to the floor, |c| and s."""
-    return abs(drive.c), drive.s
-
-
-@compiled
 def normal_numbers(drive: SineDrive) -> tuple[float, float]:
     """Return drive and gravity normal to the floor, s and n, in g."""
     return drive.s, drive.gn
@@ -41,16 +35,6 @@ def track_speed(drive: SineDrive, tau: float) -> float:
     Minus the integral of the drive acceleration c sin(tau), c its amplitude in g. Here w = 2 pi f.
     """
     return drive.c * math.cos(tau)
-
-
-@compiled
-def push(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the drive acceleration along and normal to the floor at phase `tau`, (c, s) sin(tau).
-
-    In g, with the amplitudes c and s.
-    """
-    sine = math.sin(tau)
-    return drive.c * sine, drive.s * sine
 
 
 @compiled
@@ -70,18 +54,6 @@ def smooth_span(drive: SineDrive, tau: float) -> float:
 
 
 @compiled
-def lifts(drive: SineDrive) -> bool:
-    """True if the drive lifts parts off the floor at any phase: s > n, throw number above 1."""
-    return drive.s > drive.gn
-
-
-@compiled
-def load(drive: SineDrive, tau: float) -> float:
-    """Return the load on the floor of a part in contact, n - s sin(tau) (theory 13.2)."""
-    return drive.gn - drive.s * math.sin(tau)
-
-
-@compiled
 def lift_off(drive: SineDrive, tau: float) -> float:
     """Return the phase in rad of the next lift-off, asin(n/s); NaN if the part never lifts off.
 
@@ -89,25 +61,6 @@ def lift_off(drive: SineDrive, tau: float) -> float:
     period, so that it does not depend on the phase `tau` (theory 13.3).
     """
     return drive.up_at
-
-
-@compiled
-def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
-
-    In g/(2 pi f) and g/(2 pi f)^2, `w` the velocity at take-off: the flow of w' = s sin(tau) - n.
-    """
-    return flow(w, drive.s, drive.gn, math.sin(tau), math.cos(tau), d)
-
-
-@compiled
-def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track at the phase `d` of a flight.
-
-    In g/w (w = 2 pi f) and g/w^2, `u` the velocity along at take-off at phase `tau`: the flow of u'
-    = c sin(tau) - sin(gamma).
-    """
-    return flow(u, drive.c, drive.gs, math.sin(tau), math.cos(tau), d)
 
 
 @compiled

@@ -11,22 +11,29 @@ from core.motion.kernels.planar.flow import (
     MAX_PIECES,
     TURN,
     SineDrive,
-    arc_sine,
     flow,
+    kind_of,
     phase_to,
+    sine_terms,
 )
 
 THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
 
 
 @compiled
-def next_phase(target: float, at: float) -> float:
-    """Return the first phase after `at` that equals `target` modulo 2 pi.
+def next_of_way(drive: SineDrive, kind: int, tau: float, rising: bool) -> float:
+    """Return the first phase from tau on at which C sin - k rises (or falls) through 0; or inf.
 
-    target + 2 pi ceil((at - target)/(2 pi)). It is the same number whatever `at` was, so that a
-    motion which sticks repeats to the last bit.
+    asin(k/C) or pi - asin(k/C), with C and k of `sine_terms`, and whole turns more. It is the same
+    number whatever `tau` was, so that a motion which sticks repeats to the last bit.
     """
-    return max(at, target + TURN * math.ceil((at - target) / TURN - 1e-13))
+    C, k = sine_terms(drive, kind)
+    if not abs(k) < abs(C):
+        return math.inf
+    target = math.asin(k / C)
+    if (C > 0) != rising:
+        target = math.pi - target
+    return max(tau, target + TURN * math.ceil((tau - target) / TURN - 1e-13))
 
 
 @compiled
@@ -95,91 +102,14 @@ def stop_between(
 
 
 @compiled
-def holds(drive: SineDrive, at: float) -> bool:
-    """True if static friction holds a part without slip at the phase `at`: sin(at) is in the range.
-
-    least <= sin(at) <= largest, the bounds of `stick_range`.
-    """
-    return drive.least <= math.sin(at) <= drive.largest
-
-
-@compiled
-def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
-
-    It sticks until the next phase at which sin(tau) leaves the bounds of `stick_range`,
-    asin(largest) rising or pi - asin(least) falling, or until `end` (theory 13.3). The third value
-    is True if the slip that follows is forward; if the part does not stick, that is where c sin(at)
-    > sin(gamma).
-    """
-    least, largest = drive.least, drive.largest
-    sine = math.sin(at)
-    forward = drive.c * sine > drive.gs
-    if not least <= sine <= largest:
-        return False, at, forward
-    leave = end
-    if -1 < largest < 1:
-        leave = min(leave, next_phase(math.asin(largest), at))
-        forward = drive.way > 0
-    if -1 < least < 1:
-        fall = next_phase(math.pi - math.asin(least), at)
-        if fall < leave:
-            leave, forward = fall, False
-    return True, leave, forward
-
-
-@compiled
-def always_holds(drive: SineDrive) -> bool:
-    """True if static friction holds the part at every phase.
-
-    s <= n, and -1 and 1 within the bounds of `stick_range`.
-    """
-    return drive.s <= drive.gn and drive.least <= -1 and drive.largest >= 1
-
-
-@compiled
-def first_slip(drive: SineDrive, tau: float) -> float:
-    """Return a phase in rad at which a part that never lifts off starts to slip; NaN if none.
-
-    asin(largest) or pi - asin(least), the bounds of `stick_range`, whichever comes first from
-    `tau`.
-    """
-    rises, falls = drive.largest < 1, drive.least > -1
-    if rises and (math.cos(tau) > 0 or not falls):
-        return arc_sine(drive.largest)
-    return math.pi - arc_sine(drive.least) if falls else math.nan
-
-
-@compiled
 def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
 
     The slip velocity is `u` at phase `at`; `sign` is 1 forward, -1 backward. By `phase_to_stop` of
     |u|, with sign times C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
     """
-    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+    C, k = sine_terms(drive, kind_of(sign))
     return phase_to_stop(abs(u), sign * C, sign * k, at, span)
-
-
-@compiled
-def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at the phase `d` after slip velocity `u` at phase `at`.
-
-    In g/w (w = 2 pi f) and g/w^2; `sign` is 1 forward, -1 backward. The flow of u' = C sin(tau) - k
-    with C = c + sign mu_k s and k = sin(gamma) + sign mu_k n (theory 13.2).
-    """
-    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
-    return flow(u, C, k, math.sin(at), math.cos(at), d)
-
-
-@compiled
-def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in direction `sign` at phase `at`, C sin(at) - k, in g.
-
-    C = c + sign mu_k s, k = sin(gamma) + sign mu_k n; 1 is forward, -1 backward, 0 a flight.
-    """
-    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
-    return C * math.sin(at) - k
 
 
 @compiled

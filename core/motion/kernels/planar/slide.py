@@ -12,7 +12,6 @@ from core.motion.kernels.planar.drive import (
     hold,
     holds,
     load,
-    push,
     slide,
     slip_acceleration,
     stop_after,
@@ -98,7 +97,7 @@ def skids(drive: Drive, tau: float) -> float:
     hop to hop, and the floor does not stop it afterwards, whatever static friction could hold
     (theory 13.5).
     """
-    along = push(drive, tau)[0] - drive.gs
+    along = slip_acceleration(drive, 0.0, tau)
     return math.copysign(1.0, along) if abs(along) > drive.mu_k * load(drive, tau) else 0.0
 
 

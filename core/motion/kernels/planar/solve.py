@@ -10,7 +10,7 @@ from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain
-from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, sizes, two_sided
+from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, two_sided
 from core.motion.kernels.planar.growth import MAX_GROWTH
 from core.motion.kernels.planar.rebound import restitution_of
 from core.motion.kernels.planar.repeating import (
@@ -49,8 +49,7 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
     the mean is then that of the start, for ever. `e` is the restitution or damping (theory 13.8).
     """
     gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
-    along, normal = sizes(drive)
-    if not math.isfinite(along + normal + gs + gn + mu_s + mu_k + e):
+    if not math.isfinite(drive.c + drive.s + gs + gn + mu_s + mu_k + e):
         return STATUS.limit_reached
     if abs(gs) > mu_s * gn:
         # Friction gives no more than mu_s times the mean normal force, which is gravity's.
@@ -78,9 +77,8 @@ def slides_on(drive: Drive, result: Floats) -> bool:
         return False
     result[:] = 0.0
     result[COLUMN.velocity] = velocity
-    along, normal = sizes(drive)
-    rubbing = drive.mu_k * (normal + drive.gn)
-    result[COLUMN.error] = ROUNDING * (along + abs(drive.gs) + rubbing)
+    rubbing = drive.mu_k * (drive.s + drive.gn)
+    result[COLUMN.error] = ROUNDING * (drive.c + abs(drive.gs) + rubbing)
     result[COLUMN.forward], result[COLUMN.backward] = forward, 1 - forward
     result[COLUMN.multiple] = 1.0
     return True

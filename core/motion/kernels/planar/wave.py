@@ -14,9 +14,18 @@ from typing import NamedTuple
 import numpy as np
 
 from core.compiled import borrowing, compiled
-from core.motion.kernels.arrays import Floats
+from core.motion.kernels.arrays import Floats, copy
 from core.motion.kernels.cells import GROUPS, Cell
-from core.motion.kernels.planar.flow import MAX_ITERATIONS, TURN, arc
+from core.motion.kernels.planar.flow import (
+    AIR,
+    BACKWARD,
+    FORWARD,
+    MAX_ITERATIONS,
+    NORMAL,
+    STATIC_FORWARD,
+    TURN,
+    arc,
+)
 from core.motion.kernels.waves import (
     SineSum,
     halley,
@@ -25,10 +34,6 @@ from core.motion.kernels.waves import (
     value_and_slope,
     wave_columns,
 )
-
-NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
-"""Kinds of acceleration: off the floor, along in the air, and of slips forward and backward at the
-kinetic and at the static coefficient."""
 
 KINDS = 6  # number of kinds of acceleration
 WIDTH = 26
@@ -54,9 +59,7 @@ class WaveDrive(NamedTuple):
 
     `table` holds the rows of its accelerations, `orders` the number of harmonics, `steps` that of
     steps (0 for sums of sines). `gs` and `gn` are gravity along and onto the floor in g, `mu_s` and
-    `mu_k` the friction coefficients, `along` and `normal` bounds of its acceleration in g.
-    `forward` and `backward` are the kinds of slip at the static coefficient: those at the kinetic
-    one if both are equal.
+    `mu_k` the friction coefficients, `c` and `s` bounds of its push along and normal in g.
     """
 
     table: Floats
@@ -66,10 +69,8 @@ class WaveDrive(NamedTuple):
     gn: float
     mu_s: float
     mu_k: float
-    along: float
-    normal: float
-    forward: int
-    backward: int
+    c: float
+    s: float
 
 
 class WaveTable(NamedTuple):
@@ -94,12 +95,8 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
     orders, steps = columns.orders, columns.steps
     gs, gn = cell.gravity_number_along, cell.gravity_number_normal
     mu_s, mu_k = cell.friction_static, cell.friction_kinetic
-    alike = mu_s == mu_k
-    drive = WaveDrive(
-        table, orders, steps, gs, gn, mu_s, mu_k,
-        abs(cell.drive_number_along), abs(cell.drive_number_normal),
-        FORWARD if alike else STATIC_FORWARD, BACKWARD if alike else STATIC_BACKWARD,
-    )  # fmt: skip
+    c, s = abs(cell.drive_number_along), abs(cell.drive_number_normal)
+    drive = WaveDrive(table, orders, steps, gs, gn, mu_s, mu_k, c, s)
     for step in range(steps):
         table[ENDS, step] = row[columns.ends + step]
         along, normal = row[columns.levels + step], row[columns.normal_levels + step]
@@ -107,8 +104,10 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
     for place in range(2 * orders if steps == 0 else 0):  # sines, then cosines
         along, normal = row[columns.along + place], row[columns.normal + place]
         fill_kinds(drive, place // orders, place % orders + 1, along, normal)
-    for kind in range(KINDS if not alike else STATIC_FORWARD):
-        if kind != AIR:
+    for kind in range(KINDS):
+        if mu_s == mu_k and kind >= STATIC_FORWARD:
+            copy(table[ROOTS + FORWARD + kind - STATIC_FORWARD], table[ROOTS + kind])
+        elif kind != AIR:
             fill_passages(drive, kind)
     return drive, 0.0, 1.0
 

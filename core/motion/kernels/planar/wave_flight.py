@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MAX_ITERATIONS, MAX_PIECES, SMOOTH, TURN
+from core.motion.kernels.planar.flow import AIR, MAX_ITERATIONS, MAX_PIECES, NORMAL, SMOOTH, TURN
 from core.motion.kernels.planar.wave import (
-    AIR,
     ENDS,
     LAST_STEP,
-    NORMAL,
-    ROOTS,
     SLACK,
     WaveDrive,
     acceleration,
@@ -26,12 +23,6 @@ from core.motion.kernels.planar.wave import (
     zero_of_velocity,
 )
 from core.motion.kernels.waves import halley, is_near_root
-
-
-@borrowing
-def sizes(drive: WaveDrive) -> tuple[float, float]:
-    """Return upper bounds of the drive acceleration along and normal to the floor, in g."""
-    return drive.along, drive.normal
 
 
 @borrowing
@@ -64,15 +55,6 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
 
 
 @borrowing
-def push(drive: WaveDrive, tau: float) -> tuple[float, float]:
-    """Return the drive acceleration along and normal to the floor at phase `tau`, in g.
-
-    The acceleration of a part in the air, plus gravity along, sin(gamma), and onto the floor, n.
-    """
-    return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
-
-
-@borrowing
 def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
     """Return NaN: a wave has steps and several harmonics, so its slope is not used."""
     return math.nan, math.nan
@@ -91,40 +73,9 @@ def smooth_span(drive: WaveDrive, tau: float) -> float:
 
 
 @borrowing
-def lifts(drive: WaveDrive) -> bool:
-    """True if the drive lifts parts off the floor at any phase: p_z - n changes sign."""
-    return drive.table[ROOTS + NORMAL, 0] > 0.0
-
-
-@borrowing
-def load(drive: WaveDrive, tau: float) -> float:
-    """Return the load on the floor of a part in contact, n - p_z(tau)."""
-    return -acceleration(drive, NORMAL, tau)
-
-
-@borrowing
 def lift_off(drive: WaveDrive, tau: float) -> float:
     """Return the phase of the next lift-off, where p_z - n rises through 0 (theory 13.14)."""
     return next_of_way(drive, NORMAL, tau, True) % TURN
-
-
-@borrowing
-def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
-
-    In g/(2 pi f) and g/(2 pi f)^2, `w` the velocity at take-off, under the acceleration p_z - n.
-    """
-    return flow(drive, NORMAL, w, tau, d)
-
-
-@borrowing
-def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along the track at the phase `d` of a flight from phase `tau`.
-
-    In g/w (w = 2 pi f) and g/w^2, `u` the velocity along at take-off, under the acceleration p_x -
-    sin(gamma).
-    """
-    return flow(drive, AIR, u, tau, d)
 
 
 @borrowing
@@ -143,20 +94,20 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
         for _ in range(64):
             if not guess < end:
                 break
-            if rise(drive, w, tau, guess)[1] <= 0.0:
+            if flow(drive, NORMAL, w, tau, guess)[1] <= 0.0:
                 return landing_root(drive, 0.0, w, tau, 0.0, guess)
             guess *= 2.0
     start = speed_start(drive, NORMAL, tau)
     for _ in range(MAX_PIECES):
         at, rises = later_passage(drive, NORMAL, tau + d)
         end = at - tau
-        last, height = rise(drive, w, tau, end)
+        last, height = flow(drive, NORMAL, w, tau, end)
         if not rises:  # it falls at the end: the height bent up
             if velocity < 0.0:
                 low = end
                 if last > 0.0:
                     low = zero_of_velocity(drive, NORMAL, w, tau, start, d, end, velocity, last)
-                    height = rise(drive, w, tau, low)[1]
+                    height = flow(drive, NORMAL, w, tau, low)[1]
                 if height <= 0.0:
                     return landing_root(drive, 0.0, w, tau, d, low)
         elif last < 0.0 and height <= 0.0:
@@ -176,14 +127,14 @@ def landing_root(
     through 0: `high` may be the lowest point, where the velocity is rounding and no step of
     Halley's or Newton's leads anywhere.
     """
-    velocity, height = rise(drive, w, tau, high)
+    velocity, height = flow(drive, NORMAL, w, tau, high)
     height += z
     force = acceleration(drive, NORMAL, tau + high)
     reach = math.sqrt(max(0.0, velocity * velocity - 2.0 * height * force)) - velocity
     guess = high + 2.0 * height / reach if reach > 0.0 else low
     d = guess if low < guess <= high else 0.5 * (low + high)
     for _ in range(MAX_ITERATIONS):
-        velocity, height = rise(drive, w, tau, d)
+        velocity, height = flow(drive, NORMAL, w, tau, d)
         height += z
         if height > 0.0:
             low = d
@@ -207,10 +158,10 @@ def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float
     """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
 
     The part takes off at phase `tau` with velocity `w` and flies for `span` rad; tops are where w
-    falls through 0. They are looked for only if the bound (n + max |p_z|) span^2/8 is above
-    `known`: z'' >= -(n + max |p_z|), and both ends are on the floor.
+    falls through 0. They are looked for only if the bound (n + s) span^2/8 is above
+    `known`: z'' >= -(n + s), and both ends are on the floor.
     """
-    if (drive.gn + drive.normal) * span * span / 8 <= known:
+    if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
     best, d, velocity = known, 0.0, w
     start = speed_start(drive, NORMAL, tau)
@@ -219,7 +170,7 @@ def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float
         last = speed_from(drive, NORMAL, w, tau, start, end)[0]
         if velocity >= 0.0 > last:
             top = zero_of_velocity(drive, NORMAL, w, tau, start, d, end, velocity, last)
-            best = max(best, rise(drive, w, tau, top)[1])
+            best = max(best, flow(drive, NORMAL, w, tau, top)[1])
         d, velocity = end, last
         if d >= span:
             break

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MAX_PIECES
+from core.motion.kernels.planar.flow import MAX_PIECES, STATIC_BACKWARD, STATIC_FORWARD, kind_of
 from core.motion.kernels.planar.wave import (
-    AIR,
-    BACKWARD,
-    FORWARD,
     ROOTS,
     WaveDrive,
-    acceleration,
-    flow,
     later_passage,
     next_of_way,
     push_of,
@@ -21,61 +14,9 @@ from core.motion.kernels.planar.wave import (
     speed_start,
     zero_of_velocity,
 )
-from core.motion.kernels.planar.wave_flight import lifts
 from core.motion.kernels.waves import value_and_slope
 
 THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over its size
-
-
-@borrowing
-def holds(drive: WaveDrive, at: float) -> bool:
-    """True if static friction holds a part without slip at the phase `at`.
-
-    p_x - sin(gamma) - mu_s n(tau) <= 0 <= p_x - sin(gamma) + mu_s n(tau), with the load on the
-    floor n(tau) = n - p_z (theory 13.14).
-    """
-    return (
-        acceleration(drive, drive.forward, at) <= 0.0
-        and acceleration(drive, drive.backward, at) >= 0.0
-    )
-
-
-@borrowing
-def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
-
-    It sticks until the first phase at which |p_x - sin(gamma)| exceeds mu_s n(tau), at the latest
-    until `end`. The third value is True if the slip that follows is forward.
-    """
-    if not holds(drive, at):
-        return False, at, acceleration(drive, AIR, at) > 0.0
-    forward = next_of_way(drive, drive.forward, at, True)
-    backward = next_of_way(drive, drive.backward, at, False)
-    return True, min(forward, backward, end), forward < backward
-
-
-@borrowing
-def always_holds(drive: WaveDrive) -> bool:
-    """True if static friction holds the part at every phase, and it never lifts off."""
-    never = drive.table[ROOTS + drive.forward, 0] + drive.table[ROOTS + drive.backward, 0] == 0.0
-    return never and not lifts(drive) and holds(drive, 0.0)
-
-
-@borrowing
-def first_slip(drive: WaveDrive, tau: float) -> float:
-    """Return a phase in rad at which a part that never lifts off starts to slip; NaN if none.
-
-    The first from `tau` on at which |p_x - sin(gamma)| exceeds mu_s n(tau).
-    """
-    forward = next_of_way(drive, drive.forward, tau, True)
-    slip = min(forward, next_of_way(drive, drive.backward, tau, False))
-    return slip if slip < math.inf else math.nan
-
-
-@borrowing
-def kind_of(sign: float) -> int:
-    """Return the kind of acceleration of a slip in direction `sign`: `FORWARD` or `BACKWARD`."""
-    return FORWARD if sign > 0.0 else BACKWARD
 
 
 @borrowing
@@ -102,25 +43,6 @@ def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) 
 
 
 @borrowing
-def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at the phase `d` after slip velocity `u` at phase `at`.
-
-    In g/w (w = 2 pi f) and g/w^2; `sign` is 1 forward, -1 backward. Under the acceleration p_x +
-    sign mu_k p_z - (sin(gamma) + sign mu_k n), with the push p and gravity n onto the floor.
-    """
-    return flow(drive, kind_of(sign), u, at, d)
-
-
-@borrowing
-def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
-    """Return the acceleration of a slip in direction `sign` at phase `at`, in g.
-
-    p_x + sign mu_k p_z - (sin(gamma) + sign mu_k n); 1 is forward, -1 backward.
-    """
-    return acceleration(drive, kind_of(sign), at)
-
-
-@borrowing
 def slip_uncertainty(drive: WaveDrive) -> float:
     """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
@@ -130,9 +52,9 @@ def slip_uncertainty(drive: WaveDrive) -> float:
     """
     if drive.steps > 0:
         return 0.0
-    size = drive.along + drive.mu_s * (drive.normal + drive.gn)
-    jump, uncertainty = (drive.mu_s - drive.mu_k) * (drive.normal + drive.gn), 0.0
-    for kind in (drive.forward, drive.backward):
+    size = drive.c + drive.mu_s * (drive.s + drive.gn)
+    jump, uncertainty = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn), 0.0
+    for kind in (STATIC_FORWARD, STATIC_BACKWARD):
         row = drive.table[ROOTS + kind]
         for number in range(1, int(row[0]) + 1):
             slope = value_and_slope(push_of(drive, kind), row[number])[1]

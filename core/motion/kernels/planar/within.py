@@ -23,7 +23,7 @@ from core.motion.kernels.planar.chaos import (
     slowed,
     stay,
 )
-from core.motion.kernels.planar.drive import Drive, fly, rounded, sizes
+from core.motion.kernels.planar.drive import Drive, fly, rounded
 from core.motion.kernels.planar.flow import TURN, kept
 from core.motion.kernels.planar.landings import (
     LANDING,
@@ -183,7 +183,7 @@ def means_within(
     quarters = np.empty((PHASES, QUARTERS))
     for number in range(PHASES):
         start(number, phase, drive, all_sums[number], runs[number])
-    settled = sizes(drive)[0] / max(1e-300, drive.mu_k * drive.gn * TURN)
+    settled = drive.c / max(1e-300, drive.mu_k * drive.gn * TURN)
     mark, periods, error = 0, 0, math.inf
     while periods < most:
         periods, begin = end_of(mark, most), end_of(mark - DROPPED, most)

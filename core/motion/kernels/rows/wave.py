@@ -16,19 +16,22 @@ import numpy as np
 
 from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.flow import MAX_PIECES, TURN
-from core.motion.kernels.planar.wave import (
+from core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,
-    ENDS,
     FORWARD,
-    INVERSE,
-    KINDS,
+    MAX_PIECES,
     NORMAL,
-    PULLS,
-    ROOTS,
     STATIC_BACKWARD,
     STATIC_FORWARD,
+    TURN,
+)
+from core.motion.kernels.planar.wave import (
+    ENDS,
+    INVERSE,
+    KINDS,
+    PULLS,
+    ROOTS,
     TABLE,
     WaveDrive,
     acceleration,
@@ -43,7 +46,7 @@ from core.motion.kernels.planar.wave import (
     step_at,
     zero_of_velocity,
 )
-from core.motion.kernels.planar.wave_flight import landing, landing_root, rise, track_speed
+from core.motion.kernels.planar.wave_flight import landing, landing_root, track_speed
 from core.motion.kernels.planar.wave_slip import stop_after
 from core.motion.kernels.rows.roots import RESOLVED, ROUNDING, SAME
 from core.motion.kernels.rows.tables import AT, Row, columns_of
@@ -103,9 +106,7 @@ def waved_of(cell: Floats) -> RowWave:
     gs, gn = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]
     table[PULLS, AIR], table[PULLS, NORMAL] = gs, gn
     along, normal = largest[0], largest[1]
-    base = WaveDrive(
-        table, orders, steps, gs, gn, 0.0, 0.0, along, normal, STATIC_FORWARD, STATIC_BACKWARD
-    )
+    base = WaveDrive(table, orders, steps, gs, gn, 0.0, 0.0, along, normal)
     if steps > 0 or normal > gn:
         fill_passages(base, NORMAL)
     tables = np.zeros((bodies, TABLE[0], TABLE[1]))
@@ -140,7 +141,7 @@ def of_kind(
     base = drive.base
     wave = WaveDrive(
         drive.tables[body], base.orders, base.steps, base.gs, base.gn, base.mu_s, base.mu_k,
-        base.along, base.normal, base.forward, base.backward,
+        base.c, base.s,
     )  # fmt: skip
     keys = drive.keys[body, kind]
     if keys[0] == along and keys[1] == normal and keys[2] == pull:
@@ -212,7 +213,7 @@ def flight(drive: RowWave, tau: float) -> tuple[float, float]:
     span = landing(drive.base, 0.0, tau)
     if span < 0.0:
         return math.inf, 0.0
-    return span, -rise(drive.base, 0.0, tau, span)[0]
+    return span, -flow(drive.base, NORMAL, 0.0, tau, span)[0]
 
 
 @compiled
@@ -304,10 +305,10 @@ def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: floa
     low, before, left, start = 0.0, v, g, speed_start(wave, NORMAL, now)
     for _ in range(MAX_PIECES):
         high = min(span, later_passage(wave, NORMAL, now + low)[0] - now)
-        after, way = rise(wave, v, now, high)
+        after, way = flow(wave, NORMAL, v, now, high)
         if before < 0.0 < after and left + before * (high - low) <= ROUNDING * (left + abs(way)):
             turn = zero_of_velocity(wave, NORMAL, v, now, start, low, high, before, after)
-            if g + rise(wave, v, now, turn)[1] < -size:
+            if g + flow(wave, NORMAL, v, now, turn)[1] < -size:
                 return _closed(wave, g, v, now, low, turn)
         if g + way < -size:
             if after < 0.0 < before:  # it opens before it closes
