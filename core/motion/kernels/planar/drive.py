@@ -270,18 +270,13 @@ def first_slip(drive: Drive, tau: float) -> float:
     return slip if slip < math.inf else math.nan
 
 
-@borrowing
+@_by_drive(sine_slip.always_holds, wave_slip.always_holds)
 def always_holds(drive: Drive) -> bool:
     """True if static friction holds a part at every phase: |b_x - sin(gamma)| <= mu_s n(tau).
 
     b_x is the drive acceleration along and n the load on the floor.
     """
-    return (
-        not lifts(drive)
-        and holds(drive, 0.0)
-        and next_of_way(drive, STATIC_FORWARD, 0.0, True) == math.inf
-        and next_of_way(drive, STATIC_BACKWARD, 0.0, False) == math.inf
-    )
+    raise NotImplementedError
 
 
 @borrowing

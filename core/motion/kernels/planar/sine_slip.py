@@ -102,6 +102,15 @@ def stop_between(
 
 
 @compiled
+def always_holds(drive: SineDrive) -> bool:
+    """True if static friction holds the part at every phase.
+
+    s <= n, and -1 and 1 within the bounds of `stick_range`.
+    """
+    return drive.s <= drive.gn and drive.least <= -1 and drive.largest >= 1
+
+
+@compiled
 def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
 

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MAX_PIECES, STATIC_BACKWARD, STATIC_FORWARD, kind_of
+from core.motion.kernels.planar.flow import (
+    MAX_PIECES,
+    NORMAL,
+    STATIC_BACKWARD,
+    STATIC_FORWARD,
+    kind_of,
+)
 from core.motion.kernels.planar.wave import (
     ROOTS,
     WaveDrive,
+    acceleration,
     later_passage,
     next_of_way,
     push_of,
@@ -17,6 +24,19 @@ from core.motion.kernels.planar.wave import (
 from core.motion.kernels.waves import value_and_slope
 
 THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over its size
+
+
+@borrowing
+def always_holds(drive: WaveDrive) -> bool:
+    """True if no acceleration changes its sign, the part never lifts off, and friction holds it."""
+    table = drive.table
+    if table[ROOTS + NORMAL, 0] + table[ROOTS + STATIC_FORWARD, 0] > 0.0:
+        return False
+    return (
+        table[ROOTS + STATIC_BACKWARD, 0] == 0.0
+        and acceleration(drive, STATIC_FORWARD, 0.0) <= 0.0
+        and acceleration(drive, STATIC_BACKWARD, 0.0) >= 0.0
+    )
 
 
 @borrowing
