@@ -1,16 +1,16 @@
-"""What a sweep of 10^12 cells takes: its price, a hundredth of it measured, in parts, one killed.
+"""What a sweep of 10^12 cells takes: its price, a hundredth of it measured, in shares, one killed.
 
-    python -m benchmarks.large_sweep [--cells 1e10] [--parts 16] [--whole 1e12] [--only-parts]
+    python -m benchmarks.large_sweep [--cells 1e10] [--shares 16] [--whole 1e12] [--only-shares]
 
 The largest speed of a part on the narrow track for each drive, over five other axes: the drive has
 two axes, which stay. In order:
 
 - `vibrafeed run --dry-run` of the whole, its hundredth and a thousandth, and what they cost;
 - the thousandth and the hundredth at once, on all cores;
-- the hundredth in parts, a process with a core of its own for each at a time. One is killed by
+- the hundredth in shares, a process with a core of its own for each at a time. One is killed by
   SIGKILL half way; `vibrafeed join` says which is missing, and it is computed again;
 - whether both results have the same values, to the bit;
-- the whole, by some of 2,048 parts of it, drawn at random and computed on all cores: what a cell
+- the whole, by some of 2,048 shares of it, drawn at random and computed on all cores: what a cell
   takes hangs on the lengths of axes. Its error is twice that of their mean.
 """
 
@@ -105,35 +105,37 @@ def at_once(sweep: Sweep, cells: int, predicted: float) -> None:
 
 
 def extrapolated(sweep: Sweep) -> None:
-    """Print what the whole takes, by some random parts of it."""
+    """Print what the whole takes, by some random shares of it."""
     whole = prepared(study(sweep.cells, ASKED))
-    parts = whole.parts(str(sweep.folder / "whole.nc"), SHARES)
+    shares = whole.shares(str(sweep.folder / "whole.nc"), SHARES)
     chosen = np.random.default_rng(36).choice(SHARES, SAMPLE + 1, replace=False)
-    seconds = [timed(parts.compute, int(part))[1] for part in chosen][1:]  # the first may compile
+    seconds = [timed(shares.compute, int(share))[1] for share in chosen]
+    del seconds[0]  # which may compile
     hours, error = (
         value * SHARES / 3600
         for value in (statistics.mean(seconds), 2 * statistics.stdev(seconds) / math.sqrt(SAMPLE))
     )
     pace = statistics.mean(seconds) * SHARES / whole.cells * 1e9
     print(
-        f"{whole.cells:,} cells, by {SAMPLE} of {SHARES:,} parts of {min(seconds):.2f} to "
+        f"{whole.cells:,} cells, by {SAMPLE} of {SHARES:,} shares of {min(seconds):.2f} to "
         f"{max(seconds):.2f} s: {pace:.2f} ns each, {hours:.2f} h within {error:.2f} h"
     )
 
 
-class Parts:
-    """Computes the parts of a sweep, one on each core at a time."""
+class Shares:
+    """Computes the shares of a sweep, one on each core at a time."""
 
     def __init__(self, sweep: Sweep, count: int):
         self.sweep, self.count = sweep, count
-        self.result = sweep.folder / "parts.nc"
+        self.result = sweep.folder / "shares.nc"
         self.seconds: dict[int, float] = {}
         self._cores = deque(sorted(os.sched_getaffinity(0)))
 
-    def compute(self, part: int, kill_after: float | None = None) -> None:
-        """Compute a part in a process; kill that after some seconds if they are given."""
+    def compute(self, share: int, kill_after: float | None = None) -> None:
+        """Compute a share in a process; kill that after some seconds if they are given."""
         core = self._cores.popleft()
-        words = ["run", self.sweep.file, "--part", f"{part}/{self.count}", "-o", self.result, "-q"]
+        which = f"{share}/{self.count}"
+        words = ["run", self.sweep.file, "--share", which, "-o", self.result, "-q"]
         started = time.perf_counter()
         process = subprocess.Popen(
             [*COMMAND, *map(str, words)], preexec_fn=lambda: os.sched_setaffinity(0, {core})
@@ -143,25 +145,25 @@ class Parts:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-            print(f"part {part}: killed after {kill_after:.1f} s", flush=True)
+            print(f"share {share}: killed after {kill_after:.1f} s", flush=True)
         else:
             if process.returncode == 0:
-                self.seconds[part] = time.perf_counter() - started
+                self.seconds[share] = time.perf_counter() - started
         self._cores.append(core)
 
     def run(self) -> float:
-        """Compute all parts, one of which is killed and computed again; return the seconds."""
+        """Compute all shares, one of which is killed and computed again; return the seconds."""
         started = time.perf_counter()
         self.compute(0)
         with ThreadPoolExecutor(cores()) as pool:
             half = self.seconds[0] / 2
             killed = self.count // 2
-            for part in range(1, self.count):
-                pool.submit(self.compute, part, half if part == killed else None)
+            for share in range(1, self.count):
+                pool.submit(self.compute, share, half if share == killed else None)
         said = command("join", self.sweep.file, "-o", self.result)
         print(f"join: {' '.join((said.stdout + said.stderr).split())}", flush=True)
-        for part in set(range(self.count)) - set(self.seconds):
-            self.compute(part)
+        for share in set(range(self.count)) - set(self.seconds):
+            self.compute(share)
         joining = time.perf_counter()
         command("join", self.sweep.file, "-o", self.result).check_returncode()
         print(f"joined in {time.perf_counter() - joining:.1f} s", flush=True)
@@ -179,26 +181,26 @@ def same_values(one: Path, other: Path) -> bool:
 
 def main() -> None:
     """Print the figures."""
-    asked = options(__doc__, cells=1e10, parts=16, whole=1e12, only_parts=False)
+    asked = options(__doc__, cells=1e10, shares=16, whole=1e12, only_shares=False)
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
         whole, part = Sweep(folder, "whole", asked.whole), Sweep(folder, "part", asked.cells)
         small = Sweep(folder, "small", asked.cells / 10)
         price(whole)
         cells, predicted = price(part)
-        if not asked.only_parts:
+        if not asked.only_shares:
             at_once(small, *price(small))
             at_once(part, cells, predicted)
-        parts = Parts(part, asked.parts)
+        shares = Shares(part, asked.shares)
         before = processor()
-        took, worked = parts.run(), processor() - before
-        each = list(parts.seconds.values())
+        took, worked = shares.run(), processor() - before
+        each = list(shares.seconds.values())
         print(
-            f"in {asked.parts} parts, one killed: {took:.1f} s, {took / cells * 1e9:.2f} ns "
+            f"in {asked.shares} shares, one killed: {took:.1f} s, {took / cells * 1e9:.2f} ns "
             f"a cell; {worked:.1f} s of the processor; a part {min(each):.1f} to {max(each):.1f} s"
         )
-        if not asked.only_parts:
-            print(f"same values: {same_values(part.result, parts.result)}")
+        if not asked.only_shares:
+            print(f"same values: {same_values(part.result, shares.result)}")
         extrapolated(whole)
 
 

@@ -23,9 +23,9 @@ COMMANDS: Final = MappingProxyType(
         "output's suffix.",
         "convert": "Convert a study to TOML, JSON, a curl command, or a Python call.",
         "export": "Convert a result to another format, given by the suffix of the output.",
-        "join": "Join the parts computed by `vibrafeed run --part` into one result.",
+        "join": "Join the shares computed by `vibrafeed run --share` into one result.",
         "plot": "Draw a result: an output with its regimes, a map of regimes, or the motion of "
-        "one part.",
+        "one share.",
         "sheet": "Write a one-page PDF summary of a result: parameters, outputs, a picture.",
         "drive": "Fit the harmonics of a drive, with errors, to an accelerometer recording.",
         "report": "Measure accuracy and run time of methods; write a page, pictures and datasets.",

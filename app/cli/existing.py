@@ -53,7 +53,7 @@ def complete_already(
 def refuse_others(
     studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, force: bool
 ) -> None:
-    """Exit if parts would be joined into a file that holds the result of another study.
+    """Exit if shares would be joined into a file that holds the result of another study.
 
     `studies` and `targets` are by the study's file; `force` allows it. The shards of a Zarr group
     are checked one by one where they are computed.

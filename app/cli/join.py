@@ -1,4 +1,4 @@
-"""`vibrafeed join`: the result of the parts of a sweep."""
+"""`vibrafeed join`: the result of the shares of a sweep."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from app.cli.existing import refuse_others
-from app.cli.parts import counts_of, join_parts, parts_of
+from app.cli.shares import counts_of, join_shares, shares_of
 from app.cli.studies import prepare_all, refuse
 from core.errors import Problem
 
@@ -26,15 +26,15 @@ def join(
         typer.Option(
             "-o",
             "--output",
-            help="Path of the joined result: the same -o as in `vibrafeed run --part`.",
+            help="Path of the joined result: the same -o as in `vibrafeed run --share`.",
         ),
     ],
-    parts: Annotated[
+    shares: Annotated[
         int | None,
         typer.Option(
             min=1,
-            help="Number of parts into which the study was divided; by default read from "
-            "the folder of parts.",
+            help="Number of shares into which the study was divided; by default read from "
+            "the folder of shares.",
         ),
     ] = None,
     force: Annotated[
@@ -44,19 +44,21 @@ def join(
         ),
     ] = False,
 ) -> None:
-    """Join the parts computed by `vibrafeed run --part` into one result.
+    """Join the shares computed by `vibrafeed run --share` into one result.
 
-    Each part is checked by its digest. Exit code 1 means that some are missing or damaged; which,
+    Each share is checked by its digest. Exit code 1 means that some are missing or damaged; which,
     is told as a queue takes it: compute these again, and join again.
     """
     studies = prepare_all([file])
     refuse_others(studies, {file: output}, force=force)
-    counts = {parts} if parts is not None else counts_of(output)
+    counts = {shares} if shares is not None else counts_of(output)
     if len(counts) != 1:
-        told = f"there are parts of {', '.join(map(str, sorted(counts)))}" if counts else "no part"
-        message = f"{told} beside {output}" if counts else f"there is no part beside {output}"
-        fix = "Give --parts" if counts else "Compute them with vibrafeed run --part 0/N, 1/N, ..."
-        refuse({file: [Problem("parts", message, fix)]})
+        told = (
+            f"there are shares of {', '.join(map(str, sorted(counts)))}" if counts else "no share"
+        )
+        message = f"{told} beside {output}" if counts else f"there is no share beside {output}"
+        fix = "Give --shares" if counts else "Compute them with vibrafeed run --share 0/N, 1/N, ..."
+        refuse({file: [Problem("shares", message, fix)]})
     stamp = datetime.now(UTC).isoformat(timespec="seconds")
     history = f"{stamp} vibrafeed join {file.name}"
-    join_parts(file, parts_of(file, studies[file], output, counts.pop()), history)
+    join_shares(file, shares_of(file, studies[file], output, counts.pop()), history)

@@ -14,9 +14,9 @@ import core
 from app.cli import console, plans
 from app.cli.existing import complete_already, refuse_others
 from app.cli.options import FAILED, NO_SOLUTION, Json, Units
-from app.cli.parts import run_part
 from app.cli.pipes import is_standard, standard_output
 from app.cli.running import Running, history_of
+from app.cli.shares import run_share
 from app.cli.studies import prepare_all, refuse
 from app.cli.targets import targets_of
 from app.cli.units import units_asked
@@ -95,25 +95,25 @@ def run(
             min=0,
         ),
     ] = None,
-    part: Annotated[
+    share: Annotated[
         str | None,
         typer.Option(
-            help="Compute one part of a sweep: 17/4096 is part 17, counted from 0, of "
-            "4096. `vibrafeed join` joins all parts."
+            help="Compute one share of a sweep: 17/4096 is share 17, counted from 0, of "
+            "4096. `vibrafeed join` joins all shares."
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
-            help="Compute the parts of a sweep on the Dask scheduler at this address, as "
+            help="Compute the shares of a sweep on the Dask scheduler at this address, as "
             "in tcp://host:8786."
         ),
     ] = None,
-    parts: Annotated[
+    shares: Annotated[
         int | None,
         typer.Option(
             min=1,
-            help="Number of parts into which --scheduler divides the sweep; by default set "
+            help="Number of shares into which --scheduler divides the sweep; by default set "
             "by the size of the sweep.",
         ),
     ] = None,
@@ -126,9 +126,9 @@ def run(
     what was finished is written, of a large sweep where --resume finds it. Exit code 3: all is
     done, and an optimisation has no solution.
     """
-    in_parts = part is not None or scheduler is not None
+    in_shares = share is not None or scheduler is not None
     to_standard = is_standard(output) and not dry_run
-    _refuse_together(as_json=as_json, to_standard=to_standard, in_parts=in_parts)
+    _refuse_together(as_json=as_json, to_standard=to_standard, in_shares=in_shares)
     began = time.perf_counter()
     units_asked(units)
     with console.muted(quiet or as_json or to_standard):
@@ -136,15 +136,15 @@ def run(
         if dry_run:
             _show_plans(studies, units, as_json)
             return
-        if in_parts:
+        if in_shares:
             targets = targets_of(studies, output)
-            if part is not None:
-                run_part(studies, targets, part)
+            if share is not None:
+                run_share(studies, targets, share)
             elif scheduler is not None:
                 from app.cli.scheduler import run_on_scheduler  # it loads Dask
 
                 refuse_others(studies, targets, force=force)
-                run_on_scheduler(studies, targets, scheduler, parts, history_of(files[0]))
+                run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))
             return
         running = Running(
             plain=plain,
@@ -181,10 +181,10 @@ def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bo
         plans.show_plan(path, prepared, units)
 
 
-def _refuse_together(*, as_json: bool, to_standard: bool, in_parts: bool) -> None:
+def _refuse_together(*, as_json: bool, to_standard: bool, in_shares: bool) -> None:
     """Exit if options were given that exclude each other.
 
-    `to_standard` is True if the result goes to standard output, `in_parts` for a part of a sweep.
+    `to_standard` is True if the result goes to standard output, `in_shares` for a share of a sweep.
     """
     problem = None
     if to_standard and as_json:
@@ -194,11 +194,11 @@ def _refuse_together(*, as_json: bool, to_standard: bool, in_parts: bool) -> Non
         problem = Problem(
             "--json", message, "Leave out --json, or write the result to a file: -o result.csv"
         )
-    elif in_parts and (as_json or to_standard):
+    elif in_shares and (as_json or to_standard):
         option = "--json" if as_json else "--output"
         problem = Problem(
             option,
-            "a part of a sweep (--part, --scheduler) is not written to standard output",
+            "a share of a sweep (--share, --scheduler) is not written to standard output",
             "Leave it out",
         )
     if problem is not None:

@@ -1,4 +1,4 @@
-"""Parts of a sweep, computed by a Dask scheduler elsewhere."""
+"""Shares of a sweep, computed by a Dask scheduler elsewhere."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import distributed
 
 from app.cli import console
-from app.cli.parts import counts_of, join_parts, parts_of, report_errors, single_study
+from app.cli.shares import counts_of, join_shares, report_errors, shares_of, single_study
 from app.cli.studies import interruption
 from app.jobs.cluster import by_name
-from app.jobs.parts import compute_part, sensible_count
+from app.jobs.shares import compute_share, sensible_count
 from core.errors import StoppedError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def run_on_scheduler(
     count: int | None,
     history: str,
 ) -> None:
-    """Compute all missing parts of a study on a Dask cluster, and join them into its result.
+    """Compute all missing shares of a study on a Dask cluster, and join them into its result.
 
     Parameters
     ----------
@@ -35,20 +35,20 @@ def run_on_scheduler(
     address : str
         Address of the Dask scheduler.
     count : int or None
-        Number of parts; by default that of stored parts, else one that suits the study.
+        Number of shares; by default that of stored shares, else one that suits the study.
     history : str
         The CF attribute of the result.
     """
     path, target = single_study(studies, targets)
     target = target if "://" in target else str(Path(target).resolve())
     sweep = studies[path]
-    parts_of(path, sweep, target, 1)  # which it may not have there
+    shares_of(path, sweep, target, 1)  # which it may not have there
     begun = counts_of(target)
     if count is None:
         count = begun.pop() if len(begun) == 1 else sensible_count(sweep)
-    parts = parts_of(path, sweep, target, count)
-    missing = [part for part in range(count) if not parts.is_there(part)]
-    console.say(f"{path}: {len(missing):,} of {count:,} parts to compute on {address}")
+    shares = shares_of(path, sweep, target, count)
+    missing = [share for share in range(count) if not shares.is_there(share)]
+    console.say(f"{path}: {len(missing):,} of {count:,} shares to compute on {address}")
     with (
         report_errors(path, target),
         distributed.Client(address, timeout=20) as client,  # type: ignore[no-untyped-call]
@@ -58,17 +58,17 @@ def run_on_scheduler(
         study = sweep.study.canonical()
         numbers = {
             client.submit(
-                by_name(compute_part), study, target, count, part, pure=False, retries=2
-            ): part
-            for part in missing
+                by_name(compute_share), study, target, count, share, pure=False, retries=2
+            ): share
+            for share in missing
         }
         done = distributed.as_completed(list(numbers), with_results=True)  # type: ignore[no-untyped-call]
         for future, record in done:
             if interrupted():
                 client.cancel(list(numbers))
                 raise StoppedError(
-                    "the sweep was stopped; run the same command again to compute the missing parts"
+                    "the sweep was stopped; run the same command again to compute the missing shares"
                 )
-            parts.keep(numbers.pop(future), record)
+            shares.keep(numbers.pop(future), record)
             advance(1 / len(missing))
-    join_parts(path, parts, history)
+    join_shares(path, shares, history)

@@ -225,17 +225,17 @@ class Store(Blocks):
         digests: Callable[[], Mapping[str, str]],
         making: Making,
     ) -> Manifest:
-        """Join the parts of a Zarr group, then write the manifest of the group and return it.
+        """Join the shares of a Zarr group, then write the manifest of the group and return it.
 
         Parameters
         ----------
         key : str
             Identifier of the study.
         join : callable
-            Joins the parts.
+            Joins the shares.
         digests : callable
             Returns the SHA-256 of each shard by its path in the group; called first, as joining
-            removes the records of the parts.
+            removes the records of the shares.
         making : Making
             Process, cells, blocks and computing time of the result.
         """

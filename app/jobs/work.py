@@ -13,7 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import core
-from app.jobs import parts
+from app.jobs import shares
 from app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from app.jobs.store import Store
 from app.jobs.studies import identifier
@@ -25,29 +25,29 @@ from core.plan.pieces import Cut, cells_of_piece, join
 from core.plan.prepared import Prepared
 from core.watch import Watch
 
-IN_PARTS = 0  # stands for the cells of a block that is a part of a sweep (`app.jobs.parts`)
+IN_SHARES = 0  # stands for the cells of a block that is a share of a sweep (`app.jobs.shares`)
 UNWANTED = "no client wants the block any more"
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
 
 
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
-    """Return the number of cells of a block, or `IN_PARTS`, and the number of blocks of a job.
+    """Return the number of cells of a block, or `IN_SHARES`, and the number of blocks of a job.
 
     `process` is what is carried out; an accuracy report has one block for each of its families.
     """
     cells = cells_of_piece(prepared, settings.block_seconds)
     if process not in KINDS:
         return cells, len(families_of(prepared))  # one each
-    if parts.is_in_parts(prepared, settings):
-        return IN_PARTS, parts.count_of(prepared)
+    if shares.is_in_shares(prepared, settings):
+        return IN_SHARES, shares.count_of(prepared)
     return cells, len(Cut(prepared, cells))
 
 
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
     """Return the numbers of a study's blocks that are not stored yet, from 0.
 
-    A study in parts is made readable for clients that follow its growing Zarr group.
+    A study in shares is made readable for clients that follow its growing Zarr group.
 
     Parameters
     ----------
@@ -56,18 +56,18 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
     key, process : str
         The study's identifier, and what is carried out.
     cells : int
-        Number of cells of a block, or `IN_PARTS`.
+        Number of cells of a block, or `IN_SHARES`.
     count : int
         Number of blocks.
     """
     store = Store(Path(directory))
     if process not in KINDS:  # their number follows from the study
         count = len(families_of(_study(directory, key, process)))
-    if cells != IN_PARTS or process not in KINDS:
+    if cells != IN_SHARES or process not in KINDS:
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so
         return []
-    found = parts.parts_of_job(store, key, _study(directory, key, process))
+    found = shares.shares_of_job(store, key, _study(directory, key, process))
     found.begin()
     return found.missing()
 
@@ -84,7 +84,7 @@ def compute_block(
     key, process : str
         The study's identifier, and what is carried out.
     cells : int
-        Number of cells of the blocks that the study is cut into, or `IN_PARTS`.
+        Number of cells of the blocks that the study is cut into, or `IN_SHARES`.
     index : int
         Number of the block, from 0.
     claim : str
@@ -106,8 +106,8 @@ def compute_block(
     watch = Watch(threads=1, stop=lambda: store.is_abandoned(key, claim))
     if watch.stopped():  # before it began
         raise StoppedError(UNWANTED)
-    if process in KINDS and cells == IN_PARTS:
-        ours = parts.parts_of_job(store, key, _study(directory, key, process))
+    if process in KINDS and cells == IN_SHARES:
+        ours = shares.shares_of_job(store, key, _study(directory, key, process))
         ours.keep(index, ours.compute(index, watch))
     elif not store.has_block(key, cells, index):
         prepared = _study(directory, key, process)
@@ -135,7 +135,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
     key, process : str
         The study's identifier, and what is carried out.
     cells : int
-        Number of cells of a block, or `IN_PARTS`.
+        Number of cells of a block, or `IN_SHARES`.
     seconds : float
         Computing time of all blocks [s], for the manifest.
 
@@ -156,9 +156,9 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             from app.jobs.accuracy import write_report
 
             write_report(store, key, process, prepared, cells, seconds)
-        elif cells == IN_PARTS:
-            ours = parts.parts_of_job(store, key, _study(directory, key, process))
-            parts.write_result(store, key, process, ours, seconds)
+        elif cells == IN_SHARES:
+            ours = shares.shares_of_job(store, key, _study(directory, key, process))
+            shares.write_result(store, key, process, ours, seconds)
         else:
             prepared = _study(directory, key, process)
             pieces = Cut(prepared, cells)

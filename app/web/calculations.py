@@ -14,7 +14,7 @@ import numpy as np
 import orjson
 
 from app.jobs.manifest import MAX_JSON_VALUES
-from app.jobs.parts import check_length, is_in_parts
+from app.jobs.shares import check_length, is_in_shares
 from app.settings import Settings
 from app.web.execution import ACCURACY, Execution, read_execution
 from core.dataset.document import to_document
@@ -161,7 +161,7 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
     prepared = prepare_content(asked.study)
     if name == ACCURACY:  # it takes some cells of a grid
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
-    elif is_in_parts(prepared, settings):
+    elif is_in_shares(prepared, settings):
         check_length(prepared, settings)
     else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)

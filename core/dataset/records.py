@@ -1,4 +1,4 @@
-"""Records of the parts of a result, beside it: each appears whole, behind its digest."""
+"""Records of the shares of a result, beside it: each appears whole, behind its digest."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from core.dataset.files import whole
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
 
-ENDING = ".parts"  # ends the name of the folder of a result's records
+ENDING = ".shares"  # ends the name of the folder of a result's records
 _DIGEST = hashlib.sha256().digest_size
 _FIELDS = "told"
 
 
 @dataclass(frozen=True)
 class Record:
-    """The record that a part leaves: plain values, and arrays.
+    """The record that a share leaves: plain values, and arrays.
 
     Attributes
     ----------
@@ -57,12 +57,12 @@ class Record:
 
 
 class Records:
-    """The records of the parts of a result, in a folder or a place on an object store.
+    """The records of the shares of a result, in a folder or a place on an object store.
 
     Parameters
     ----------
     where : str
-        The path or URL of the result; records are beside it, under its name and ``.parts``.
+        The path or URL of the result; records are beside it, under its name and ``.shares``.
     """
 
     def __init__(self, where: str):

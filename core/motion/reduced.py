@@ -18,15 +18,15 @@ class ReducedSimulation(Reduced, Simulation):
 
     study: SimulateStudy
     box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
-    part_cells: ClassVar[int] = 1 << 18
+    share_cells: ClassVar[int] = 1 << 18
 
     @property
     def seconds_here(self) -> float:
         """The likely time of the study on this machine [s]: that of its cells over all cores."""
         return self.stated_seconds / self.cores
 
-    def seconds_in_parts(self) -> float:
-        """Return the time of all parts on one core [s]."""
+    def seconds_in_shares(self) -> float:
+        """Return the time of all shares on one core [s]."""
         return self.stated_seconds
 
     @property

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from core.errors import LimitError, Problem, StudyError
 from core.plan.derived import Asked, is_status
 from core.plan.grid import Grid, from_si
-from core.plan.parts import Parts
 from core.plan.plan import Plan, plan_scene
 from core.plan.price import in_words
+from core.plan.shares import Shares
 from core.quantities import FLAGS, QUANTITIES
 from core.scenes import Scene
 from core.study.grid_study import PARAMETERS, Study
@@ -41,10 +41,10 @@ class Prepared:
     plan: Plan
     grid: Grid
 
-    part_of: ClassVar[str] = ""
-    """The form of its parts: `SHARDS`, or `ARRAYS`; empty if it has no parts."""
-    part_cells: ClassVar[int] = 500_000_000
-    """Cells of a part of a job that holds answers: a second or two."""
+    shares_as: ClassVar[str] = ""
+    """The form of its shares: `SHARDS`, or `ARRAYS`; empty if it has no shares."""
+    share_cells: ClassVar[int] = 500_000_000
+    """Cells of a share of a job that holds answers: a second or two."""
     can_stop: ClassVar[bool] = True
     """Whether computing it can be stopped between two cells."""
     keeps_some: ClassVar[bool] = True
@@ -68,25 +68,25 @@ class Prepared:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
 
-    def parts(self, where: str, count: int) -> Parts:
-        """Return the parts into which the study can be divided, writing to a result.
+    def shares(self, where: str, count: int) -> Shares:
+        """Return the shares into which the study can be divided, writing to a result.
 
         Parameters
         ----------
         where : str
             The result.
         count : int
-            Number of parts.
+            Number of shares.
         """
         raise NotImplementedError
 
     @property
     def boxes(self) -> int:
-        """The largest number of parts."""
+        """The largest number of shares."""
         return 0
 
-    def seconds_in_parts(self) -> float:
-        """Return the time of all parts on one core [s], from trying a few boxes."""
+    def seconds_in_shares(self) -> float:
+        """Return the time of all shares on one core [s], from trying a few boxes."""
         raise NotImplementedError
 
     def facts(self) -> dict[str, Any]:

@@ -20,10 +20,10 @@ from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, TableVariable, quantity_attributes
 from core.errors import Problem
 from core.plan.labels import coordinates_of
-from core.plan.parts import ARRAYS, Parts
 from core.plan.pieces import Computed, price
 from core.plan.prepared import Prepared
 from core.plan.price import in_words
+from core.plan.shares import ARRAYS, Shares
 from core.reduce.labels import attributes_of, unit_of
 from core.reduce.state import State, merge_states
 from core.study.reduction import QUANTILE, Reduction
@@ -42,7 +42,7 @@ class Reduced(Prepared):
     """
 
     study: SweepStudy | SimulateStudy
-    part_of: ClassVar[str] = ARRAYS
+    shares_as: ClassVar[str] = ARRAYS
     keeps_some: ClassVar[bool] = False
     box_cells: ClassVar[int | None] = None
     """Most cells of a box, if not as usual."""
@@ -158,13 +158,13 @@ class Reduced(Prepared):
             },
         )
 
-    def parts(self, where: str, count: int) -> ReducedParts:
-        """Return the parts of the study: ranges of its boxes, whose states are kept in records."""
-        return ReducedParts(self.study, self.cells, where, count, self.boxes, self)
+    def shares(self, where: str, count: int) -> ReducedShares:
+        """Return the shares of the study: ranges of its boxes, whose states are kept in records."""
+        return ReducedShares(self.study, self.cells, where, count, self.boxes, self)
 
     @property
     def boxes(self) -> int:
-        """The number of boxes, the largest number of parts."""
+        """The number of boxes, the largest number of shares."""
         return len(self.work)
 
     @property
@@ -172,8 +172,8 @@ class Reduced(Prepared):
         """The number of cores used here."""
         return reduce.run.cores()
 
-    def seconds_in_parts(self) -> float:
-        """Return the time of all parts on one core [s]."""
+    def seconds_in_shares(self) -> float:
+        """Return the time of all shares on one core [s]."""
         return self.seconds_here * self.cores
 
     @property
@@ -196,8 +196,8 @@ class Reduced(Prepared):
 
 
 @dataclass(frozen=True)
-class ReducedParts(Parts):
-    """The parts of a reduced study on their way to a NetCDF file.
+class ReducedShares(Shares):
+    """The shares of a reduced study on their way to a NetCDF file.
 
     Attributes
     ----------
@@ -209,10 +209,10 @@ class ReducedParts(Parts):
     scheme: ClassVar[str] = "tree of tiles"
 
     def joined_table(self, watch: Watch | None = None) -> Table:
-        """Return the result of all parts as one table, verified and with its cost.
+        """Return the result of all shares as one table, verified and with its cost.
 
-        Raises `PartsMissingError` if a part is missing or damaged, `StoppedError` if `watch` stops
-        it.
+        Raises `SharesMissingError` if a share is missing or damaged, `StoppedError` if `watch`
+        stops it.
         """
         watch, records = watch or Watch(), list[Mapping[str, Any]]()
         self._check(watch)
@@ -235,13 +235,13 @@ class ReducedParts(Parts):
         return arrays, {}
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        """Write the result of all parts and return its table."""
+        """Write the result of all shares and return its table."""
         table = self.joined_table(watch)
         write_netcdf(table, Path(self.where), history=history)
         return table
 
     def _states(self, records: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
-        """Yield field, block and joined state of each block, from the records of all parts.
+        """Yield field, block and joined state of each block, from the records of all shares.
 
         The fields of the records are appended to `records`.
         """

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from core.dataset.table import Table
 from core.errors import Problem
 from core.plan.derived import Asked, asked_of
-from core.plan.parts import SHARDS
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
 from core.plan.price import evaluation_seconds, pace
+from core.plan.shares import SHARDS
 from core.plan.tiles import Tiled
 from core.study.sweep_study import SweepStudy
 from core.sweep.cells import compute, label
-from core.sweep.parts import Shards, seconds_in_shards
+from core.sweep.shares import Shards, seconds_in_shards
 from core.watch import Watch
 
 
@@ -26,7 +26,7 @@ class Sweep(Prepared):
     """A sweep that can be carried out."""
 
     study: SweepStudy
-    part_of: ClassVar[str] = SHARDS
+    shares_as: ClassVar[str] = SHARDS
     can_stop: ClassVar[bool] = False
     keeps_some: ClassVar[bool] = False
 
@@ -65,17 +65,17 @@ class Sweep(Prepared):
         """Return the labelled results; `watch` may stop verifying."""
         return label(self, computed, watch)
 
-    def parts(self, where: str, count: int) -> Shards:
-        """Return the parts of the sweep: ranges of tiles, written as shards of a Zarr group."""
+    def shares(self, where: str, count: int) -> Shards:
+        """Return the shares of the sweep: ranges of tiles, written as shards of a Zarr group."""
         return Shards(self.study, self.cells, where, count, self.boxes, self)
 
     @property
     def boxes(self) -> int:
-        """The number of tiles, the largest number of parts."""
+        """The number of tiles, the largest number of shares."""
         return len(Tiled(self).tiles)
 
-    def seconds_in_parts(self) -> float:
-        """Return the time of all parts on one core [s]."""
+    def seconds_in_shares(self) -> float:
+        """Return the time of all shares on one core [s]."""
         return seconds_in_shards(self)
 
 

@@ -12,8 +12,8 @@ from core.dataset.netcdf import define
 from core.dataset.read import attributes_of_file
 from core.dataset.shards import GrowingZarr, attributes_at
 from core.dataset.table import Table
-from core.plan.parts import identity
 from core.plan.prepared import Prepared
+from core.plan.shares import identity
 from core.plan.tiles import Tiled
 
 

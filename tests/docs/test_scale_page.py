@@ -29,7 +29,7 @@ def blocks(text: str, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
-PARTS, JOIN = blocks(SCALE, "bash")
+SHARES, JOIN = blocks(SCALE, "bash")
 
 
 @pytest.mark.parametrize("script", [*blocks(SCALE, "bash"), *blocks(SCALE, "sh")])
@@ -43,9 +43,9 @@ def test_scripts_are_shell(script: str) -> None:
         subprocess.run([linter, "-"], input=script, text=True, check=True)
 
 
-def test_the_array_of_the_script_is_all_parts() -> None:
-    first, last = map(int, re.search(r"--array=(\d+)-(\d+)", PARTS).groups())  # type: ignore[union-attr]
-    count = int(re.search(r"PARTS=(\d+)", PARTS)[1])  # type: ignore[index]
+def test_the_array_of_the_script_is_all_shares() -> None:
+    first, last = map(int, re.search(r"--array=(\d+)-(\d+)", SHARES).groups())  # type: ignore[union-attr]
+    count = int(re.search(r"SHARES=(\d+)", SHARES)[1])  # type: ignore[index]
     assert (first, last + 1) == (0, count)
 
 
@@ -60,10 +60,10 @@ def test_an_array_of_jobs_and_their_joining(tmp_path: Path) -> None:
     command.write_text(f'#!/bin/sh\nexec {sys.executable} -m vibrafeed "$@"\n')
     command.chmod(0o755)
     path = f"{folder}{os.pathsep}{os.environ['PATH']}"
-    parts = PARTS.replace("PARTS=4096", "PARTS=3")
+    shares = SHARES.replace("SHARES=4096", "SHARES=3")
     for task in range(3):
         environment = {**os.environ, "PATH": path, "SLURM_ARRAY_TASK_ID": str(task)}
-        subprocess.run([tool("bash"), "-c", parts], cwd=tmp_path, env=environment, check=True)
+        subprocess.run([tool("bash"), "-c", shares], cwd=tmp_path, env=environment, check=True)
     environment = {**os.environ, "PATH": path}
     subprocess.run([tool("bash"), "-c", JOIN], cwd=tmp_path, env=environment, check=True)
     want = tabulate(prepare_content(study)).to_xarray()
@@ -89,7 +89,7 @@ def test_the_job_is_an_indexed_one() -> None:
     (container,) = pod["containers"]
     assert container["command"] == ["/bin/sh", "-c"]
     (script,) = container["args"]
-    assert f'--part "$JOB_COMPLETION_INDEX/{spec["completions"]}"' in script
+    assert f'--share "$JOB_COMPLETION_INDEX/{spec["completions"]}"' in script
     subprocess.run(["sh", "-n"], input=script, text=True, check=True)
     mounted = {one["name"] for one in container["volumeMounts"]}
     assert mounted == {one["name"] for one in pod["volumes"]}

@@ -102,10 +102,10 @@ def test_cells_are_followed_once_for_all_that_is_asked_of_them() -> None:
 
 def test_parts_join_to_the_same_file(tmp_path: Any) -> None:
     prepared = reduced(("beta", "friction"))
-    parts = prepared.parts(str(tmp_path / "result.nc"), 3)
-    for part in range(3):
-        parts.keep(part, parts.compute(part))
-    found, want = parts.join().to_xarray(), tabulate(prepared).to_xarray()
+    shares = prepared.shares(str(tmp_path / "result.nc"), 3)
+    for share in range(3):
+        shares.keep(share, shares.compute(share))
+    found, want = shares.join().to_xarray(), tabulate(prepared).to_xarray()
     assert (tmp_path / "result.nc").exists()
     for name in want.data_vars:
         assert found[name].values.tobytes() == want[name].values.tobytes()

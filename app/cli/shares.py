@@ -1,4 +1,4 @@
-"""Parts of sweeps: one of them, and their joining."""
+"""Shares of sweeps: one of them, and their joining."""
 
 from __future__ import annotations
 
@@ -16,57 +16,57 @@ from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
 from core.dataset.records import Records
 from core.errors import Problem, VibrafeedError
-from core.plan.parts import ARRAYS, MAX_PARTS, SHARDS, PartsMissingError, ranges
+from core.plan.shares import ARRAYS, MAX_SHARES, SHARDS, SharesMissingError, ranges
 from core.sweep.targets import is_zarr
 from core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.plan.parts import Parts
     from core.plan.prepared import Prepared
+    from core.plan.shares import Shares
 
 _OF = re.compile(r"\d+-of-(\d+)")
-_PART = re.compile(r"(\d{1,9})/(\d{1,9})")
+_SHARE = re.compile(r"(\d{1,9})/(\d{1,9})")
 
 
-def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part: str) -> None:
-    """Compute one part of a study and store its record; a part with a record is skipped.
+def run_share(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], share: str) -> None:
+    """Compute one share of a study and store its record; a share with a record is skipped.
 
-    `part` is typed as `k/n`, with k from 0. `studies` and `targets` are by the study's file, and
+    `share` is typed as `k/n`, with k from 0. `studies` and `targets` are by the study's file, and
     have one entry.
     """
     path, target = single_study(studies, targets)
-    number, count = _numbers(path, part)
-    parts = parts_of(path, studies[path], target, count)
-    name = f"part {number} of {count:,}"
+    number, count = _numbers(path, share)
+    shares = shares_of(path, studies[path], target, count)
+    name = f"share {number} of {count:,}"
     with report_errors(path, target):
-        if parts.is_there(number):
+        if shares.is_there(number):
             console.say(f"{path}: {name} exists already")
             return
         started = time.perf_counter()
         with console.progress(f"{path.name}, {name}") as advance, interruption() as interrupted:
-            record = parts.compute(number, Watch(advance, interrupted))
-        parts.keep(number, record)
-    first, last = parts.ends(number)
+            record = shares.compute(number, Watch(advance, interrupted))
+        shares.keep(number, record)
+    first, last = shares.ends(number)
     seconds = time.perf_counter() - started
     console.say(f"{path}: {name}, {last - first:,} boxes: {seconds:.1f} s")
 
 
-def join_parts(path: Path, parts: Parts, history: str) -> None:
-    """Join all computed parts of a study into its result; exit and name the missing parts.
+def join_shares(path: Path, shares: Shares, history: str) -> None:
+    """Join all computed shares of a study into its result; exit and name the missing shares.
 
     `path` is the study's file; `history` is the CF attribute of the result.
     """
-    with report_errors(path, parts.where):
+    with report_errors(path, shares.where):
         try:
             with console.progress(f"{path.name}, joining") as advance, interruption() as stopped:
-                table = parts.join(Watch(advance, stopped), history=history)
-        except PartsMissingError as error:
-            console.fail(f"{path}: of {parts.count:,} parts {error}.")
+                table = shares.join(Watch(advance, stopped), history=history)
+        except SharesMissingError as error:
+            console.fail(f"{path}: of {shares.count:,} shares {error}.")
             again = ranges(error.numbers)
             console.fail(f"Compute these again (--array={again}), and join again.")
             raise typer.Exit(FAILED) from None
     console.say(
-        f"{path} -> {parts.where}: {parts.cells:,} cells in {parts.count:,} parts, "
+        f"{path} -> {shares.where}: {shares.cells:,} cells in {shares.count:,} shares, "
         f"{len(table.variables)} variables"
     )
 
@@ -75,63 +75,63 @@ def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) 
     """Return file and target of the study of a command that takes one; exit if there are more."""
     if len(studies) > 1:
         problem = Problem(
-            "part",
-            f"this command computes the parts of one study, not of {len(studies)} studies",
+            "share",
+            f"this command computes the shares of one study, not of {len(studies)} studies",
             "Give one study file",
         )
         refuse({path: [problem] for path in studies})
     return next(iter(targets.items()))
 
 
-def parts_of(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
-    """Return the parts of a study cut into `count`; exit if this study or target has no parts.
+def shares_of(path: Path, prepared: Prepared, target: str, count: int) -> Shares:
+    """Return the shares of a study cut into `count`; exit if this study or target has no shares.
 
     `path` is the study's file; `target` is the path or URL of its result.
     """
     problem = None
-    if not prepared.part_of:
+    if not prepared.shares_as:
         problem = Problem(
             "kind",
-            "only sweeps can be computed in parts, not studies of this kind",
-            "Leave out --part or --scheduler",
+            "only sweeps can be computed in shares, not studies of this kind",
+            "Leave out --share or --scheduler",
         )
-    elif prepared.part_of == SHARDS and not is_zarr(target):
-        message = "the parts of a sweep are written as shards of one Zarr group"
+    elif prepared.shares_as == SHARDS and not is_zarr(target):
+        message = "the shares of a sweep are written as shards of one Zarr group"
         problem = Problem(
             "output",
             message,
             "Write the result to a Zarr group: -o result.zarr, or -o s3://bucket/key",
         )
-    elif prepared.part_of == ARRAYS and is_zarr(target):
+    elif prepared.shares_as == ARRAYS and is_zarr(target):
         problem = Problem(
             "output",
-            "the parts of a reduced sweep ([reduce]) are joined in a NetCDF file, not "
+            "the shares of a reduced sweep ([reduce]) are joined in a NetCDF file, not "
             "in a Zarr group",
             "Write -o result.nc",
         )
-    elif not 1 <= count <= MAX_PARTS:
-        problem = Problem("part", f"{count:,} parts", f"Take 1 to {MAX_PARTS:,}")
+    elif not 1 <= count <= MAX_SHARES:
+        problem = Problem("share", f"{count:,} shares", f"Take 1 to {MAX_SHARES:,}")
     else:
-        return prepared.parts(target, count)
+        return prepared.shares(target, count)
     return refuse({path: [problem]})
 
 
-def _numbers(path: Path, part: str) -> tuple[int, int]:
-    """Return the numbers k and n of a part typed as `k/n`; exit if the text is not of this form.
+def _numbers(path: Path, share: str) -> tuple[int, int]:
+    """Return the numbers k and n of a share typed as `k/n`; exit if the text is not of this form.
 
     `path` is the study's file, which the message names.
     """
-    found = _PART.fullmatch(part)
+    found = _SHARE.fullmatch(share)
     number, count = (int(found[1]), int(found[2])) if found else (0, 0)
     if number < count:
         return number, count
-    message = f"'{part[:40]}' is not a part"
-    fix = "Parts are numbered from 0: write 0/4096 for the first, 4095/4096 for the last"
-    return refuse({path: [Problem("part", message, fix)]})
+    message = f"'{share[:40]}' is not a share"
+    fix = "Shares are numbered from 0: write 0/4096 for the first, 4095/4096 for the last"
+    return refuse({path: [Problem("share", message, fix)]})
 
 
 def counts_of(target: str) -> set[int]:
-    """Return the counts of parts that results of this target were cut into, from stored records."""
+    """Return the counts of shares that results of this target were cut into, from their records."""
     names = Records(target).names()
     return {int(found[1]) for name in names if (found := _OF.fullmatch(name))}
 

@@ -1,4 +1,4 @@
-"""A sweep in parts: each a range of its tiles, which it writes as whole shards of a Zarr group."""
+"""A sweep in shares: each a range of its tiles, which it writes as whole shards of a Zarr group."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from core.dataset.records import Record
 from core.dataset.shards import GrowingZarr
 from core.dataset.table import Table
 from core.errors import StoppedError
-from core.plan.parts import Parts, identity
 from core.plan.pieces import price
 from core.plan.prepared import Prepared
+from core.plan.shares import Shares, identity
 from core.plan.tiles import Tiled
 from core.sweep.stream import outline_table, stream
 from core.watch import Watch
@@ -42,8 +42,8 @@ def seconds_in_shards(sweep: Prepared) -> float:
 
 
 @dataclass(frozen=True)
-class Shards(Parts):
-    """The parts of a sweep on their way to a Zarr group.
+class Shards(Shares):
+    """The shares of a sweep on their way to a Zarr group.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Shards(Parts):
             growing.close()
         if target.left:
             raise StoppedError(
-                "it was stopped before this part of the sweep was written; run it again"
+                "it was stopped before this share of the sweep was written; run it again"
             )
         return {}, growing.digests
 
@@ -100,13 +100,13 @@ class Shards(Parts):
 
 
 def _is_there(growing: GrowingZarr, record: Record) -> bool:
-    """True if the shards of a part have the digests in its record."""
+    """True if the shards of a share have the digests in its record."""
     shards: Mapping[str, str] = record.fields["shards"]
     return all(growing.digest(key) == digest for key, digest in shards.items())
 
 
 class _Range:
-    """The tiles of a part as a target of `stream`, which it does not finish."""
+    """The tiles of a share as a target of `stream`, which it does not finish."""
 
     def __init__(self, growing: GrowingZarr, start: int, stop: int):
         """Take the tiles from `start` to `stop` of a growing group."""
@@ -115,7 +115,7 @@ class _Range:
 
     @property
     def missing(self) -> Iterator[int]:
-        """Return the tiles of the part."""
+        """Return the tiles of the share."""
         return iter(self._tiles)
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
@@ -124,4 +124,4 @@ class _Range:
         self.left -= 1
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Do nothing: the group is finished when the parts are joined."""
+        """Do nothing: the group is finished when the shares are joined."""

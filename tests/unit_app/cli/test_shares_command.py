@@ -1,4 +1,4 @@
-"""Parts of a sweep: computed by processes that are killed, joined, the same bytes as one run."""
+"""Shares of a sweep: computed by processes that are killed, joined, the same bytes as one run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from app.cli import app
 from core.intake import prepare_content
-from core.plan.parts import PartsMissingError, ranges
+from core.plan.shares import SharesMissingError, ranges
 from night import first_by_day
 from waiting import PATIENCE, wait_for
 
@@ -52,7 +52,7 @@ ALL = {
 }
 SOME = {**SWEEP, "reduce": {**ASKED, "over": ["frequency", "beta"]}}
 
-# What `vibrafeed run --part` does, for many parts in one process, each taking a while.
+# What `vibrafeed run --share` does, for many shares in one process, each taking a while.
 WORKER = """
 import json, sys, time
 from core.dataset import layout
@@ -60,12 +60,12 @@ from core.reduce import cutting
 layout.TILE_CELLS, layout.CHUNK_CELLS, cutting.BOX_CELLS = 4_000, 500, 2_000
 from core.intake import prepare_content
 content, where, count, numbers, wait = json.loads(sys.argv[1])
-parts = prepare_content(content).parts(where, count)
+shares = prepare_content(content).shares(where, count)
 for number in numbers:
-    if not parts.is_there(number):
-        record = parts.compute(number)
+    if not shares.is_there(number):
+        record = shares.compute(number)
         time.sleep(wait)
-        parts.keep(number, record)
+        shares.keep(number, record)
 """
 
 
@@ -97,31 +97,31 @@ def contents(path: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("content", "ending"), first_by_day([(SWEEP, "zarr"), (ALL, "nc"), (SOME, "nc")])
 )
-def test_64_parts_of_four_processes_two_of_them_killed(content, ending, tmp_path) -> None:
+def test_64_shares_of_four_processes_two_of_them_killed(content, ending, tmp_path) -> None:
     where = tmp_path / f"result.{ending}"
     shares = [list(range(k, 64, 4)) for k in range(4)]
     working = [worker(content, where, 64, share, 0.1) for share in shares]
-    parts = prepare_content(content).parts(str(where), 64)
-    wait_for(lambda: {0, 1} <= {int(name[:6]) % 4 for name in parts.records.names()})
+    shares = prepare_content(content).shares(str(where), 64)
+    wait_for(lambda: {0, 1} <= {int(name[:6]) % 4 for name in shares.records.names()})
     for one in working[:2]:
         one.send_signal(signal.SIGKILL)
     assert [one.wait() for one in working] == [-9, -9, 0, 0]
-    with pytest.raises(PartsMissingError) as missing:
-        parts.join()
+    with pytest.raises(SharesMissingError) as missing:
+        shares.join()
     assert 2 <= len(missing.value.missing) < 32
     assert all(number % 4 < 2 for number in missing.value.missing)
     assert not where.exists()
     # Those that are missing, and one of which a byte has gone wrong, are computed again.
-    name = parts.records.names()[3]
-    damage(tmp_path / f"result.{ending}.parts" / name, 100)
-    with pytest.raises(PartsMissingError) as damaged:
-        parts.join()
+    name = shares.records.names()[3]
+    damage(tmp_path / f"result.{ending}.shares" / name, 100)
+    with pytest.raises(SharesMissingError) as damaged:
+        shares.join()
     assert damaged.value.damaged == [int(name[:6])]
     assert worker(content, where, 64, damaged.value.numbers).wait() == 0
-    parts.join()
-    assert not (tmp_path / f"result.{ending}.parts").exists()
+    shares.join()
+    assert not (tmp_path / f"result.{ending}.shares").exists()
     one = tmp_path / f"one.{ending}"
-    whole = prepare_content(content).parts(str(one), 1)
+    whole = prepare_content(content).shares(str(one), 1)
     whole.keep(0, whole.compute(0))
     whole.join()
     assert contents(where) == contents(one)
@@ -129,7 +129,7 @@ def test_64_parts_of_four_processes_two_of_them_killed(content, ending, tmp_path
 
 
 def of_one_run(content: Any, where: Path) -> Path:
-    """Return the result of a study that is in no parts, without what its run cost."""
+    """Return the result of a study that is in no shares, without what its run cost."""
     from core.dataset.netcdf import write_netcdf
     from core.kinds import tabulate
     from core.sweep.stream import outline_table, stream
@@ -153,17 +153,17 @@ def damage(path: Path, place: int) -> None:
 
 def test_a_damaged_shard_is_found(tmp_path: Path) -> None:
     where = tmp_path / "result.zarr"
-    parts = prepare_content(SWEEP).parts(str(where), 3)
+    shares = prepare_content(SWEEP).shares(str(where), 3)
     for number in range(3):
-        parts.keep(number, parts.compute(number))
+        shares.keep(number, shares.compute(number))
     shard = sorted((tmp_path / ".result.zarr.partial/transport_velocity/c").rglob("*"))[-1]
     damage(shard, shard.stat().st_size // 2)
-    with pytest.raises(PartsMissingError) as found:
-        parts.join()
+    with pytest.raises(SharesMissingError) as found:
+        shares.join()
     assert len(found.value.damaged) == 1
     (again,) = found.value.numbers
-    parts.keep(again, parts.compute(again))
-    parts.join()
+    shares.keep(again, shares.compute(again))
+    shares.join()
     assert xarray.open_zarr(where).transport_velocity.notnull().any()
 
 
@@ -174,17 +174,17 @@ def study(tmp_path: Path) -> Path:
     return path
 
 
-def test_the_command_line_computes_parts_and_joins_them(study: Path, tmp_path: Path) -> None:
+def test_the_command_line_computes_shares_and_joins_them(study: Path, tmp_path: Path) -> None:
     where = tmp_path / "result.nc"
     for number in (0, 2):
-        done = run("run", study, "--part", f"{number}/3", "-o", where)
+        done = run("run", study, "--share", f"{number}/3", "-o", where)
         assert done.exit_code == 0, done.output
-    assert "exists already" in run("run", study, "--part", "2/3", "-o", where).output
+    assert "exists already" in run("run", study, "--share", "2/3", "-o", where).output
     failed = run("join", study, "-o", where)
     assert failed.exit_code == 1
-    assert "of 3 parts 1 missing: 1." in failed.output
+    assert "of 3 shares 1 missing: 1." in failed.output
     assert "--array=1" in failed.output
-    assert run("run", study, "--part", "1/3", "-o", where).exit_code == 0
+    assert run("run", study, "--share", "1/3", "-o", where).exit_code == 0
     joined = run("join", study, "-o", where)
     assert joined.exit_code == 0, joined.output
     assert run("run", study, "-o", tmp_path / "one.nc").exit_code == 0
@@ -195,37 +195,37 @@ def test_the_command_line_computes_parts_and_joins_them(study: Path, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("part", "output", "told"),
+    ("share", "output", "told"),
     [
-        ("3/3", "r.nc", "part: '3/3' is not a part. Parts are numbered from 0"),
-        ("x", "r.nc", "part: 'x' is not a part"),
-        ("0/0", "r.nc", "part: '0/0' is not a part"),
-        ("0/3", "r.zarr", "output: the parts of a reduced sweep ([reduce]) are joined"),
-        ("0/999999", "r.nc", "part: 999,999 parts. Take 1 to 100,000."),
+        ("3/3", "r.nc", "share: '3/3' is not a share. Shares are numbered from 0"),
+        ("x", "r.nc", "share: 'x' is not a share"),
+        ("0/0", "r.nc", "share: '0/0' is not a share"),
+        ("0/3", "r.zarr", "output: the shares of a reduced sweep ([reduce]) are joined"),
+        ("0/999999", "r.nc", "share: 999,999 shares. Take 1 to 100,000."),
     ],
 )
-def test_mistakes_are_told(study: Path, tmp_path: Path, part: str, output: str, told: str) -> None:
-    done = run("run", study, "--part", part, "-o", tmp_path / output)
+def test_mistakes_are_told(study: Path, tmp_path: Path, share: str, output: str, told: str) -> None:
+    done = run("run", study, "--share", share, "-o", tmp_path / output)
     assert done.exit_code == 2
     assert told in done.output
 
 
-def test_what_has_no_parts_says_so(study: Path, tmp_path: Path) -> None:
+def test_what_has_no_shares_says_so(study: Path, tmp_path: Path) -> None:
     done = run("join", study, "-o", tmp_path / "r.nc")
     assert done.exit_code == 2
-    assert "there is no part beside" in done.output
+    assert "there is no share beside" in done.output
     study.write_text(json.dumps(SWEEP))
-    done = run("run", study, "--part", "0/2", "-o", tmp_path / "r.nc")
+    done = run("run", study, "--share", "0/2", "-o", tmp_path / "r.nc")
     assert done.exit_code == 2
-    assert "the parts of a sweep are written as shards of one Zarr group" in done.output
+    assert "the shares of a sweep are written as shards of one Zarr group" in done.output
 
 
-def test_parts_of_another_study_are_not_taken(tmp_path: Path) -> None:
+def test_shares_of_another_study_are_not_taken(tmp_path: Path) -> None:
     where = str(tmp_path / "r.zarr")
-    first = prepare_content(SWEEP).parts(where, 2)
+    first = prepare_content(SWEEP).shares(where, 2)
     first.keep(0, first.compute(0))
     other = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": 0.4}}
-    second = prepare_content(other).parts(where, 2)
+    second = prepare_content(other).shares(where, 2)
     assert not second.is_there(0)
     with pytest.raises(FileExistsError, match="another study or version"):
         second.compute(0)
@@ -266,9 +266,9 @@ def test_a_scheduler_with_two_workers_one_of_them_killed(study: Path, tmp_path: 
         ]  # fmt: skip
         running = subprocess.Popen(
             [sys.executable, "-m", "vibrafeed", "run", str(study), "-o", str(where), "--scheduler",
-             address, "--parts", "200"],
+             address, "--shares", "200"],
         )  # fmt: skip
-        records = tmp_path / "result.nc.parts"
+        records = tmp_path / "result.nc.shares"
         wait_for(lambda: records.exists() or running.poll() is not None)
         workers[0].send_signal(signal.SIGKILL)
         assert running.wait(timeout=PATIENCE) == 0
