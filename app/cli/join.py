@@ -18,7 +18,7 @@ def join(
     file: Annotated[
         Path,
         typer.Argument(
-            help="Study file (TOML or JSON) whose parts are joined.", show_default=False
+            help="Study file (TOML or JSON) whose shares are joined.", show_default=False
         ),
     ],
     output: Annotated[

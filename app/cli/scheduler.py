@@ -67,7 +67,7 @@ def run_on_scheduler(
             if interrupted():
                 client.cancel(list(numbers))
                 raise StoppedError(
-                    "the sweep was stopped; run the same command again to compute the missing shares"
+                    "the sweep was stopped; run the same command again to compute what is missing"
                 )
             shares.keep(numbers.pop(future), record)
             advance(1 / len(missing))

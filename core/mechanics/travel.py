@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from core.mechanics.angles import cosine
-from core.mechanics.arrays import Array, Mask, hypot, ratio
+from core.mechanics.arrays import Array, Mask, ratio
 from core.mechanics.elementwise import LOGARITHMIC, arc_quotient
 from core.mechanics.quotients import (
     arctan_quotient,

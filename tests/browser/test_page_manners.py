@@ -151,9 +151,7 @@ def test_a_service_that_starts_again_is_waited_for(page, service, browser):
     path = "/processes/simulate/execution"
     before = asked(service, path, {**STUDY, "method": "reference"})["jobID"]
     # The part sticks, which is soon computed, whatever the price says.
-    lines = MOTION.replace("0.0001:0.0007", "0.00002:0.00008").replace(
-        "y=beta:5:60", "y=&p.beta=30"
-    )
+    lines = MOTION.replace("y=beta:5:60", "y=&p.beta=30").replace("0.0001:0.0007", "2e-5:8e-5")
     entered(page, service, f"{lines}&choice=reference")
     looking = browser.new_page()
     entered(looking, service, lines)  # so few cells are short also for a service that is busy
